@@ -1,0 +1,58 @@
+"""Newton's method where it cannot fail: the root t > 0 of a strictly decreasing function, one or many at a time.
+
+The residual returns its value g(t) and the Newton step in log t. A step is taken in t when it grows and in 1/t when it
+shrinks (both agree with log t to first order, keep t > 0 and cost no exponential); a step that leaves the bracket found
+so far is replaced by its geometric mean. The sign of g alone shrinks the bracket, so every start converges.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .elementary import ARRAY, SCALAR
+
+MAX_ITERATIONS = 200  # a bisection of the whole positive double range in log t needs 2 + log2(1420 / eps) = 65
+
+
+def _advance(t, lo, hi, g, step, tolerance, f):
+    """One safeguarded step: next t, the bracket, and whether t is already the root."""
+    lo = f.where(g > 0, t, lo)
+    hi = f.where(g < 0, t, hi)
+    new = f.where(step > 0, t * (1 + step), t / (1 + abs(step)))
+    new = f.where((new > lo) & (new < hi), new, f.sqrt(lo) * f.sqrt(hi))
+    finished = (abs(g) <= tolerance) | (abs(step) <= tolerance) | (new == t)
+    return f.where(finished, t, new), lo, hi, finished
+
+
+def monotone_root(residual, start, upper, parameters, tolerance):
+    """Root of one strictly decreasing function on (0, upper).
+
+    residual(f, t, *parameters) -> (g, Newton step in log t), f the elementary functions. Floats in, floats out.
+    Returns (t, iterations, abs(g), converged).
+    """
+    t, lo, hi = start, 0.0, upper
+    for iteration in range(1, MAX_ITERATIONS + 1):  # noqa: B007 (returned)
+        g, step = residual(SCALAR, t, *parameters)
+        t, lo, hi, finished = _advance(t, lo, hi, g, step, tolerance, SCALAR)
+        if finished:
+            break
+    return t, iteration, abs(g), finished
+
+
+def monotone_roots(residual, start, upper, parameters, tolerance):
+    """The same for arrays of shape (n,), row by row bit for bit as ``monotone_root``; finished rows leave the work."""
+    root, iterations = start.copy(), np.ones(start.size, dtype=np.int64)
+    value, converged = np.full(start.size, np.inf), np.zeros(start.size, dtype=bool)
+    rows, t, lo, hi = np.arange(start.size), start, np.zeros(start.size), upper
+    for iteration in range(1, MAX_ITERATIONS + 1):
+        g, step = residual(ARRAY, t, *parameters)
+        t, lo, hi, finished = _advance(t, lo, hi, g, step, tolerance, ARRAY)
+        left = np.flatnonzero(~finished)
+        iterations[rows[left]] += iteration < MAX_ITERATIONS
+        if left.size <= 0.75 * rows.size or iteration == MAX_ITERATIONS:
+            root[rows], value[rows], converged[rows] = t, abs(g), finished
+            rows, t, lo, hi = rows[left], t[left], lo[left], hi[left]
+            parameters = tuple(p[left] for p in parameters)
+        if left.size == 0:
+            break
+    return root, iterations, value, converged

@@ -1,0 +1,54 @@
+"""What every solver returns besides its numbers: a status that reads as a sentence, and the errors it raises."""
+
+from __future__ import annotations
+
+from enum import Enum
+
+
+class Status(Enum):
+    """How a solve ended; the value says what happened and what to try."""
+
+    SUCCESS = "solved to the requested tolerance"
+    INVALID_INPUT = (
+        "an input is not finite, has the wrong sign, or puts an end below the seabed: "
+        "build solvers.Span from this row to read which one"
+    )
+    NOT_CONVERGED = "the iteration stopped above the requested tolerance: relax it, or report these inputs"
+    FRICTION_UNDETERMINED = (
+        "the line rests on the seabed between two ends above it, where friction acts as the line was laid "
+        "and statics alone cannot tell: set friction = 0 or clearance = 0"
+    )
+    NOT_FINITE = "the forces leave the range of double precision: change the units or the extreme input"
+
+
+class InputError(ValueError):
+    """An input is refused before any work; the message names the field, its value and its unit."""
+
+
+class ConvergenceError(RuntimeError):
+    """A solve failed; the message says what was given, what is wrong and what to try.
+
+    Attributes: ``outcome``, the result object that ``throw=False`` would have returned.
+    """
+
+    def __init__(self, message: str, outcome=None):
+        super().__init__(message)
+        self.outcome = outcome
+
+
+class Outcome:
+    """Mixin of every result: expects the fields ``status``, ``iterations`` and ``residual_norm``."""
+
+    @property
+    def success(self) -> bool:
+        """True when the result can be used."""
+        return self.status is Status.SUCCESS
+
+    def or_throw(self, given) -> Outcome:
+        """This result if it is a success; raises ConvergenceError naming what was ``given`` otherwise."""
+        if self.status is not Status.SUCCESS:
+            raise ConvergenceError(
+                f"{self.status.value} (given {given}; {self.iterations} iterations, residual {self.residual_norm:.3g})",
+                self,
+            )
+        return self
