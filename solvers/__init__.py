@@ -3,6 +3,7 @@
 from .catenary import CatenaryBatch, CatenaryState, Regime, Span, solve_span, solve_spans
 from .outcome import ConvergenceError, InputError, Status
 from .properties import CableProperties, Environment
+from .scene import Scene
 
 __all__ = [
     "CableProperties",
@@ -12,6 +13,7 @@ __all__ = [
     "Environment",
     "InputError",
     "Regime",
+    "Scene",
     "Span",
     "Status",
     "solve_span",

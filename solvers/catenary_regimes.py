@@ -11,7 +11,7 @@ function of one unknown, so Newton's method with a bracket (``newton``) solves i
       h = H (cosh p - 1) + e (H sinh p)^2/2,  and (2.23a) is the one equation for p.
 
 Every function takes a namespace ``f`` of elementary functions (``elementary.SCALAR`` or ``ARRAY``), so that one text
-serves floats, arrays of shape (n,), and complex step in the tests. Forces come back as the tuple ``(H, V, H_anchor, V_anchor,
+serves floats, arrays of shape (n,), and complex step in the tests. Forces are the tuple ``(H, V, H_anchor, V_anchor,
 grounded_length)``, stiffness as ``(K11, K12, K21, K22)`` = d(H, V)/d(l, h).
 """
 

@@ -1,0 +1,1 @@
+"""Verification: cases, exact references, and tests named by the question they ask."""

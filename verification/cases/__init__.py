@@ -1,0 +1,1 @@
+"""Frozen case tables, one problem type a file; tests, benchmarks and the report read the same rows."""

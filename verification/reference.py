@@ -1,0 +1,77 @@
+"""Truth beside a case, and the one measure of error that tests, benchmarks and the report share."""
+
+from __future__ import annotations
+
+import csv
+import math
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from .cases.spans import SpanCase
+from .exact import catenary_mp
+
+EPS = 2.0**-52
+DATA = Path(__file__).parents[1] / "reference_data"
+
+WRONG = 1e-3
+"""An answer returned as success with a larger relative error of the fairlead force is wrong (the bound of ANCHORS)."""
+
+
+@dataclass(frozen=True)
+class SpanTruth:
+    """Forces in N, lengths in m, stiffness ((K11, K12), (K21, K22)) in N/m rounded from 30 digits or more.
+
+    condition : sum over the inputs p of |p| max(|dH/dp|, |dV/dp|) / T, the error that inputs rounded to eps must cause
+    is this times eps.
+    """
+
+    H: float
+    V: float
+    H_anchor: float
+    V_anchor: float
+    grounded_length: float
+    stiffness: tuple
+    condition: float
+
+    @property
+    def limit(self) -> float:
+        """Error that rounding the inputs and the result causes: eps (1 + condition)."""
+        return EPS * (1 + self.condition)
+
+
+def force_error(H: float, V: float, truth: SpanTruth, case: SpanCase) -> float:
+    """max(|dH|, |dV|)/T at the fairlead; where the true force is zero, over the weight (or EA) instead. NaN gives inf."""
+    scale = math.hypot(truth.H, truth.V) or abs(case.w) * case.L or case.EA
+    error = max(abs(H - truth.H), abs(V - truth.V)) / scale
+    return math.inf if math.isnan(error) else error
+
+
+@cache
+def span_references() -> tuple[tuple[SpanCase, SpanTruth], ...]:
+    """The reference table reference_data/spans, row by row."""
+    with (DATA / "spans" / "data.csv").open(newline="") as file:
+        return tuple((_case(row), _truth(row)) for row in csv.DictReader(file))
+
+
+def _case(row) -> SpanCase:
+    numbers = {key: float(row[key]) for key in ("w", "EA", "L", "x", "z", "friction", "clearance")}
+    return SpanCase(row["name"], row["regime"], **numbers, seabed=row["seabed"] == "True")
+
+
+def _truth(row) -> SpanTruth:
+    H, V, H_anchor, V_anchor, grounded, K11, K12, K21, K22, condition = (
+        float(row[key]) for key in "H V H_anchor V_anchor grounded_length K11 K12 K21 K22 condition".split()
+    )
+    return SpanTruth(H, V, H_anchor, V_anchor, grounded, ((K11, K12), (K21, K22)), condition)
+
+
+def exact_span(case: SpanCase, start=None) -> SpanTruth:
+    """Truth of any span by the 50-digit oracle; ``start`` = (H, V) only makes it faster."""
+    inputs = case.inputs()
+    exact = catenary_mp.solve(**inputs, start=start)
+    stiffness = catenary_mp.stiffness(**inputs, solution=exact)
+    condition = catenary_mp.condition_number(**inputs, solution=exact)
+    forces = (exact.H, exact.V, exact.H_anchor, exact.V_anchor, exact.grounded_length)
+    K = tuple(tuple(float(stiffness[i, j]) for j in (0, 1)) for i in (0, 1))
+    return SpanTruth(*(float(value) for value in forces), K, float(condition))
