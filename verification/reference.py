@@ -41,10 +41,13 @@ class SpanTruth:
 
 
 def force_error(H: float, V: float, truth: SpanTruth, case: SpanCase) -> float:
-    """max(|dH|, |dV|)/T at the fairlead; where the true force is zero, over the weight (or EA) instead. NaN gives inf."""
+    """max(|dH|, |dV|)/T at the fairlead; where the true force is zero, over the weight or EA. NaN gives inf."""
     scale = math.hypot(truth.H, truth.V) or abs(case.w) * case.L or case.EA
     error = max(abs(H - truth.H), abs(V - truth.V)) / scale
     return math.inf if math.isnan(error) else error
+
+
+_NUMBERS = ("H", "V", "H_anchor", "V_anchor", "grounded_length", "K11", "K12", "K21", "K22", "condition")
 
 
 @cache
@@ -60,9 +63,7 @@ def _case(row) -> SpanCase:
 
 
 def _truth(row) -> SpanTruth:
-    H, V, H_anchor, V_anchor, grounded, K11, K12, K21, K22, condition = (
-        float(row[key]) for key in "H V H_anchor V_anchor grounded_length K11 K12 K21 K22 condition".split()
-    )
+    H, V, H_anchor, V_anchor, grounded, K11, K12, K21, K22, condition = (float(row[key]) for key in _NUMBERS)
     return SpanTruth(H, V, H_anchor, V_anchor, grounded, ((K11, K12), (K21, K22)), condition)
 
 

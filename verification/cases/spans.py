@@ -1,4 +1,4 @@
-"""Cases of the problem type "span": one mooring line between two ends. Rows are inputs only; truth is in reference.py."""
+"""Cases of the problem type "span": one mooring line between two ends. Inputs only; truth is in reference.py."""
 
 from __future__ import annotations
 
