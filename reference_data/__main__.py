@@ -1,0 +1,152 @@
+"""Build and check the computed reference sets: `python -m reference_data regenerate | check [--only SET] [--jobs N]`.
+
+`regenerate` keeps finished rows beside the data until all are there, so an interrupted run resumes; what it keeps is
+tied to the inputs and to the code that computes them. `check` recomputes everything and compares text.
+"""
+import argparse
+import csv
+import hashlib
+import io
+import json
+import os
+import sys
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from pathlib import Path
+
+import mpmath
+from tqdm import tqdm
+
+from reference_data.generate import spans
+from verification.exact import catenary_mp
+
+HERE = Path(__file__).parent
+GENERATED = {"spans": spans}
+SHOWN_DIFFERENCES = 40
+
+
+def _code_digest(generator):
+    """Fingerprint of the generator, the oracle and the arithmetic."""
+    sources = (Path(module.__file__).read_bytes() for module in (generator, catenary_mp))
+    return hashlib.sha256(b"".join(sources) + mpmath.__version__.encode()).hexdigest()
+
+
+def _finished(partial, digest):
+    """Rows of an interrupted run by name; empty if it ran other code or inputs."""
+    if not partial.exists():
+        return {}
+    try:
+        header, *rows = (json.loads(line) for line in partial.read_text(encoding="utf-8").splitlines())
+    except ValueError:  # the run was cut in the middle of a line
+        return {}
+    return {row["name"]: row for row in rows} if header == digest else {}
+
+
+def _computed(name, jobs, keep=None, done=()):
+    """Yield the missing rows of a set as they are finished; `keep` is called with each."""
+    generator = GENERATED[name]
+    todo = [row for row in generator.design() if row.name not in done]
+    with ProcessPoolExecutor(jobs) as pool, tqdm(total=len(todo), desc=name, unit="row") as bar:
+        futures = [pool.submit(generator.compute, row) for row in todo]
+        try:
+            for future in as_completed(futures):
+                row = future.result()
+                if keep:
+                    keep(row)
+                bar.update()
+                yield row
+        except BaseException:
+            pool.shutdown(cancel_futures=True)
+            raise
+
+
+def _as_csv(generator, rows):
+    """The rows in design order as the text of data.csv."""
+    out = io.StringIO()
+    writer = csv.DictWriter(out, generator.COLUMNS, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows[row.name] for row in generator.design())
+    return out.getvalue()
+
+
+def _replace(path, text):
+    """Write atomically: readers see the old file or the new one."""
+    temporary = path.with_name(path.name + ".tmp")
+    temporary.write_text(text, encoding="utf-8", newline="")
+    os.replace(temporary, path)
+
+
+def regenerate(name, jobs):
+    """Compute a set, resuming an interrupted run, and replace its data.csv."""
+    generator, data = GENERATED[name], HERE / name / "data.csv"
+    digest = _code_digest(generator)
+    partial = data.with_name("data.partial.tmp")
+    rows = _finished(partial, digest)
+    data.parent.mkdir(exist_ok=True)
+    _replace(partial, "".join(json.dumps(line) + "\n" for line in (digest, *rows.values())))
+    with partial.open("a", encoding="utf-8") as log:
+
+        def keep(row):
+            log.write(json.dumps(row) + "\n")
+            log.flush()
+
+        rows |= {row["name"]: row for row in _computed(name, jobs, keep, done=frozenset(rows))}
+    _replace(data, _as_csv(generator, rows))
+    partial.unlink()
+    return []
+
+
+def differences(stored, fresh):
+    """Sentences on every difference between two texts of data.csv."""
+    old, new = ({row["name"]: row for row in csv.DictReader(io.StringIO(text))} for text in (stored, fresh))
+    found = [f"{name}: not stored" for name in new if name not in old]
+    found += [f"{name}: stored but not in the design" for name in old if name not in new]
+    for name in (n for n in new if n in old):
+        found += [f"{name}: {column} stored {old[name].get(column)}, computed {value}"
+                  for column, value in new[name].items() if old[name].get(column) != value]
+    if not found and stored != fresh:
+        found = ["same values, but another order, layout or line ending"]
+    return found
+
+
+def check(name, jobs):
+    """Recompute a set and compare it with its data.csv, character by character."""
+    data = HERE / name / "data.csv"
+    if not data.exists():
+        return [f"{data.name} of set {name} is missing: run `python -m reference_data regenerate --only {name}`"]
+    fresh = _as_csv(GENERATED[name], {row["name"]: row for row in _computed(name, jobs)})
+    return differences(data.read_bytes().decode("utf-8"), fresh)
+
+
+def _positive(text):
+    value = int(text)
+    if value < 1:
+        raise argparse.ArgumentTypeError(f"{text} is not a positive number of processes")
+    return value
+
+
+def _arguments(argv):
+    parser = argparse.ArgumentParser(prog="python -m reference_data", description=__doc__.splitlines()[0])
+    parser.add_argument("action", choices=("regenerate", "check"))
+    parser.add_argument("--only", choices=sorted(GENERATED), metavar="SET",
+                        help=f"one computed set, of: {', '.join(sorted(GENERATED))} (published sets are not computed)")
+    parser.add_argument("--jobs", type=_positive, default=os.cpu_count() or 1, help="processes (default: all cores)")
+    return parser.parse_args(argv)
+
+
+def main(argv=None):
+    arguments = _arguments(argv)
+    action = {"regenerate": regenerate, "check": check}[arguments.action]
+    failed = False
+    for name in [arguments.only] if arguments.only else GENERATED:
+        found = action(name, arguments.jobs)
+        for line in found[:SHOWN_DIFFERENCES]:
+            print(f"{name}: {line}")
+        if len(found) > SHOWN_DIFFERENCES:
+            print(f"{name}: and {len(found) - SHOWN_DIFFERENCES} more")
+        print(f"{name}: {len(found)} differences" if arguments.action == "check" else f"{name}: written")
+        failed = failed or bool(found)
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

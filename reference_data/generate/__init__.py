@@ -1,0 +1,1 @@
+"""Generators of the computed sets: a module a set, with COLUMNS, `design` and `compute`."""
