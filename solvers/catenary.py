@@ -14,7 +14,7 @@ import numpy as np
 
 from . import catenary_regimes as regimes
 from .catenary_profile import profile
-from .catenary_regimes import MASSLESS, TINY
+from .catenary_regimes import LARGEST, LOWEST, MASSLESS, NARROWEST, STIFFEST, TINY
 from .elementary import ARRAY, SCALAR
 from .newton import monotone_root, monotone_roots
 from .outcome import InputError, Outcome, Status
@@ -37,8 +37,8 @@ class Regime(Enum):
     MASSLESS = "a straight spring"
 
 
-_REGIMES, _STATUSES = tuple(Regime), tuple(Status)
-_SUSPENDED, _STEEP, _GROUNDED, _SAGGING, _SLACK, _LYING, _VERTICAL, _MASSLESS = range(len(_REGIMES))
+REGIMES, _STATUSES = tuple(Regime), tuple(Status)
+_SUSPENDED, _STEEP, _GROUNDED, _SAGGING, _SLACK, _LYING, _VERTICAL, _MASSLESS = range(len(REGIMES))
 _SUCCESS, _INVALID_INPUT, _NOT_CONVERGED, _FRICTION_UNDETERMINED, _NOT_FINITE = range(len(_STATUSES))
 
 
@@ -159,7 +159,7 @@ class CatenaryBatch:
     @property
     def regime(self) -> np.ndarray:
         """Regime of each row, object array (n,); without meaning where the input was refused."""
-        return np.array(_REGIMES, dtype=object)[self.regime_code]
+        return np.array(REGIMES, dtype=object)[self.regime_code]
 
     @property
     def success(self) -> np.ndarray:
@@ -181,7 +181,7 @@ def solve_span(span: Span, *, tolerance: float = TOLERANCE, throw: bool = True) 
     inputs = span.w, span.EA, span.L, span.x, span.z, span.seabed, span.friction, span.clearance
     *forces, regime, status, iterations, residual = _solve(SCALAR, _one, *inputs, max(tolerance, TOLERANCE))
     stiffness = np.array(forces[5:]).reshape(2, 2)
-    state = CatenaryState(span, *forces[:5], stiffness, _REGIMES[regime], _STATUSES[status], iterations, residual)
+    state = CatenaryState(span, *forces[:5], stiffness, REGIMES[regime], _STATUSES[status], iterations, residual)
     return state.or_throw(span) if throw else state
 
 
@@ -207,6 +207,16 @@ def solve_spans(w, EA, L, x, z, seabed=True, friction=0.0, clearance=0.0, *, tol
             for target, values in zip(result, solved, strict=True):
                 target[first + rows] = values
     return CatenaryBatch(*result[:5], np.stack(result[5:9], axis=-1).reshape(n, 2, 2), *result[9:])
+
+
+def span_arrays(w, EA, L, x, z, seabed, friction, clearance, tolerance=TOLERANCE):
+    """solve_spans without its checks, for a caller that has made them: arrays (n,), one block.
+
+    Returns H, V, H_anchor, V_anchor, grounded_length, (K11, K12, K21, K22), regime (index into REGIMES), status (0: solved).
+    """
+    with np.errstate(all="ignore"):
+        solved = _solve(ARRAY, _many, w, EA, L, x, z, seabed, friction, clearance, tolerance)
+    return *solved[:5], solved[5:9], solved[9], solved[10]
 
 
 def _columns(arguments) -> list[np.ndarray]:
@@ -239,9 +249,12 @@ def _solve(f, run, w, EA, L, x, z, seabed, CB, clearance, tolerance):
     """(H, V, H_anchor, V_anchor, grounded_length, K11, K12, K21, K22, regime, status, iterations, residual)."""
     up = f.where(w < 0, -1.0, 1.0)  # a buoyant line is the mirror image of a heavy one
     weight = up * w * L
-    l, h, c, e = x / L, up * z / L, clearance / L, f.maximum(weight / EA, TINY)
+    l, c, e = x / L, f.where(clearance > LOWEST * L, clearance / L, 0.0), f.maximum(weight / EA, STIFFEST)
+    h = f.where(seabed, f.maximum(z / L, -c), up * z / L)
+    beyond = (l > LARGEST) | (abs(h) > LARGEST) | (c > LARGEST) | (CB > LARGEST) | (e > LARGEST) | (EA / L == math.inf)
+    massless = (weight < TINY) | beyond  # where beyond, only to give it a kernel that cannot fail
     columns = l, h, e, CB, c
-    regime = _classify(f, *columns, seabed, w)
+    regime = _classify(f, *columns, seabed, massless)
     solved = run(regime, columns, tolerance)
     touching = seabed & (c > 0) & (regime <= _STEEP) & (regimes.lowest_point(f, solved[:5], e) > c)
     if f.any(touching):
@@ -250,7 +263,7 @@ def _solve(f, run, w, EA, L, x, z, seabed, CB, clearance, tolerance):
     H, V, H_anchor, V_anchor, grounded, K11, K12, K21, K22, iterations, residual, converged = solved
     unit = f.where(regime == _MASSLESS, EA, weight)
     status = f.where(converged, _SUCCESS, _NOT_CONVERGED)
-    status = f.where(abs(H * unit) + abs(V * unit) < math.inf, status, _NOT_FINITE)
+    status = f.where(beyond | (abs(H * unit) + abs(V * unit) == math.inf), _NOT_FINITE, status)
     status = f.where((regime == _SAGGING) & (CB > 0), _FRICTION_UNDETERMINED, status)
     force = unit * f.where(status == _SUCCESS, 1.0, math.nan)
     lift, stiff, turn = up * force, force / L, up * force / L
@@ -258,7 +271,7 @@ def _solve(f, run, w, EA, L, x, z, seabed, CB, clearance, tolerance):
     return *forces, stiff * K11, turn * K12, turn * K21, stiff * K22, regime, status, iterations, residual
 
 
-def _classify(f, l, h, e, CB, c, seabed, w):
+def _classify(f, l, h, e, CB, c, seabed, massless):
     """Regime of each span; a line over a raised anchor is taken as suspended until its lowest point is known."""
     chord = f.sqrt(l * l + h * h)
     over = f.where(seabed, h + c, 0.0)
@@ -269,9 +282,9 @@ def _classify(f, l, h, e, CB, c, seabed, w):
     rests = (k <= 0) | ((k < 1) & (l <= H * (f.arcsinh(1 / f.where(k < 1, H, 1.0)) + e)))
     regime = f.where(h > 1 + e / 2, _STEEP, f.where(h < -1 - e / 2, _STEEP, _SUSPENDED))
     regime = f.where((e < MASSLESS) & (chord > 1), _MASSLESS, regime)
-    regime = f.where(seabed & (c == 0) & rests, f.where(h > 0, _GROUNDED, _LYING), regime)
-    regime = f.where(l <= TINY, _VERTICAL, regime)
-    return f.where(w == 0, _MASSLESS, f.where(slack, _SLACK, regime))
+    regime = f.where(seabed & (c == 0) & rests, f.where(h > LOWEST, _GROUNDED, _LYING), regime)
+    regime = f.where(l < NARROWEST * (1 + abs(h)), _VERTICAL, regime)
+    return f.where(massless, _MASSLESS, f.where(slack, _SLACK, regime))
 
 
 def _one(regime, columns, tolerance, *_):

@@ -19,9 +19,13 @@ from __future__ import annotations
 
 import math
 
-TINY = 1e-290  # a span narrower than TINY L has no horizontal force in double precision
+TINY = 1e-290  # keeps a divisor from zero, far below anything that counts
+NARROWEST = 1e-50  # a span narrower than this part of its length or height is vertical
+LOWEST = 1e-100  # an end less than this part of L above the seabed lies on it
+STIFFEST = 1e-305  # wL/EA of a stiffer line is set to it
+LARGEST = 1e40  # of l, h, c, CB and wL/EA: beyond, intermediate results leave the range of double precision
 MASSLESS = 1e-60  # a taut line lighter than MASSLESS EA/L is straight to far below double precision
-LARGEST_ANGLE = 690.0  # cosh stays finite; reached only below l = TINY
+LARGEST_ANGLE = 690.0  # cosh stays finite; reached only below l = NARROWEST
 
 
 def hanging_length(f, h, e):
@@ -41,7 +45,7 @@ def suspended_start(f, l, height, e):
     """(start, upper bound) for y: slack from sinh(y)/y, near-taut y^3 = 3 e c^2/(2 l^2), over-stretched."""
     chord = f.sqrt(l * l + height * height)
     v = height / (1 + e / 2)
-    slack = f.maximum(f.log(f.sqrt(abs((1 - v) * (1 + v))) / l), 0.0)
+    slack = f.maximum(f.log(f.sqrt(f.maximum((1 - v) * (1 + v), TINY)) / l), 0.0)
     near = f.cbrt(1.5 * e * chord * chord / (l * l))
     over = f.where(chord > 1, e / 2 / f.maximum(chord - 1, TINY), 3.0)
     start = f.maximum(f.sqrt(6 * slack + slack * slack), f.minimum(f.minimum(near, over), 3.0))
@@ -62,7 +66,8 @@ def _suspended_angle(f, y, height, e):
 
 def _sinh_cosh(f, y):
     s = f.sinh(y)
-    return s, s * f.sqrt(1 + (1 / s) * (1 / s))  # no overflow where s * s would
+    bounded = f.minimum(s, 1e9)  # beyond, cosh = sinh in double precision, and s * s may overflow
+    return s, f.maximum(s, f.sqrt(1 + bounded * bounded))
 
 
 def _suspended_step(f, y, s, c, v, one_minus_v, l, e):
@@ -119,16 +124,16 @@ def suspended_state(f, y, l, h, e):
 def _suspended_state(f, y, s, c, v, one_minus_v, l, up, e):
     H = l / (2 * y + e)
     mean = up * v / 2 * (c / s)
-    # compliance d(l, h)/d(H, V) = [[C11 + e, -Y], [-Y, X + e]]
+    # compliance d(l, h)/d(H, V) = [[C11 + e, -Y], [-Y, X + e]]; all entries and the determinant are divided by q = O(r^2)
     r = f.sqrt(one_minus_v * (1 + v)) * s
-    q = 1 / (1 + (1 / r) * (1 / r))
-    X = 2 * (c / s) * q
-    Y = up * 2 * v * (q / r)
+    over_q = 1 + (1 / r) * (1 / r)
+    X = 2 * (c / s) + e * over_q
+    Y = up * 2 * v / r
     excess = _cosh_excess(f, y, s, c)
-    C11 = 2 * excess / c + 2 * (s / c) * v * v * (q / r) / r
-    determinant = 4 * (excess / s) * q + e * (C11 + X + e)
+    C11 = 2 * excess / c * over_q + 2 * (s / c) * (v / r) * (v / r) + e * over_q
+    determinant = 4 * (excess / s) + e * (C11 + X - e * over_q)
     forces = H, mean + 0.5, H, mean - 0.5, 0 * H
-    return forces, ((X + e) / determinant, Y / determinant, Y / determinant, (C11 + e) / determinant)
+    return forces, (X / determinant, Y / determinant, Y / determinant, C11 / determinant)
 
 
 def lowest_point(f, forces, e):
@@ -145,7 +150,7 @@ def _end_compliance(f, p, H, V, T, e):
     return p_minus_tanh + e * V, -V / T * (V / (T + H)), V / T + e * V
 
 
-def _hanging_force(f, H, h, e):
+def hanging_force(f, H, h, e):
     """Vertical force of an end at height h when the horizontal force is H: h = sqrt(H^2 + V^2) - H + e V^2/2."""
     return f.sqrt(2 * h * (h + 2 * H) / (1 + e * (h + H) + f.sqrt(1 + 2 * e * (h + H) + (e * H) * (e * H))))
 
@@ -160,7 +165,7 @@ def _grounded_forces(f, p, h, e):
 
 def _other_end(f, H, dH, c, e):
     """Of an end at height c >= 0 where the horizontal force is H: V, d V for dH, asinh(V/H), C11 and C12."""
-    V = _hanging_force(f, H, c, e)
+    V = hanging_force(f, H, c, e)
     angle = f.arcsinh(V / H)
     C11, C12, C22 = _end_compliance(f, angle, H, V, f.sqrt(H * H + V * V), e)
     return V, -C12 / f.where(c > 0, C22, 1.0) * dH, angle, C11, C12
@@ -222,7 +227,7 @@ def grounded_state(f, p, l, h, e, CB, c=None, swapped=False):
     top = _end_compliance(f, p, H, V, T, e)
     low, Vc = (0.0, 0.0, 0.0), 0.0 * V
     if c is not None:
-        Vc = _hanging_force(f, H, c, e)
+        Vc = hanging_force(f, H, c, e)
         low = _end_compliance(f, f.arcsinh(Vc / H), H, Vc, f.sqrt(H * H + Vc * Vc), e)
     grounded = 1 - V - Vc
     _, S_H, lost = friction_stretch(f, H, grounded, CB)

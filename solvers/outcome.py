@@ -18,7 +18,9 @@ class Status(Enum):
         "the line rests on the seabed between two ends above it, where friction acts as the line was laid "
         "and statics alone cannot tell: set friction = 0 or clearance = 0"
     )
-    NOT_FINITE = "the forces leave the range of double precision: change the units or the extreme input"
+    NOT_FINITE = (
+        "forces or ratios of the inputs (to L, to w L) leave the range of double precision: change the extreme input"
+    )
 
 
 class InputError(ValueError):
