@@ -124,7 +124,7 @@ def suspended_state(f, y, l, h, e):
 def _suspended_state(f, y, s, c, v, one_minus_v, l, up, e):
     H = l / (2 * y + e)
     mean = up * v / 2 * (c / s)
-    # compliance d(l, h)/d(H, V) = [[C11 + e, -Y], [-Y, X + e]]; all entries and the determinant are divided by q = O(r^2)
+    # compliance d(l, h)/d(H, V) = [[C11 + e, -Y], [-Y, X + e]]; all divided by q = r^2/(1 + r^2)
     r = f.sqrt(one_minus_v * (1 + v)) * s
     over_q = 1 + (1 / r) * (1 / r)
     X = 2 * (c / s) + e * over_q
