@@ -1,6 +1,7 @@
 """Compact mooring-cable solvers: numpy and scipy only. See README.md for the conventions."""
 
 from .catenary import CatenaryBatch, CatenaryState, Regime, Span, solve_span, solve_spans
+from .network import Element, Network, NetworkState, Node, solve_network
 from .outcome import ConvergenceError, InputError, Status
 from .properties import CableProperties, Environment
 from .scene import Scene
@@ -10,12 +11,17 @@ __all__ = [
     "CatenaryBatch",
     "CatenaryState",
     "ConvergenceError",
+    "Element",
     "Environment",
     "InputError",
+    "Network",
+    "NetworkState",
+    "Node",
     "Regime",
     "Scene",
     "Span",
     "Status",
+    "solve_network",
     "solve_span",
     "solve_spans",
 ]

@@ -1,8 +1,8 @@
 """The elastic catenary of one mooring line, every regime: MSQS section 2 (Masciola, Jonkman, Robertson), eqs. 2.1-2.24.
 
 ``Span`` states the problem, ``solve_span`` solves it, ``solve_spans`` solves arrays of them. The equations are in
-``catenary_regimes``, the choice among them in ``catenary_solve``. Lengths in m, forces in N; x horizontal and z up, from
-the anchor to the fairlead.
+``catenary_regimes``, the choice among them in ``catenary_solve``. Lengths in m, forces in N; x horizontal and z up,
+from the anchor to the fairlead.
 """
 
 from __future__ import annotations

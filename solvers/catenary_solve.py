@@ -34,13 +34,7 @@ SUCCESS, INVALID_INPUT, NOT_CONVERGED, FRICTION_UNDETERMINED, NOT_FINITE = range
 
 def solve(f, run, w, EA, L, x, z, seabed, CB, clearance, tolerance):
     """(H, V, H_anchor, V_anchor, grounded_length, K11, K12, K21, K22, regime, status, iterations, residual)."""
-    up = f.where(w < 0, -1.0, 1.0)  # a buoyant line is the mirror image of a heavy one
-    weight = up * w * L
-    l, c, e = x / L, f.where(clearance > LOWEST * L, clearance / L, 0.0), f.maximum(weight / EA, STIFFEST)
-    h = f.where(seabed, f.maximum(z / L, -c), up * z / L)
-    largest = f.maximum(f.maximum(f.maximum(l, abs(h)), f.maximum(c, CB)), e)
-    beyond = (largest > LARGEST) | (1e308 * L < EA)
-    massless = (weight < TINY) | beyond  # where beyond, only to give it a kernel that cannot fail
+    up, l, h, e, CB, c, massless, beyond, weight = _scaled(f, w, EA, L, x, z, seabed, CB, clearance)
     columns = l, h, e, CB, c
     regime = _classify(f, *columns, seabed, massless)
     solved = run(regime, columns, tolerance)
@@ -57,6 +51,18 @@ def solve(f, run, w, EA, L, x, z, seabed, CB, clearance, tolerance):
     lift, stiff, turn = up * force, force / L, up * force / L
     forces = force * H, lift * V, force * H_anchor, lift * V_anchor, f.where(status == SUCCESS, L * grounded, math.nan)
     return *forces, stiff * K11, turn * K12, turn * K21, stiff * K22, regime, status, iterations, residual
+
+
+def _scaled(f, w, EA, L, x, z, seabed, CB, clearance):
+    """Sign of the weight, the span in units of L and w L, and whether it is massless or beyond the range of doubles."""
+    up = f.where(w < 0, -1.0, 1.0)  # a buoyant line is the mirror image of a heavy one
+    weight = up * w * L
+    l, c, e = x / L, f.where(clearance > LOWEST * L, clearance / L, 0.0), f.maximum(weight / EA, STIFFEST)
+    h = f.where(seabed, f.maximum(z / L, -c), up * z / L)
+    largest = f.maximum(f.maximum(f.maximum(l, abs(h)), f.maximum(c, CB)), e)
+    beyond = (largest > LARGEST) | (1e308 * L < EA)
+    massless = (weight < TINY) | beyond  # where beyond, only to give it a kernel that cannot fail
+    return up, l, h, e, CB, c, massless, beyond, weight
 
 
 def _classify(f, l, h, e, CB, c, seabed, massless):

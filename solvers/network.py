@@ -1,0 +1,280 @@
+"""Networks of cables between nodes: the multisegmented quasi-static model, MSQS sections 3 to 5.
+
+``Network`` states the problem, ``solve_network`` finds the positions of its free nodes and the forces of its elements:
+nested (exact spans inside a force balance, ``network_nested``) or monolithic (positions and forces together,
+``network_monolithic``). Lengths in m, forces in N, z up; the seabed is at z = -environment.depth.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .catenary import Span
+from .network_balance import Balance
+from .network_monolithic import solve as monolithic
+from .network_nested import Count, attainable, coupled_stiffness, evaluate, largest_force, nested, robust_start
+from .outcome import InputError, Outcome, Status
+from .properties import Environment, real_number
+
+KINDS = ("fixed", "free", "coupled")
+
+
+@dataclass(frozen=True)
+class Node:
+    """A point where elements meet.
+
+    kind : "fixed" (an anchor), "free" (its position is solved for) or "coupled" (moved by a body)
+    r : (3,) position, m; of a free node the user's guess
+    mass : point mass, kg, and volume : displaced volume, m^3, both >= 0
+    force : (3,) external force, N
+    """
+
+    kind: str
+    r: tuple[float, float, float]
+    mass: float = 0.0
+    volume: float = 0.0
+    force: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def __post_init__(self):
+        if self.kind not in KINDS:
+            raise InputError(f"kind: {self.kind!r} must be one of {', '.join(KINDS)}")
+        object.__setattr__(self, "r", _vector("r", self.r, "m"))
+        object.__setattr__(self, "force", _vector("force", self.force, "N"))
+        for name, unit in (("mass", "kg"), ("volume", "m^3")):
+            value = real_number(name, getattr(self, name), unit)
+            if value < 0:
+                raise InputError(f"{name}: {value:g} {unit} must be >= 0")
+            object.__setattr__(self, name, value)
+
+
+@dataclass(frozen=True)
+class Element:
+    """A cable between two nodes: w N/m, EA N, L m as in Span; ends = (anchor node, fairlead node), indices.
+
+    friction : coefficient of the seabed where the anchor end lies on it (MSQS 2.15); a raised anchor end has none.
+    """
+
+    w: float
+    EA: float
+    L: float
+    ends: tuple[int, int]
+    friction: float = 0.0
+
+    def __post_init__(self):
+        line = Span(self.w, self.EA, self.L, 0.0, 0.0, seabed=False, friction=self.friction)
+        for name in ("w", "EA", "L", "friction"):
+            object.__setattr__(self, name, getattr(line, name))
+        try:
+            first, last = (int(end) for end in self.ends if not isinstance(end, bool))
+        except (TypeError, ValueError):
+            raise InputError(f"ends: {self.ends!r} must be two node indices") from None
+        object.__setattr__(self, "ends", (first, last))
+
+
+@dataclass(frozen=True)
+class Network:
+    """Nodes, elements and environment. Raises InputError naming the node or element, its value and its unit."""
+
+    nodes: tuple[Node, ...]
+    elements: tuple[Element, ...]
+    environment: Environment = field(default_factory=Environment)
+
+    def __post_init__(self):
+        object.__setattr__(self, "nodes", tuple(self.nodes))
+        object.__setattr__(self, "elements", tuple(self.elements))
+        if not self.elements:
+            raise InputError("elements: a network needs at least one element")
+        n, depth = len(self.nodes), self.environment.depth
+        for e, element in enumerate(self.elements):
+            if not all(0 <= end < n for end in element.ends):
+                raise InputError(f"element {e}: ends {element.ends} must be node indices from 0 to {n - 1}")
+            if element.ends[0] == element.ends[1]:
+                raise InputError(f"element {e}: both ends are node {element.ends[0]}")
+        for i, node in enumerate(self.nodes):
+            if depth is not None and node.r[2] < -depth:
+                raise InputError(f"node {i} ({node.kind}): z = {node.r[2]:g} m lies below the seabed at {-depth:g} m")
+        held = self._held()
+        for i, node in enumerate(self.nodes):
+            if not held[i]:
+                raise InputError(f"node {i} ({node.kind}): no chain of elements ties it to a fixed or coupled node")
+
+    def _held(self) -> list[bool]:
+        """Nodes that are tied to a fixed or coupled node; one that carries no element is not."""
+        neighbours = [[] for _ in self.nodes]
+        for first, last in (element.ends for element in self.elements):
+            neighbours[first].append(last)
+            neighbours[last].append(first)
+        reached = [node.kind != "free" and bool(neighbours[i]) for i, node in enumerate(self.nodes)]
+        front = [i for i, yes in enumerate(reached) if yes]
+        while front:
+            for other in neighbours[front.pop()]:
+                if not reached[other]:
+                    reached[other] = True
+                    front.append(other)
+        return reached
+
+    def moved(self, positions) -> Network:
+        """The same network, its coupled nodes at positions (c, 3), m, in their order: the inputs u of section 1.3."""
+        positions = np.asarray(positions, dtype=float)
+        coupled = [i for i, node in enumerate(self.nodes) if node.kind == "coupled"]
+        if positions.shape != (len(coupled), 3):
+            raise InputError(f"positions: shape {positions.shape} must be ({len(coupled)}, 3), one row a coupled node")
+        nodes = list(self.nodes)
+        for i, r in zip(coupled, positions, strict=True):
+            old = nodes[i]
+            nodes[i] = Node("coupled", tuple(r), old.mass, old.volume, old.force)
+        return Network(tuple(nodes), self.elements, self.environment)
+
+
+def _vector(name, value, unit) -> tuple[float, float, float]:
+    try:
+        x, y, z = value
+    except (TypeError, ValueError):
+        raise InputError(f"{name}: {value!r} must be three numbers ({unit})") from None
+    return tuple(real_number(f"{name}[{i}]", number, unit) for i, number in enumerate((x, y, z)))
+
+
+@dataclass(frozen=True)
+class NetworkState(Outcome):
+    """Equilibrium of a network with n nodes and e elements.
+
+    r : (n, 3) positions, m;  H, V, H_anchor, V_anchor : (e,) as in CatenaryState, N;  coupled : (n,) bool
+    reaction : (n, 3) force on each node that its lines and loads leave to its support (fixed, coupled) or to the seabed
+        (free, resting), N; the outputs y of section 1.3 are its coupled rows
+    stiffness : (3c, 3c), d(-reaction)/dr of the c coupled nodes, the free nodes following, N/m
+    residual_norm : largest unbalanced force over the largest force
+    iterations, function_evaluations : of the outer loop, of the residual
+    operations : of all factorizations, (2/3) n^3 each, (5.6)
+    """
+
+    r: np.ndarray
+    H: np.ndarray
+    V: np.ndarray
+    H_anchor: np.ndarray
+    V_anchor: np.ndarray
+    reaction: np.ndarray
+    coupled: np.ndarray
+    stiffness: np.ndarray
+    status: Status
+    iterations: int
+    function_evaluations: int
+    operations: float
+    residual_norm: float
+
+    def body_stiffness(self, reference) -> np.ndarray:
+        """(6, 6) stiffness of a rigid body that carries the coupled nodes, about ``reference`` (3,), m.
+
+        -d(force, moment)/d(translation, rotation), N/m, N, N m, the moment about the moved reference point; unsymmetric
+        where the moment is not zero.
+        """
+        arms = self.r[self.coupled] - np.asarray(reference, dtype=float)
+        forces = -self.stiffness
+        motion = np.vstack([np.hstack([np.eye(3), -_cross(arm)]) for arm in arms])
+        to_body = np.vstack([np.hstack([np.eye(3), -_cross(arm)]) for arm in arms]).T
+        K = -to_body @ forces @ motion
+        for arm, force in zip(arms, self.reaction[self.coupled], strict=True):
+            K[3:, 3:] -= _cross(force) @ _cross(arm)
+        return K
+
+
+def _cross(a) -> np.ndarray:
+    """Matrix of a x."""
+    return np.array([[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]])
+
+
+METHODS = {
+    "method": ("monolithic", "nested"),
+    "jacobian": ("analytic", "finite-difference"),
+    "globalisation": ("line-search", "trust-region"),
+    "units": ("scaled", "N", "kN"),
+}
+
+
+def solve_network(
+    network: Network,
+    *,
+    method: str = "monolithic",
+    jacobian: str = "analytic",
+    globalisation: str = "line-search",
+    units: str = "scaled",
+    start=None,
+    fallback: bool = True,
+    tolerance: float = 1e-10,
+    throw: bool = True,
+) -> NetworkState:
+    """Equilibrium of a network.
+
+    method : "monolithic" (3.3, all of r, H, V at once) or "nested" (3.2, exact spans inside the force balance)
+    jacobian : "analytic", or "finite-difference" as in the conventional method
+    globalisation : "line-search" or "trust-region", and units "scaled", "N" or "kN" of the forces: monolithic only
+    start : None (no guess needed), "nodes" (the free nodes' own r), a NetworkState, or arrays (r (n, 3), H, V (e,))
+    fallback : when the method stops short, go on with the regularised nested solver from a robust start
+    tolerance : of residual_norm; where node positions as doubles cannot resolve it, what they can is accepted
+    Raises InputError for unknown options, ConvergenceError when no equilibrium was found unless throw is False.
+    """
+    given = {"method": method, "jacobian": jacobian, "globalisation": globalisation, "units": units}
+    for name, value in given.items():
+        if value not in METHODS[name]:
+            raise InputError(f"{name}: {value!r} must be one of {', '.join(METHODS[name])}")
+    balance, count = Balance(network), Count()
+    first, H, V = _start(network, balance, start, count)
+    if method == "monolithic":
+        r, _, _, solved = monolithic(balance, first, H, V, count, units, jacobian, globalisation, tolerance)
+    else:
+        r, solved = nested(balance, first, jacobian, tolerance, count)
+    state = _state(balance, r, count, tolerance)
+    if not state.success and fallback:
+        if not solved:
+            r = first if start is None else robust_start(balance, count)
+        r, _ = nested(balance, r, "analytic", tolerance, count)
+        state = _state(balance, r, count, tolerance)
+    return state.or_throw(f"{len(network.elements)} elements, {len(network.nodes)} nodes, {method}") if throw else state
+
+
+def _start(network, balance, start, count):
+    r, H, V = balance.position, None, None
+    if start is None:
+        r = robust_start(balance, count)
+    elif isinstance(start, NetworkState):
+        r = np.where(balance.free[:, None], start.r, balance.position)
+        H, V = start.H, start.V
+    elif not (isinstance(start, str) and start == "nodes"):
+        try:
+            r, H, V = (np.array(part, dtype=float) for part in start)
+        except (TypeError, ValueError):
+            raise InputError("start: must be None, 'nodes', a NetworkState or arrays (r, H, V)") from None
+        e = balance.w.size
+        if r.shape != balance.position.shape or H.shape != (e,) or V.shape != (e,) or not np.isfinite(r).all():
+            given, wanted = (r.shape, H.shape, V.shape), (balance.position.shape, (e,), (e,))
+            raise InputError(f"start: shapes {given} of (r, H, V) must be {wanted}, positions finite")
+        r = np.where(balance.free[:, None], r, balance.position)
+    r[balance.free, 2] = np.maximum(r[balance.free, 2], balance.floor)
+    if H is None:
+        elements, _ = evaluate(balance, r, count)
+        H, V = elements.H, elements.V
+    return r, H, V
+
+
+def _state(balance, r, count, tolerance) -> NetworkState:
+    """The result, with forces and residual from exact spans at the final positions, whatever method led there."""
+    elements, force = evaluate(balance, r, count)
+    resting = balance.free & (r[:, 2] <= balance.floor) & (force[:, 2] <= 0)
+    unbalanced = np.where(balance.free[:, None], force, 0.0)
+    unbalanced[resting, 2] = 0.0
+    largest = largest_force(balance, elements) or 1.0
+    residual = float(np.abs(unbalanced).max()) / largest
+    solved = residual <= max(tolerance, attainable(balance, elements) / largest)
+    return NetworkState(
+        r=r,
+        **{name: getattr(elements, name) for name in ("H", "V", "H_anchor", "V_anchor")},
+        reaction=force - unbalanced,
+        coupled=balance.coupled,
+        stiffness=coupled_stiffness(balance, r, resting, count),
+        status=Status.SUCCESS if solved else Status.NOT_CONVERGED,
+        iterations=count.iterations,
+        function_evaluations=count.evaluations,
+        operations=count.operations,
+        residual_norm=residual,
+    )

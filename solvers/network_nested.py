@@ -1,0 +1,233 @@
+"""Nested solution of a network: exact spans inside, Newton's method on the force balance outside.
+
+Without friction the potential energy of a network is a convex function of the node positions (tension-only cables,
+gravity, a flat floor), so a regularised Newton step with a line search on the slope of the energy converges from
+anywhere. What makes it fast from no guess is a continuation in stiffness: soft lines and a soft floor first, which are
+nearly linear, then harder ones from the result before.
+"""
+
+from __future__ import annotations
+
+from copy import copy
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sparse
+from scipy.sparse.linalg import splu
+
+EPS = np.finfo(float).eps
+HARDER = 0.1  # ratio of softness from stage to stage: strain under the total load, sinking over the total length
+SOFTEST, HARDEST = 1.0, 1e-3  # first stage; last stage, over the number of elements
+STAGE_TOLERANCE = 1e-2  # of the heaviest node load: the next stage only needs a start
+MAX_ITERATIONS = 300
+
+
+@dataclass
+class Count:
+    """Work done: outer iterations, residuals, span iterations, factorization operations (2/3) n^3 as in (5.6)."""
+
+    iterations: int = 0
+    evaluations: int = 0
+    inner: int = 0
+    operations: float = 0.0
+
+
+class SoftFloor:
+    """A stage of the continuation: lines no stiffer than load/softness, a floor of springs under the free nodes."""
+
+    def __init__(self, balance, softness):
+        self.balance = copy(balance)
+        weight = np.abs(balance.w) * balance.L
+        total = weight.sum() + np.abs(balance.load).sum()
+        self.balance.EA = 1 / (1 / balance.EA + softness / total) if total > 0 else balance.EA
+        self.balance.rests = np.zeros_like(balance.rests)
+        node = np.abs(balance.load).sum(axis=1)
+        np.add.at(node, balance.anchor, weight / 2)
+        np.add.at(node, balance.fairlead, weight / 2)
+        self.load = node[balance.free].max(initial=0.0)
+        self.spring = np.where(balance.free, node, 0.0) / (softness * balance.L.sum())
+        self.height, self.floor = balance.floor, -np.inf
+        self.free, self.dof, self.size = balance.free, balance.dof, balance.size
+
+    def spans(self, r):
+        elements = self.balance.spans(r)
+        elements.sunk = np.maximum(self.height - r[:, 2], 0.0) * self.free if np.isfinite(self.height) else 0 * r[:, 2]
+        return elements
+
+    def unbalanced(self, elements):
+        force = self.balance.unbalanced(elements)
+        force[:, 2] += self.spring * elements.sunk
+        return force
+
+    def tangent(self, elements):
+        below = np.flatnonzero(elements.sunk > 0)
+        diagonal = np.zeros(self.size)
+        diagonal[self.dof[below, 2]] = self.spring[below]
+        tangent = self.balance.tangent(elements)
+        return tangent + (
+            np.diag(diagonal) if isinstance(tangent, np.ndarray) else sparse.diags(diagonal, format="csc")
+        )
+
+
+def force_density(balance):
+    """Positions of a net of linear springs of density 1/L under the same loads: one sparse solve, no guess needed."""
+    r, free = balance.position.copy(), np.flatnonzero(balance.free)
+    if free.size == 0:
+        return r
+    a, f, q = balance.anchor, balance.fairlead, 1 / balance.L
+    n = balance.free.size
+    laplacian = sparse.coo_matrix(
+        (np.concatenate([q, q, -q, -q]), (np.concatenate([a, f, a, f]), np.concatenate([a, f, f, a]))), shape=(n, n)
+    ).tocsr()
+    load = balance.load.copy()
+    weight = balance.w * balance.L / 2
+    np.subtract.at(load[:, 2], a, weight)
+    np.subtract.at(load[:, 2], f, weight)
+    held = np.flatnonzero(~balance.free)
+    scale = np.abs(load).sum() or 1.0
+    right = load[free] / scale - laplacian[free][:, held] @ r[held]
+    r[free] = splu(laplacian[free][:, free].tocsc()).solve(right)
+    return r
+
+
+def robust_start(balance, count):
+    """Positions near equilibrium from no guess."""
+    r, softness = force_density(balance), SOFTEST
+    while softness > HARDEST / balance.w.size:
+        stage = SoftFloor(balance, softness)
+        r, _, _ = newton(stage, r, STAGE_TOLERANCE * stage.load, count, 60)
+        softness *= HARDER
+    r[balance.free, 2] = np.maximum(r[balance.free, 2], balance.floor)
+    return r
+
+
+def largest_force(balance, elements):
+    """The force that residuals are measured by: of the elements and loads, N."""
+    return max(np.abs(v).max() for v in (elements.H, elements.V, elements.H_anchor, elements.V_anchor, balance.load))
+
+
+def attainable(balance, elements):
+    """Unbalanced force that rounding the positions to eps causes, N."""
+    return 4 * EPS * float(np.max(balance.EA / balance.L)) * (np.abs(balance.position).max() + balance.L.max())
+
+
+def newton(balance, r, tolerance, count, limit=MAX_ITERATIONS, rounding=0.0):
+    """Regularised Newton on the force balance; returns (r, largest unbalanced force of the free nodes, converged).
+
+    tolerance : N; a force below ``rounding`` that no longer falls is accepted too.
+    """
+    free, damping, last = balance.free, 1e-2, np.inf
+    unit = soft_stiffness(getattr(balance, "balance", balance))
+    elements, force = evaluate(balance, r, count)
+    for _ in range(limit):
+        moving = free[:, None] & np.array([True, True, True])
+        moving[:, 2] &= ~((r[:, 2] <= balance.floor) & (force[:, 2] <= 0))
+        worst = np.abs(force[moving]).max(initial=0.0)
+        if worst <= tolerance or (worst <= rounding and worst > last / 2):
+            return r, worst, True
+        last = worst
+        count.iterations += 1
+        unknown = balance.dof[moving]
+        tangent = balance.tangent(elements)
+        tangent = tangent if unknown.size == balance.size else tangent[unknown][:, unknown]
+        while True:
+            step = np.zeros_like(r)
+            step[moving] = solve_sparse(tangent, damping * unit, force[moving], count)
+            found = _search(balance, r, step, float((force * step)[moving].sum()), count)
+            if found is not None:
+                break
+            damping *= 10
+            if damping > 1e16:
+                return r, worst, False
+        full, r, elements, force = found
+        damping = max(damping * (0.1 if full else 3.0), 1e-14)
+    return r, worst, False
+
+
+def nested(balance, r, jacobian, tolerance, count):
+    """Equilibrium from positions r (n, 3), balanced to ``tolerance`` times the largest force: (r, converged)."""
+    equations = balance if jacobian == "analytic" else Differences(balance, count)
+    elements, _ = evaluate(balance, r, count)
+    bound = tolerance * largest_force(balance, elements)
+    r, _, converged = newton(equations, r, bound, count, rounding=attainable(balance, elements))
+    return r, converged
+
+
+class Differences:
+    """The balance with its tangent from forward differences: every unknown moved in turn, all spans solved again."""
+
+    STEP = 1e-7  # of the mean length, about the square root of eps
+
+    def __init__(self, balance, count):
+        self.balance, self.count = balance, count
+        self.free, self.dof, self.size, self.floor = balance.free, balance.dof, balance.size, balance.floor
+        self.spans, self.unbalanced = balance.spans, balance.unbalanced
+
+    def tangent(self, elements):
+        r = elements.geometry.r
+        step = self.STEP * float(self.balance.L.mean())
+        base, columns = self.unbalanced(elements)[self.free].ravel(), []
+        for node in np.flatnonzero(self.free):
+            for axis in range(3):
+                moved = r.copy()
+                moved[node, axis] += step
+                _, force = evaluate(self.balance, moved, self.count)
+                columns.append((base - force[self.free].ravel()) / step)
+        return np.column_stack(columns)
+
+
+def coupled_stiffness(balance, r, resting, count):
+    """(3c, 3c) stiffness of the coupled nodes, the free nodes following: K_cc - K_cf K_ff^-1 K_fc."""
+    every = copy(balance)
+    every.pattern(balance.free | balance.coupled)
+    K = every.tangent(balance.spans(r))
+    held, own = every.dof[balance.coupled].ravel(), balance.free[:, None] & np.array([True, True, True])
+    own[resting, 2] = False
+    follow = every.dof[own]
+    if held.size == 0 or follow.size == 0:
+        return dense(K[held][:, held])
+    columns = dense(K[follow][:, held])
+    slack = 1e-12 * np.abs(K.diagonal()).max()  # a slack part follows nowhere in particular: keep it in place
+    inner = np.column_stack([solve_sparse(K[follow][:, follow], slack, column, count) for column in columns.T])
+    return dense(K[held][:, held]) - dense(K[held][:, follow]) @ inner
+
+
+def dense(matrix):
+    return matrix if isinstance(matrix, np.ndarray) else matrix.toarray()
+
+
+def soft_stiffness(balance):
+    """N/m that hardly holds a node: of a line under its own weight, or of soft springs, shared by all nodes."""
+    return float(np.mean(np.abs(balance.w)) or np.mean(balance.EA / balance.L) * 1e-6) / balance.w.size
+
+
+def evaluate(balance, r, count):
+    elements = balance.spans(r)
+    count.evaluations += 1
+    return elements, balance.unbalanced(elements)
+
+
+def _search(balance, r, step, slope, count):
+    """Along the step (cut at the floor): accept while the energy still falls, or its slope is down to nine tenths."""
+    length = 1.0
+    for _ in range(12):
+        trial = r + length * step
+        trial[balance.free, 2] = np.maximum(trial[balance.free, 2], balance.floor)
+        elements, force = evaluate(balance, trial, count)
+        new = float((force * (trial - r))[balance.free].sum()) / length
+        if np.isfinite(new) and (new > 0 or -new <= 0.9 * slope):
+            return length == 1.0, trial, elements, force
+        length *= min(max(slope / (slope - new), 0.1), 0.7) if np.isfinite(new) else 0.3
+    return None
+
+
+def solve_sparse(matrix, shift, right, count):
+    """(matrix + shift I)^-1 right: LAPACK if dense, SuperLU with a symmetric ordering if sparse."""
+    n = right.size
+    count.operations += 2 / 3 * n**3
+    if isinstance(matrix, np.ndarray):
+        return np.linalg.solve(matrix + shift * np.eye(n), right)
+    shifted = (matrix + shift * sparse.identity(n, format="csc")).tocsc()
+    return splu(shifted, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}, diag_pivot_thresh=0.0).solve(
+        right
+    )
