@@ -14,7 +14,17 @@ import numpy as np
 from .catenary import Span
 from .network_balance import Balance
 from .network_monolithic import solve as monolithic
-from .network_nested import Count, attainable, coupled_stiffness, evaluate, largest_force, nested, robust_start
+from .network_nested import (
+    SHORT,
+    Count,
+    attainable,
+    coupled_stiffness,
+    evaluate,
+    from_no_guess,
+    largest_force,
+    nested,
+    robust_start,
+)
 from .outcome import InputError, Outcome, Status
 from .properties import Environment, real_number
 
@@ -210,7 +220,7 @@ def solve_network(
     jacobian : "analytic", or "finite-difference" as in the conventional method
     globalisation : "line-search" or "trust-region", and units "scaled", "N" or "kN" of the forces: monolithic only
     start : None (no guess needed), "nodes" (the free nodes' own r), a NetworkState, or arrays (r (n, 3), H, V (e,))
-    fallback : when the method stops short, go on with the regularised nested solver from a robust start
+    fallback : when the method stops short, go on with the regularised nested solver, from no guess if need be
     tolerance : of residual_norm; where node positions as doubles cannot resolve it, what they can is accepted
     Raises InputError for unknown options, ConvergenceError when no equilibrium was found unless throw is False.
     """
@@ -226,9 +236,8 @@ def solve_network(
         r, solved = nested(balance, first, jacobian, tolerance, count)
     state = _state(balance, r, count, tolerance)
     if not state.success and fallback:
-        if not solved:
-            r = first if start is None else robust_start(balance, count)
-        r, _ = nested(balance, r, "analytic", tolerance, count)
+        polished, ready = nested(balance, r, "analytic", tolerance, count) if solved else (r, False)
+        r = polished if ready else from_no_guess(balance, tolerance, count)[0]
         state = _state(balance, r, count, tolerance)
     return state.or_throw(f"{len(network.elements)} elements, {len(network.nodes)} nodes, {method}") if throw else state
 
@@ -236,7 +245,7 @@ def solve_network(
 def _start(network, balance, start, count):
     r, H, V = balance.position, None, None
     if start is None:
-        r = robust_start(balance, count)
+        r = robust_start(balance, count, balance.w.size <= SHORT)
     elif isinstance(start, NetworkState):
         r = np.where(balance.free[:, None], start.r, balance.position)
         H, V = start.H, start.V

@@ -16,10 +16,12 @@ import scipy.sparse as sparse
 from scipy.sparse.linalg import splu
 
 EPS = np.finfo(float).eps
+SHORT = 60  # elements up to which a network is led by contact of its lines
 HARDER = 0.1  # ratio of softness from stage to stage: strain under the total load, sinking over the total length
-SOFTEST, HARDEST = 1.0, 1e-3  # first stage; last stage, over the number of elements
+SOFTEST, HARDEST = 1.0, 1e-3  # first stage; last stage, over the number of elements, or at the strain of the lines
+LEAST_SOFT = 1e-10  # strains below it are no longer told from none
 STAGE_TOLERANCE = 1e-2  # of the heaviest node load: the next stage only needs a start
-MAX_ITERATIONS = 300
+MAX_ITERATIONS = 150
 
 
 @dataclass
@@ -33,14 +35,18 @@ class Count:
 
 
 class SoftFloor:
-    """A stage of the continuation: lines no stiffer than load/softness, a floor of springs under the free nodes."""
+    """A stage of the continuation: lines no stiffer than load/softness, free nodes that sink into a floor of springs.
 
-    def __init__(self, balance, softness):
-        self.balance = copy(balance)
+    With ``contact`` the lines rest on the rigid floor, where a sunk node holds their ends; without, they pass through.
+    """
+
+    def __init__(self, balance, softness, contact):
+        self.balance, self.contact = copy(balance), contact
+        if not contact:
+            self.balance.rests = np.zeros_like(balance.rests)
         weight = np.abs(balance.w) * balance.L
         total = weight.sum() + np.abs(balance.load).sum()
         self.balance.EA = 1 / (1 / balance.EA + softness / total) if total > 0 else balance.EA
-        self.balance.rests = np.zeros_like(balance.rests)
         node = np.abs(balance.load).sum(axis=1)
         np.add.at(node, balance.anchor, weight / 2)
         np.add.at(node, balance.fairlead, weight / 2)
@@ -50,8 +56,10 @@ class SoftFloor:
         self.free, self.dof, self.size = balance.free, balance.dof, balance.size
 
     def spans(self, r):
-        elements = self.balance.spans(r)
-        elements.sunk = np.maximum(self.height - r[:, 2], 0.0) * self.free if np.isfinite(self.height) else 0 * r[:, 2]
+        held = r.copy()
+        held[self.free, 2] = np.maximum(held[self.free, 2], self.height)
+        elements = self.balance.spans(held if self.contact else r)
+        elements.sunk = held[:, 2] - r[:, 2]
         return elements
 
     def unbalanced(self, elements):
@@ -61,12 +69,15 @@ class SoftFloor:
 
     def tangent(self, elements):
         below = np.flatnonzero(elements.sunk > 0)
-        diagonal = np.zeros(self.size)
-        diagonal[self.dof[below, 2]] = self.spring[below]
+        above, springs = np.ones(self.size), np.zeros(self.size)
+        springs[self.dof[below, 2]] = self.spring[below]
+        if self.contact:
+            above[self.dof[below, 2]] = 0.0
         tangent = self.balance.tangent(elements)
-        return tangent + (
-            np.diag(diagonal) if isinstance(tangent, np.ndarray) else sparse.diags(diagonal, format="csc")
-        )
+        if isinstance(tangent, np.ndarray):
+            return tangent * above * above[:, None] + np.diag(springs)
+        above = sparse.diags(above, format="csc")
+        return above @ tangent @ above + sparse.diags(springs, format="csc")
 
 
 def force_density(balance):
@@ -90,11 +101,17 @@ def force_density(balance):
     return r
 
 
-def robust_start(balance, count):
-    """Positions near equilibrium from no guess."""
+def robust_start(balance, count, contact):
+    """Positions near equilibrium from no guess.
+
+    Lines that rest on the floor (``contact``) lead a network with much slack well; a long chain of short elements is
+    led better by its nodes alone.
+    """
     r, softness = force_density(balance), SOFTEST
-    while softness > HARDEST / balance.w.size:
-        stage = SoftFloor(balance, softness)
+    total = (np.abs(balance.w) * balance.L).sum() + np.abs(balance.load).sum()
+    hardest = min(HARDEST / balance.w.size, max(HARDER * total / balance.EA.max(), LEAST_SOFT))
+    while softness > hardest:
+        stage = SoftFloor(balance, softness, contact)
         r, _, _ = newton(stage, r, STAGE_TOLERANCE * stage.load, count, 60)
         softness *= HARDER
     r[balance.free, 2] = np.maximum(r[balance.free, 2], balance.floor)
@@ -109,6 +126,15 @@ def largest_force(balance, elements):
 def attainable(balance, elements):
     """Unbalanced force that rounding the positions to eps causes, N."""
     return 4 * EPS * float(np.max(balance.EA / balance.L)) * (np.abs(balance.position).max() + balance.L.max())
+
+
+def from_no_guess(balance, tolerance, count):
+    """Equilibrium from no guess by either way of leading there: (r (n, 3), converged)."""
+    for contact in (True, False) if balance.w.size <= SHORT else (False, True):
+        r, converged = nested(balance, robust_start(balance, count, contact), "analytic", tolerance, count)
+        if converged or not balance.rests.any():
+            break
+    return r, converged
 
 
 def newton(balance, r, tolerance, count, limit=MAX_ITERATIONS, rounding=0.0):
