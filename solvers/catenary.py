@@ -176,17 +176,18 @@ def solve_spans(w, EA, L, x, z, seabed=True, friction=0.0, clearance=0.0, *, tol
     names = [field.name for field in fields(Span)]
     columns = _columns(dict(zip(names, (w, EA, L, x, z, seabed, friction, clearance), strict=True)))
     n = columns[0].size
-    result = [np.full(n, np.nan) for _ in range(9)]
-    codes = [np.zeros(n, dtype=np.int8), np.full(n, INVALID_INPUT, dtype=np.int8)]
-    result += [*codes, np.zeros(n, dtype=np.int16), np.full(n, np.nan)]
+    forces, stiffness = np.full((5, n), np.nan), np.full((n, 4), np.nan)
+    regime, status = np.zeros(n, dtype=np.int8), np.full(n, INVALID_INPUT, dtype=np.int8)
+    iterations, residual = np.zeros(n, dtype=np.int16), np.full(n, np.nan)
+    places = [*forces, *stiffness.T, regime, status, iterations, residual]
     with np.errstate(all="ignore"):  # both sides of every np.where are computed, the unused one may overflow
         for first in range(0, n, BLOCK):
             block = [column[first : first + BLOCK] for column in columns]
             rows = np.flatnonzero(_valid(*block))
             solved = solve(ARRAY, many, *(column[rows] for column in block), max(tolerance, TOLERANCE))
-            for target, values in zip(result, solved, strict=True):
-                target[first + rows] = values
-    return CatenaryBatch(*result[:5], np.stack(result[5:9], axis=-1).reshape(n, 2, 2), *result[9:])
+            for place, values in zip(places, solved, strict=True):
+                place[first + rows] = values
+    return CatenaryBatch(*forces, stiffness.reshape(n, 2, 2), regime, status, iterations, residual)
 
 
 def span_arrays(w, EA, L, x, z, seabed, friction, clearance, tolerance=TOLERANCE):
@@ -220,6 +221,6 @@ def _columns(arguments) -> list[np.ndarray]:
 
 def _valid(w, EA, L, x, z, seabed, friction, clearance):
     """The rules of Span, row by row."""
-    finite = np.isfinite(w) & np.isfinite(EA) & np.isfinite(L + x + z) & np.isfinite(friction + clearance)
+    finite = np.logical_and.reduce([np.isfinite(v) for v in (w, EA, L, x, z, friction, clearance)])
     signs = (L > 0) & (EA > 0) & (x >= 0) & (friction >= 0) & (clearance >= 0)
     return finite & signs & np.where(seabed, (w >= 0) & (z >= -clearance), clearance == 0)

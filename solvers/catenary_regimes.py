@@ -261,20 +261,22 @@ def lying_state(f, l, e, CB):
 
 def slack_state(f, h, e, c):
     """Zero horizontal force: each end carries what hangs straight down from it; the rest lies on the seabed."""
+    zero = 0 * abs(h)
     V, V_anchor = hanging_length(f, h + c, e), 0 - hanging_length(f, c, e)
-    return (0 * h, V, 0 * h, V_anchor, 1 - V + V_anchor), (0 * h, 0 * h, 0 * h, 1 / (1 + e * V))
+    return (zero, V, zero, V_anchor, 1 - V + V_anchor), (zero, zero, zero, 1 / (1 + e * V))
 
 
 def vertical_state(f, h, e):
     """l = 0: a taut line (|h| > 1 + e/2), or one folded over. K11 is the limit of H/l."""
     up = f.where(h < 0, -1.0, 1.0)
     height = up * h
+    zero = 0 * height
     taut = height > 1 + e / 2
     mean = f.where(taut, (height - 1) / e, height / (2 + e))
     spread = f.log1p(1 / f.maximum(mean - 0.5, TINY))  # asinh difference of the ends as H -> 0
     V = up * mean
     K11, K22 = f.where(taut, 1 / (spread + e), 0.0), f.where(taut, 1 / e, 1 / (2 + e))
-    return (0 * h, V + 0.5, 0 * h, V - 0.5, 0 * h), (K11, 0 * h, 0 * h, K22)
+    return (zero, V + 0.5, zero, V - 0.5, zero), (K11, zero, zero, K22)
 
 
 def massless_state(f, l, h):

@@ -82,6 +82,7 @@ def _classify(f, l, h, e, CB, c, seabed, massless):
 
 
 def one(regime, columns, tolerance, *_):
+    """Solve one span of the given regime."""
     return _KERNELS[regime](SCALAR, monotone_root, *columns, tolerance)
 
 

@@ -97,6 +97,7 @@ def _as_step(now, scaled):
 
 
 def jacobian_of(now, jacobian):
+    """The scaled Jacobian, "analytic" or by "finite-difference"."""
     return analytic_jacobian(now) if jacobian == "analytic" else difference_jacobian(now)
 
 

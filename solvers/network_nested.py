@@ -56,6 +56,7 @@ class SoftFloor:
         self.free, self.dof, self.size = balance.free, balance.dof, balance.size
 
     def spans(self, r):
+        """The softened elements between nodes at r (n, 3), and how far each node has sunk."""
         held = r.copy()
         held[self.free, 2] = np.maximum(held[self.free, 2], self.height)
         elements = self.balance.spans(held if self.contact else r)
@@ -63,11 +64,13 @@ class SoftFloor:
         return elements
 
     def unbalanced(self, elements):
+        """As Balance.unbalanced, with the springs of the floor."""
         force = self.balance.unbalanced(elements)
         force[:, 2] += self.spring * elements.sunk
         return force
 
     def tangent(self, elements):
+        """As Balance.tangent, with the springs of the floor; what a sunk node holds does not move with it."""
         below = np.flatnonzero(elements.sunk > 0)
         above, springs = np.ones(self.size), np.zeros(self.size)
         springs[self.dof[below, 2]] = self.spring[below]
@@ -190,6 +193,7 @@ class Differences:
         self.spans, self.unbalanced = balance.spans, balance.unbalanced
 
     def tangent(self, elements):
+        """As Balance.tangent, one column a coordinate."""
         r = elements.geometry.r
         step = self.STEP * float(self.balance.L.mean())
         base, columns = self.unbalanced(elements)[self.free].ravel(), []
@@ -219,6 +223,7 @@ def coupled_stiffness(balance, r, resting, count):
 
 
 def dense(matrix):
+    """An array whatever the storage."""
     return matrix if isinstance(matrix, np.ndarray) else matrix.toarray()
 
 
@@ -228,6 +233,7 @@ def soft_stiffness(balance):
 
 
 def evaluate(balance, r, count):
+    """Elements and unbalanced force at r, counted."""
     elements = balance.spans(r)
     count.evaluations += 1
     return elements, balance.unbalanced(elements)

@@ -12,11 +12,11 @@ def real_number(name: str, value, unit: str) -> float:
     """``value`` as a finite float; raises InputError naming the field, the value and its unit."""
     if type(value) is not float:
         if isinstance(value, (str, bytes, bool)):
-            raise InputError(f"{name}: {value!r} must be a real number ({unit})")
+            raise InputError(f"{name}: {value!r} must be a real number ({unit.strip('()')})")
         try:
             value = float(value)
         except (TypeError, ValueError, OverflowError):
-            raise InputError(f"{name}: {value!r} must be one real number ({unit})") from None
+            raise InputError(f"{name}: {value!r} must be one real number ({unit.strip('()')})") from None
     if not math.isfinite(value):
         raise InputError(f"{name}: {value} {unit} must be finite")
     return value

@@ -114,7 +114,7 @@ def _check_keys(name: str, table):
         raise InputError(f"{name}: {table!r} must be a table, [{name}]")
     for key in table:
         if key not in _KEYS[name]:
-            near = get_close_matches(key, _KEYS[name], n=1)
+            near = [k for k in _KEYS[name] if k.lower() == key.lower()] or get_close_matches(key, _KEYS[name], n=1)
             hint = f"did you mean {near[0]!r}?" if near else f"known keys are {', '.join(sorted(_KEYS[name]))}"
             raise InputError(f"unknown key {key!r} in {where}; {hint}")
     for key in _REQUIRED[name]:

@@ -14,6 +14,9 @@ from .exact import catenary_mp
 EPS = 2.0**-52
 DATA = Path(__file__).parents[1] / "reference_data"
 
+ORACLE = Path(catenary_mp.__file__)
+"""The oracle's source: results kept between runs are valid as long as it does not change."""
+
 WRONG = 1e-3
 """An answer returned as success with a larger relative error of the fairlead force is wrong (the bound of ANCHORS)."""
 

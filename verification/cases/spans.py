@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 import numpy as np
+
+
+INPUTS = ("w", "EA", "L", "x", "z", "seabed", "friction", "clearance")
 
 
 @dataclass(frozen=True)
@@ -24,7 +27,7 @@ class SpanCase:
 
     def inputs(self) -> dict:
         """The arguments of solvers.Span."""
-        return {key: value for key, value in asdict(self).items() if key not in ("name", "regime")}
+        return {name: getattr(self, name) for name in INPUTS}
 
 
 OC3 = {"w": 698.094, "EA": 384.243e6, "L": 902.2, "x": 848.67, "z": 250.0}
@@ -89,3 +92,43 @@ def _random_case(rng, name) -> SpanCase:
         x = max(L - abs(z), 0.0)
     EA = abs(float(w)) * L * float(stiffness) or 1e6
     return SpanCase(name, "random", float(w), EA, L, x, float(z), seabed, friction, clearance)
+
+
+def random_arrays(n: int, seed: int = 2026) -> dict[str, np.ndarray]:
+    """n valid spans as arrays (n,), arguments of solvers.solve_spans: the mixture of ``random_cases``, drawn at once.
+
+    For timing many lines; the same arrays for the same (n, seed), but other lines than ``random_cases``.
+    """
+    rng = np.random.default_rng(seed)
+
+    def log(low, high):
+        return 10 ** rng.uniform(low, high, n)
+
+    def one_of(*columns):
+        return np.choose(rng.integers(0, len(columns), n), columns)
+
+    everyday = rng.random(n) < 0.5
+    L = np.where(everyday, log(1.5, 3.3), log(-1, 4.3))
+    w = np.where(everyday, log(1, 3.5), log(-6, 5))
+    stiffness = np.where(everyday, log(2, 5), one_of(log(0, 3), log(3, 12), log(12, 280)))
+    near = 1 + log(-14, -1) * rng.choice([-1, 1], n)
+    chord = L * one_of(rng.uniform(0.3, 1.0, n), near, log(-3, 2))
+    angle = np.pi / 2 * np.where(rng.random(n) < 0.7, rng.uniform(0, 1, n), one_of(log(-9, 0), 1 - log(-9, 0)))
+    x, z = chord * np.cos(angle), chord * np.sin(angle)
+    seabed = rng.random(n) < 0.6
+    raised = seabed & (rng.random(n) < 0.25)
+    clearance = np.where(raised, L * log(-4, 0), 0.0)
+    z = np.where(raised & (rng.random(n) < 0.4), -np.minimum(z, clearance), z)
+    rough = seabed & ~raised & (rng.random(n) < 0.7)
+    friction = np.where(rough, one_of(rng.uniform(0, 1, n), log(-4, 3)), 0.0)
+    z = np.where(seabed, z, z * rng.choice([-1, 1], n))
+    w = np.where(seabed, w, w * rng.choice([-1, 1, 1], n))
+    special = rng.integers(0, 60, n)
+    triangle, lying, just_slack = special == 0, special == 4, (special == 5) & seabed
+    x, z, L = np.where(triangle, 3 * L, x), np.where(triangle, 4 * L, z), np.where(triangle, 5 * L, L)
+    x, z = np.where(special == 1, 0.0, x), np.where((special == 2) | lying, 0.0, z)
+    w, clearance = np.where(special == 3, 0.0, w), np.where(lying, 0.0, clearance)
+    x = np.where(lying, L * (1 + log(-6, -1)), np.where(just_slack, np.maximum(L - abs(z), 0.0), x))
+    EA = np.where(w == 0, 1e6, abs(w) * L * stiffness)
+    names = ("w", "EA", "L", "x", "z", "seabed", "friction", "clearance")
+    return dict(zip(names, (w, EA, L, x, z, seabed, friction, clearance), strict=True))

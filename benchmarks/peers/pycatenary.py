@@ -1,0 +1,42 @@
+"""pycatenary: MooringLine, as its README uses it.
+
+It gives the stretched line the shape of one inextensible catenary, and does not stretch the part on the floor: its
+errors grow with the strain by design (0.7 % of the tension for the OC3 line); tightening ``tol`` does not remove them.
+"""
+
+from __future__ import annotations
+
+from importlib import metadata
+
+from pycatenary import MooringLine
+
+from verification.registry import SpanAnswer
+
+NAME = "pycatenary"
+LABEL = "pycatenary"
+
+
+def version() -> str:
+    return metadata.version("pycatenary")
+
+
+def unsupported(case) -> str:
+    if case.w <= 0:
+        return "it divides by the submerged weight and takes it as acting downwards"
+    if case.seabed and case.friction > 0:
+        return "it has no seabed friction"
+    if case.seabed and case.clearance > 0:
+        return "its floor is at the level of the lower end"
+    return ""
+
+
+def solve(case, tolerance=None) -> SpanAnswer:
+    """``tolerance`` relative to L: its ``tol`` is an absolute distance in m (default 1e-10 m)."""
+    line = MooringLine(
+        fairlead=[case.x, 0.0, case.z], anchor=[0.0, 0.0, 0.0], L=case.L, w=case.w, EA=case.EA, floor=case.seabed
+    )
+    if tolerance is not None:
+        line.catenary.tol = tolerance * case.L
+    line.compute_solution()
+    force = line.get_fairlead_force()  # of the line on the fairlead, z up
+    return SpanAnswer(float(-force[0]), float(-force[2]))

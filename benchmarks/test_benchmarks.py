@@ -1,0 +1,205 @@
+"""The benchmarks' own checks: are the peers called rightly, is every way of failing counted, are files whole?"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import sys
+import time
+import warnings
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from solvers import solve_spans
+from verification.cases.spans import NAMED, SpanCase, random_arrays
+from verification.reference import exact_span
+from verification.registry import SpanAnswer
+
+from . import accuracy, console, harness, peers, results, truth
+
+LINE = {"w": 700.0, "EA": 4e8, "L": 900.0}
+ORDINARY = (
+    SpanCase("hanging below a raised anchor", "", **LINE, x=800.0, z=-250.0, seabed=False),
+    SpanCase("sagging", "", **LINE, x=600.0, z=100.0, seabed=False),
+    SpanCase("fairlead above", "", **LINE, x=600.0, z=500.0, seabed=False),
+    SpanCase("on the seabed", "", **LINE, x=840.0, z=250.0),
+    SpanCase("on the seabed, slack", "", **LINE, x=500.0, z=250.0),
+    SpanCase("on the seabed, friction", "", **LINE, x=840.0, z=250.0, friction=1.0),
+    SpanCase("both ends raised", "", **LINE, x=840.0, z=100.0, clearance=50.0),
+    SpanCase("both ends raised, fairlead lower", "", **LINE, x=840.0, z=-40.0, clearance=90.0),
+    SpanCase("buoyant", "", **(LINE | {"w": -700.0}), x=600.0, z=100.0, seabed=False),
+)
+"""Everyday lines, one for each sign and switch that an adapter translates: a peer that misses one is called wrongly."""
+
+ORDINARY_ERROR = {"moorpy": 1e-5, "pycatenary": 2e-2}
+"""Their default tolerances, and pycatenary's treatment of stretch; a wrong sign or a missed switch gives 0.1 to 2."""
+
+SOLVERS = harness.solvers()
+
+
+def solver_of(solve):
+    return harness.Solver("made up", "made up", "0", solve)
+
+
+@pytest.mark.parametrize("case", ORDINARY, ids=lambda case: case.name)
+@pytest.mark.parametrize("name", [name for name in SOLVERS if name in peers.PACKAGES])
+def test_an_adapter_asks_the_question_that_was_meant(name, case):
+    found = harness.assess(SOLVERS[name], case, exact_span(case))
+    if found["verdict"] == "unsupported":
+        pytest.skip(found["message"])
+    assert found["error"] is not None
+    assert found["error"] < ORDINARY_ERROR[name], found
+
+
+@pytest.mark.parametrize("change", [{"z": 250.0}, {"seabed": True, "clearance": 250.0}, {"w": -700.0}])
+def test_the_bound_on_adapters_can_fail(change):
+    meant = ORDINARY[0]
+    asked = replace(meant, **change)
+    found = harness.assess(solver_of(lambda *_: SOLVERS["catenary"].solve(asked)), meant, exact_span(meant))
+    assert found["error"] > max(ORDINARY_ERROR.values())
+
+
+def raises(case, tolerance):
+    raise ZeroDivisionError("float division by zero")
+
+
+def hangs(case, tolerance):
+    while True:
+        try:
+            time.sleep(0.01)
+        except Exception:
+            continue
+
+
+@pytest.mark.parametrize(
+    ("solve", "message"),
+    [
+        (raises, "ZeroDivisionError: float division by zero"),
+        (hangs, "no answer within"),
+        (lambda *_: SpanAnswer(math.nan, 1.0), "returned H = nan"),
+        (lambda *_: SpanAnswer(math.inf, 1.0), "returned H = inf"),
+        (lambda *_: SpanAnswer(1.0, 1.0, refused="it said so"), "it said so"),
+    ],
+)
+def test_every_way_of_failing_is_refused(monkeypatch, solve, message):
+    monkeypatch.setattr(harness, "TIME_LIMIT", 0.1)
+    case = NAMED[0]
+    found = harness.assess(solver_of(solve), case, exact_span(case))
+    assert (found["verdict"], found["message"][: len(message)]) == ("refused", message)
+    assert results.plain(found)["error"] is None
+
+
+@pytest.mark.parametrize(("factor", "verdict"), [(1.0, "right"), (1 + 1e-4, "right"), (1.01, "wrong"), (-1.0, "wrong")])
+def test_verdict(factor, verdict):
+    case, exact = NAMED[1], exact_span(NAMED[1])
+    assert harness.judge(SpanAnswer(exact.H * factor, exact.V), exact, case)["verdict"] == verdict
+
+
+def test_what_rounding_of_the_inputs_causes_is_not_called_wrong():
+    exact = replace(exact_span(NAMED[0]), condition=1e13)
+    found = harness.judge(SpanAnswer(exact.H * 1.01, exact.V), exact, NAMED[0])
+    assert found["verdict"] == "right"
+    assert found["error"] > harness.WRONG
+
+
+def test_printing_warning_peers_stay_silent(capsys, recwarn):
+    def noisy(case, tolerance):
+        print("iterations are as follows")
+        warnings.warn("careful", stacklevel=1)
+        return SpanAnswer(float(np.float64(1.0) / np.float64(0.0)), 1.0)
+
+    harness.ask(solver_of(noisy), NAMED[0])
+    assert capsys.readouterr().out == ""
+    assert not recwarn.list
+
+
+def test_a_peer_that_is_not_installed_is_left_out_and_a_broken_one_is_named(monkeypatch):
+    monkeypatch.setattr(peers, "PACKAGES", {"moorpy": "moorpy"})
+    monkeypatch.delitem(sys.modules, "benchmarks.peers.moorpy", raising=False)
+    for name in [name for name in sys.modules if name.split(".")[0] == "moorpy"]:
+        monkeypatch.delitem(sys.modules, name)
+    finder = Finder(ModuleNotFoundError("No module named 'moorpy'", name="moorpy"))
+    monkeypatch.setattr(sys, "meta_path", [finder, *sys.meta_path])
+    assert peers.available.__wrapped__() == {}
+    finder.error = ModuleNotFoundError("No module named 'scikit_missing'", name="scikit_missing")
+    with pytest.raises(ImportError, match=r"moorpy is installed but cannot be imported.*scikit_missing"):
+        peers.available.__wrapped__()
+
+
+class Finder:
+    """Lets the import of moorpy fail with ``error``."""
+
+    def __init__(self, error):
+        self.error = error
+
+    def find_spec(self, name, path=None, target=None):
+        if name == "moorpy":
+            raise self.error
+        return None
+
+
+def test_a_result_file_is_strict_and_whole(tmp_path):
+    path = tmp_path / "new" / "file.json"
+    results.write(path, {"a": np.array([1.0, np.nan]), "b": (np.float64(-np.inf), np.int64(3)), "c": {1: np.True_}})
+    assert json.loads(path.read_text()) == {"a": [1.0, None], "b": [None, 3], "c": {"1": True}}
+    with pytest.raises(TypeError):
+        results.write(path, {"a": object()})
+    assert json.loads(path.read_text())["b"] == [None, 3]
+    assert os.listdir(path.parent) == ["file.json"]
+
+
+def test_exact_results_are_kept_and_a_cut_line_is_skipped(tmp_path, monkeypatch):
+    known = truth.TruthCache(tmp_path)
+    exact = known.of(NAMED[0])
+    with known.path.open("a") as file:
+        file.write('\n["cut", {"H": 1')
+    monkeypatch.setattr(truth, "oracle", None)  # a second computation would fail
+    again = truth.TruthCache(tmp_path)
+    assert again.of(NAMED[0]) == exact
+    assert again.get(NAMED[1]) is None
+
+
+def test_an_entry_after_a_cut_line_is_found(tmp_path):
+    known = truth.TruthCache(tmp_path)
+    known.path.write_text('["cut", {"H": 1')
+    truth.TruthCache(tmp_path).of(NAMED[0])
+    assert truth.TruthCache(tmp_path).get(NAMED[0]) == exact_span(NAMED[0])
+
+
+def test_a_misled_oracle_is_asked_again_without_a_start(monkeypatch):
+    def misled(case, start=None):
+        if start is not None:
+            raise ValueError("no bracket")
+        return exact_span(case)
+
+    monkeypatch.setattr(truth, "exact_span", misled)
+    assert truth.oracle(NAMED[0]) == exact_span(NAMED[0])
+
+
+def test_progress_in_lines(monkeypatch, capsys):
+    monkeypatch.setenv(console.PROGRESS, "lines")
+    assert list(console.progress("ab", 2, "two")) == ["a", "b"]
+    assert capsys.readouterr().out == "progress 1 2\nprogress 2 2\n"
+
+
+def test_the_map_holds_its_corners_and_the_chord_itself():
+    cases = accuracy.map_cases()
+    slackness, stiffness = zip(*((c.L / math.hypot(c.x, c.z), c.EA / (c.w * c.L)) for c in cases), strict=True)
+    assert len(cases) == accuracy.GRID**2
+    assert math.isclose(min(slackness), 0.9)
+    assert math.isclose(max(slackness), 3.0)
+    assert slackness.count(1.0) == accuracy.GRID
+    assert math.isclose(min(stiffness), 10.0)
+    assert math.isclose(max(stiffness), 1e9)
+    assert len(set(slackness)) == len(set(accuracy.map_slackness()))
+
+
+def test_mixed_lines_are_valid_repeatable_and_cover_every_regime():
+    lines = random_arrays(20_000)
+    batch = solve_spans(**lines)
+    assert batch.success.all()
+    assert {regime.name for regime in batch.regime} == set(type(batch.regime[0]).__members__)
+    assert all(np.array_equal(lines[key], column) for key, column in random_arrays(20_000).items())
