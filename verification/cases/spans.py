@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-
 INPUTS = ("w", "EA", "L", "x", "z", "seabed", "friction", "clearance")
 
 

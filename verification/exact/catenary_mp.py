@@ -264,7 +264,7 @@ def _on_bottom(length, H, friction, w):
 def _pieces(H, V, p):
     """The pieces of a line with fairlead force (H, V), w > 0, and its grounded length."""
     suspended = [_Hanging(p.L, H, V - p.w * p.L)]
-    if not p.seabed or V < 0 or V >= p.w * p.L:
+    if not p.seabed or V < 0 or p.w * p.L <= V:
         return suspended, ZERO
     from_fairlead, from_anchor = V / p.w, _hanging_length(H, p.clearance, p.w, p.EA)
     grounded = p.L - from_fairlead - from_anchor
