@@ -1,7 +1,7 @@
 """The catenary forwards: excursion (l, h) of spans from their fairlead forces, (2.4) and (2.23), with all derivatives.
 
 The monolithic network iterates on forces, so it needs the equations themselves and the blocks C of (4.13)-(4.16), as
-corrected by the errata. Arrays (n,), m and N; the spans are elastic and heavy (w != 0) with H > 0.
+corrected by the errata. Arrays (n,), m and N; H > 0.
 """
 
 from __future__ import annotations
@@ -43,11 +43,13 @@ def excursion(H, V, w, EA, L, rests, friction, clearance) -> Excursion:
     )
     touching = rests & (V >= 0) & (V + lift < weight)
     free = _free(H, V, w, EA, L)
-    if not touching.any():
-        return free
-    rest = _touching(H, V, w, EA, L, friction, clearance, lift)
-    pick = {name: _where(touching, getattr(rest, name), getattr(free, name)) for name in Excursion.__annotations__}
-    return Excursion(**pick)
+    if touching.any():
+        free = _pick(touching, _touching(H, V, w, EA, L, friction, clearance, lift), free)
+    return _pick(w == 0, _spring(H, V, EA, L), free) if (w == 0).any() else free
+
+
+def _pick(rows, a, b) -> Excursion:
+    return Excursion(**{name: _where(rows, getattr(a, name), getattr(b, name)) for name in Excursion.__annotations__})
 
 
 def _where(rows, a, b):
@@ -70,6 +72,14 @@ def _free(H, V, w, EA, L) -> Excursion:
     C12 = -H * L * (V + b) / (Ta * Tb * (Ta + Tb))  # H (1/Ta - 1/Tb)/w
     C = np.stack([spread / w - sine + L / EA, C12, C12, sine + L / EA], axis=-1).reshape(-1, 2, 2)
     return Excursion(l, h, H, b, C, np.broadcast_to(np.eye(2), C.shape), np.zeros((H.size, 3)))
+
+
+def _spring(H, V, EA, L) -> Excursion:
+    """A weightless line: straight along the force, stretched to L (1 + T/EA)."""
+    T = np.sqrt(H * H + V * V)
+    long, turn = L * (1 / T + 1 / EA), L / (T * T * T)
+    C = np.stack([long - turn * H * H, -turn * H * V, -turn * H * V, long - turn * V * V], axis=-1).reshape(-1, 2, 2)
+    return Excursion(long * H, long * V, H, V, C, np.broadcast_to(np.eye(2), C.shape), np.zeros((H.size, 3)))
 
 
 def _touching(H, V, w, EA, L, friction, clearance, lift) -> Excursion:

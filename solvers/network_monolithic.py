@@ -4,7 +4,7 @@ The residual is the force balance (3.6) of the free nodes, then l(H, V) - l(r) a
 the Jacobian (3.7): A = dF/dr, B = dF/d(H, V), C = d(l, h)/d(H, V). C consists of 2 x 2 blocks, so a Newton step
 eliminates it (Schur complement) and factorizes only a matrix of the size of the positions, sparse for large networks.
 
-H and V cannot be unknowns of an element whose forces follow in closed form (slack, vertical, lying, weightless): it
+H and V cannot be unknowns of an element whose forces follow in closed form (slack, vertical, lying): it
 enters by its exact forces, as in the nested method, and joins the unknowns when it stretches.
 """
 
@@ -26,15 +26,15 @@ UNITS = {"N": (1.0, 1.0), "kN": (1e3, 1.0), "scaled": None}
 
 
 def closed_form(balance, geometry):
-    """(e,) bool: elements whose forces are not unknowns: weightless, vertical, slack, or a fairlead on the seabed."""
+    """(e,) bool: elements whose forces are not unknowns: vertical, slack, or a fairlead on the seabed."""
     g, w, L = geometry, balance.w, balance.L
-    closed = (w == 0) | (g.l <= NARROWEST * (L + np.abs(g.rise)))
+    closed = (g.l <= NARROWEST * (L + np.abs(g.rise))) | ((w == 0) & (np.hypot(g.l, g.rise) <= L))
     rows = np.flatnonzero(balance.rests)
     if rows.size:
         e, c = w[rows] / balance.EA[rows], g.clearance[rows]
         over = np.maximum(g.rise[rows] + c, 0.0)
         spare = L[rows] - hanging_length(ARRAY, over, e) - hanging_length(ARRAY, c, e)
-        closed[rows] |= (spare >= g.l[rows]) | (over == 0)
+        closed[rows] |= (w[rows] > 0) & ((spare >= g.l[rows]) | (over == 0))
     return closed
 
 
