@@ -20,7 +20,6 @@ from .network_nested import (
     attainable,
     coupled_stiffness,
     evaluate,
-    from_no_guess,
     largest_force,
     nested,
     robust_start,
@@ -105,8 +104,10 @@ class Network:
         for i, node in enumerate(self.nodes):
             if depth is not None and node.r[2] < -depth:
                 raise InputError(f"node {i} ({node.kind}): z = {node.r[2]:g} m lies below the seabed at {-depth:g} m")
-        held = self._held()
+        held, carrying = self._held(), {end for element in self.elements for end in element.ends}
         for i, node in enumerate(self.nodes):
+            if i not in carrying:
+                raise InputError(f"node {i} ({node.kind}): carries no element")
             if not held[i]:
                 raise InputError(f"node {i} ({node.kind}): no chain of elements ties it to a fixed or coupled node")
 
@@ -211,7 +212,7 @@ def solve_network(
     units: str = "scaled",
     start=None,
     fallback: bool = True,
-    tolerance: float = 1e-10,
+    tolerance: float = 1e-9,
     throw: bool = True,
 ) -> NetworkState:
     """Equilibrium of a network.
@@ -231,15 +232,28 @@ def solve_network(
     balance, count = Balance(network), Count()
     first, H, V = _start(network, balance, start, count)
     if method == "monolithic":
-        r, _, _, solved = monolithic(balance, first, H, V, count, units, jacobian, globalisation, tolerance)
+        last, solved = monolithic(balance, first, H, V, count, units, jacobian, globalisation, tolerance)
+        state = _state(balance, last.r, count, tolerance, last.elements if solved else None)
     else:
-        r, solved = nested(balance, first, jacobian, tolerance, count)
-    state = _state(balance, r, count, tolerance)
-    if not state.success and fallback:
-        polished, ready = nested(balance, r, "analytic", tolerance, count) if solved else (r, False)
-        r = polished if ready else from_no_guess(balance, tolerance, count)[0]
+        r, _ = nested(balance, first, jacobian, tolerance, count)
         state = _state(balance, r, count, tolerance)
+    if not state.success and fallback:
+        state = _from_no_guess(balance, count, tolerance)
     return state.or_throw(f"{len(network.elements)} elements, {len(network.nodes)} nodes, {method}") if throw else state
+
+
+def _from_no_guess(balance, count, tolerance) -> NetworkState:
+    """Each way of leading to a start, then the nested solver, and from where it stops the monolithic one."""
+    for contact in (True, False) if balance.w.size <= SHORT else (False, True):
+        r, _ = nested(balance, robust_start(balance, count, contact), "analytic", tolerance, count)
+        state = _state(balance, r, count, tolerance)
+        if not state.residual_norm <= tolerance:
+            last, solved = monolithic(balance, r, state.H, state.V, count, tolerance=tolerance)
+            if solved or not state.success:
+                state = _state(balance, last.r, count, tolerance, last.elements if solved else None)
+        if state.success or not balance.rests.any():
+            break
+    return state
 
 
 def _start(network, balance, start, count):
@@ -266,9 +280,13 @@ def _start(network, balance, start, count):
     return r, H, V
 
 
-def _state(balance, r, count, tolerance) -> NetworkState:
-    """The result, with forces and residual from exact spans at the final positions, whatever method led there."""
-    elements, force = evaluate(balance, r, count)
+def _state(balance, r, count, tolerance, elements=None) -> NetworkState:
+    """The result, with the forces of the monolithic unknowns if they are given, else of exact spans at r.
+
+    Exact spans of very stiff lines cannot tell the force from positions rounded to doubles; the unknowns can.
+    """
+    elements = balance.spans(r) if elements is None else elements
+    force = balance.unbalanced(elements)
     resting = balance.free & (r[:, 2] <= balance.floor) & (force[:, 2] <= 0)
     unbalanced = np.where(balance.free[:, None], force, 0.0)
     unbalanced[resting, 2] = 0.0

@@ -17,7 +17,7 @@ from .catenary_regimes import NARROWEST, hanging_length
 from .elementary import ARRAY
 from .network_balance import Elements, exact_forces
 from .network_jacobian import dense_step, trust_region_step
-from .network_nested import largest_force, soft_stiffness, solve_sparse
+from .network_nested import EPS, largest_force, soft_stiffness, solve_sparse
 
 MAX_ITERATIONS = 60
 REGULAR = 1e-9  # of the softest stiffness that counts
@@ -104,7 +104,10 @@ class Iterate:
         tangent = tangent if unknown.size == b.size else tangent[unknown][:, unknown]
         dr = np.zeros_like(self.r)
         shift = REGULAR * soft_stiffness(b)  # where slack lines leave a direction without stiffness
-        dr[self.moving] = solve_sparse(tangent, shift, right, self.monolith.count)
+        change = solve_sparse(tangent, shift, right, self.monolith.count)
+        if change is None:
+            return None
+        dr[self.moving] = change
         return dr, *self._forces_after(dr)
 
     def _forces_after(self, dr):
@@ -126,20 +129,22 @@ class Iterate:
 
 
 def solve(balance, r, H, V, count, units="scaled", jacobian="analytic", globalisation="line-search", tolerance=1e-10):
-    """Newton's method from positions r (n, 3) and forces H, V (e,); returns (r, H, V, converged).
+    """Newton's method from positions r (n, 3) and forces H, V (e,); returns (last iterate, converged).
 
-    tolerance : of the force balance over the largest force, gaps counted by the force that they stand for.
+    tolerance : of the force balance over the largest force, gaps counted by the force that they stand for; a gap that
+    is no more than the rounding of the positions is closed.
     """
     m = Monolith(balance, units, count)
     with np.errstate(all="ignore"):  # trial steps may overflow; their norm is then no decrease
-        return _iterate(m.at(r, H, V), jacobian, globalisation, tolerance)
+        now = _iterate(m.at(r, H, V), jacobian, globalisation, tolerance)
+        return now, _converged(now, tolerance)
 
 
 def _iterate(now, jacobian, globalisation, tolerance):
     radius = None
     for _ in range(MAX_ITERATIONS):
         if _converged(now, tolerance):
-            return now.r, now.elements.H, now.elements.V, True
+            break
         now.monolith.count.iterations += 1
         if globalisation == "trust-region":
             new, radius = trust_region_step(now, jacobian, radius)
@@ -148,14 +153,17 @@ def _iterate(now, jacobian, globalisation, tolerance):
         if new is None:
             break
         now = new
-    return now.r, now.elements.H, now.elements.V, _converged(now, tolerance)
+    return now
 
 
 def _converged(now, tolerance):
     """The force balance, and the forces that closing the gaps would still add, are small against the largest force."""
-    bound = tolerance * largest_force(now.monolith.balance, now.elements)
-    missing = np.einsum("eij,ej->ei", now.C_inverse, now.gap)
-    return max(np.abs(now.force[now.moving]).max(initial=0.0), np.abs(missing).max()) <= bound
+    b = now.monolith.balance
+    bound = tolerance * largest_force(b, now.elements)
+    rounding = 4 * EPS * (np.abs(now.r).max() + b.L)
+    missing = np.abs(np.einsum("eij,ej->ei", now.C_inverse, now.gap)).max(axis=1)
+    closed = (missing <= bound) | (np.abs(now.gap).max(axis=1) <= rounding)
+    return bool(np.abs(now.force[now.moving]).max(initial=0.0) <= bound and closed.all())
 
 
 def _inverse(C):
@@ -165,7 +173,9 @@ def _inverse(C):
 
 
 def _line_search(now, step):
-    """Halve the step until the norm of the residual falls."""
+    """Halve the step until the norm of the residual falls; None if it does not, or if there is no step."""
+    if step is None:
+        return None
     norm, length = np.linalg.norm(now.residual), 1.0
     while length > 1e-8:
         new = now.after(length, step)

@@ -22,6 +22,7 @@ SOFTEST, HARDEST = 1.0, 1e-3  # first stage; last stage, over the number of elem
 LEAST_SOFT = 1e-10  # strains below it are no longer told from none
 STAGE_TOLERANCE = 1e-2  # of the heaviest node load: the next stage only needs a start
 MAX_ITERATIONS = 150
+STALLS = 3  # iterations without halving the least force that show its rounding
 
 
 @dataclass
@@ -131,38 +132,31 @@ def attainable(balance, elements):
     return 4 * EPS * float(np.max(balance.EA / balance.L)) * (np.abs(balance.position).max() + balance.L.max())
 
 
-def from_no_guess(balance, tolerance, count):
-    """Equilibrium from no guess by either way of leading there: (r (n, 3), converged)."""
-    for contact in (True, False) if balance.w.size <= SHORT else (False, True):
-        r, converged = nested(balance, robust_start(balance, count, contact), "analytic", tolerance, count)
-        if converged or not balance.rests.any():
-            break
-    return r, converged
-
-
 def newton(balance, r, tolerance, count, limit=MAX_ITERATIONS, rounding=0.0):
     """Regularised Newton on the force balance; returns (r, largest unbalanced force of the free nodes, converged).
 
     tolerance : N; a force below ``rounding`` that no longer falls is accepted too.
     """
-    free, damping, last = balance.free, 1e-2, np.inf
+    free, damping, least, stalled = balance.free, 1e-2, np.inf, 0
     unit = soft_stiffness(getattr(balance, "balance", balance))
     elements, force = evaluate(balance, r, count)
     for _ in range(limit):
         moving = free[:, None] & np.array([True, True, True])
         moving[:, 2] &= ~((r[:, 2] <= balance.floor) & (force[:, 2] <= 0))
         worst = np.abs(force[moving]).max(initial=0.0)
-        if worst <= tolerance or (worst <= rounding and worst > last / 2):
+        least, stalled = min(least, worst), 0 if worst < least / 2 else stalled + 1
+        if worst <= tolerance or (worst <= rounding and stalled >= STALLS):
             return r, worst, True
-        last = worst
         count.iterations += 1
         unknown = balance.dof[moving]
         tangent = balance.tangent(elements)
         tangent = tangent if unknown.size == balance.size else tangent[unknown][:, unknown]
         while True:
-            step = np.zeros_like(r)
-            step[moving] = solve_sparse(tangent, damping * unit, force[moving], count)
-            found = _search(balance, r, step, float((force * step)[moving].sum()), count)
+            found, step = None, np.zeros_like(r)
+            change = solve_sparse(tangent, damping * unit, force[moving], count)
+            if change is not None:
+                step[moving] = change
+                found = _search(balance, r, step, float((force * step)[moving].sum()), count)
             if found is not None:
                 break
             damping *= 10
@@ -254,12 +248,14 @@ def _search(balance, r, step, slope, count):
 
 
 def solve_sparse(matrix, shift, right, count):
-    """(matrix + shift I)^-1 right: LAPACK if dense, SuperLU with a symmetric ordering if sparse."""
+    """(matrix + shift I)^-1 right: LAPACK if dense, SuperLU with a symmetric ordering if sparse; None if singular."""
     n = right.size
     count.operations += 2 / 3 * n**3
-    if isinstance(matrix, np.ndarray):
-        return np.linalg.solve(matrix + shift * np.eye(n), right)
-    shifted = (matrix + shift * sparse.identity(n, format="csc")).tocsc()
-    return splu(shifted, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}, diag_pivot_thresh=0.0).solve(
-        right
-    )
+    try:
+        if isinstance(matrix, np.ndarray):
+            return np.linalg.solve(matrix + shift * np.eye(n), right)
+        shifted = (matrix + shift * sparse.identity(n, format="csc")).tocsc()
+        options = {"SymmetricMode": True}
+        return splu(shifted, permc_spec="MMD_AT_PLUS_A", options=options, diag_pivot_thresh=0.0).solve(right)
+    except (np.linalg.LinAlgError, RuntimeError):
+        return None
