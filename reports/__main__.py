@@ -1,0 +1,106 @@
+"""`python -m reports`: runs what is needed and writes one page. With scene files: a page about those lines only."""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import json
+import signal
+import sys
+from pathlib import Path
+
+from . import published
+from .ledger import digest, write_atomically
+from .runner import Ended, run_all
+from .stages import GROUPS, ROOT, SLOW, Stage, plan, scene_plan
+
+DEFAULT_OUT = ROOT / "reports" / "out"
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="python -m reports", description=__doc__)
+    parser.add_argument("scenes", nargs="*", type=Path, metavar="SCENE.toml", help="a page about these lines only")
+    parser.add_argument(
+        "--quick",
+        action="store_true",
+        help="less than two minutes: fewer random lines and tests, without the sweep of the tolerance",
+    )
+    parser.add_argument("--only", nargs="+", metavar="STAGE", help=f"run these only, of: {', '.join(GROUPS)}")
+    parser.add_argument("--out", type=Path, default=DEFAULT_OUT, metavar="DIR", help="folder of page and results")
+    parser.add_argument("--fresh", action="store_true", help="measure again what has not changed since the last run")
+    return parser
+
+
+def _checked(parser: argparse.ArgumentParser, argv) -> argparse.Namespace:
+    """Arguments, or a clear message and exit status 2."""
+    arguments = parser.parse_args(argv)
+    for name in arguments.only or ():
+        if name not in GROUPS:
+            parser.error(f"unknown stage {name!r}; the stages are {', '.join(GROUPS)}")
+    for path in arguments.scenes:
+        if not path.is_file():
+            parser.error(f"{path}: there is no such scene file")
+    stems = [path.stem for path in arguments.scenes]
+    if len(set(stems)) < len(stems):
+        parser.error("two scene files have the same name: results are kept by name, so rename one")
+    if arguments.out.exists() and not arguments.out.is_dir():
+        parser.error(f"{arguments.out}: is a file, and --out wants a folder")
+    return arguments
+
+
+def main(argv=None) -> int:
+    """Exit status 0: all there and all tests passed; 1: something failed (the page says what); 2: bad arguments."""
+    arguments = _checked(_parser(), argv)
+    out = arguments.out.resolve()
+    (out / "results").mkdir(parents=True, exist_ok=True)
+    stages, name = _planned(arguments, out)
+    wanted = arguments.only or [group for group in GROUPS if not (arguments.quick and group in SLOW)]
+    chosen = [stage for stage in stages if stage.group in wanted]
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        ended = run_all(chosen, out / "results", arguments.fresh)
+        path = _page(out, name, stages, ended, not arguments.scenes)
+    except KeyboardInterrupt:
+        print("\ninterrupted; finished results are kept and the next run goes on from there", file=sys.stderr)
+        return 130
+    return _told(path, ended)
+
+
+def _planned(arguments, out: Path) -> tuple[list[Stage], str]:
+    """The stages, and the file name of the page."""
+    if arguments.scenes:
+        return scene_plan(arguments.scenes), f"scene-{'-'.join(path.stem for path in arguments.scenes)}.html"
+    return plan(arguments.quick, published.write_scenes(out / "published")), "index.html"
+
+
+def _page(out: Path, name: str, stages: list[Stage], ended: list[Ended], whole: bool) -> Path:
+    """Build the page, unless everything it is made of is as it was."""
+    record = out / "results" / f"{name}.key"
+    made_of = [digest("reports"), digest("verification"), digest("reference_data")]
+    made_of += [[end.stage.name, end.tail] for end in ended if end.state == "failed"]
+    results = [out / "results" / output for output in ("stages.json", *(stage.output for stage in stages))]
+    made_of += [hashlib.sha256(file.read_bytes()).hexdigest() if file.exists() else None for file in results]
+    now = hashlib.sha256(json.dumps(made_of).encode()).hexdigest()
+    if not ((out / name).exists() and record.exists() and record.read_text(encoding="utf-8") == now):
+        from . import page  # matplotlib only where something is drawn
+
+        page.build(out, name, stages, ended, whole)
+        write_atomically(record, now)
+    return out / name
+
+
+def _told(path: Path, ended: list[Ended]) -> int:
+    """Say what failed and where the page is; the exit status."""
+    failed = [end for end in ended if end.state == "failed"]
+    for end in failed:
+        print(f"\nthe stage {end.stage.name} failed ({end.stage.shown}):", file=sys.stderr)
+        print(*(f"  {line}" for line in end.tail), sep="\n", file=sys.stderr)
+    red = any(end.stage.name == "tests" and end.code for end in ended)
+    if red:
+        print("\nsome verification tests fail: the page names them", file=sys.stderr)
+    print(path)
+    return 1 if failed or red else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

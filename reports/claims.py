@@ -1,0 +1,109 @@
+"""What is claimed and which test shows it: docstrings of the tests, read as text, with the outcomes in tests.xml."""
+
+from __future__ import annotations
+
+import ast
+import re
+import xml.etree.ElementTree as ElementTree
+from dataclasses import dataclass, field
+from pathlib import Path
+
+OUTCOMES = ("passed", "failed", "skipped")
+
+
+@dataclass
+class Claim:
+    """A test function with all its parameters: counts of outcomes, seconds, first message of a failure."""
+
+    name: str
+    text: str
+    counts: dict = field(default_factory=lambda: dict.fromkeys(OUTCOMES, 0))
+    seconds: float = 0.0
+    message: str = ""
+
+    @property
+    def state(self) -> str:
+        """One word for all parameters together."""
+        if self.counts["failed"]:
+            return "failed"
+        return "passed" if self.counts["passed"] else "skipped" if self.counts["skipped"] else "not run"
+
+
+@dataclass
+class Question:
+    """A test file: the question it asks and the claims that answer it."""
+
+    module: str
+    text: str
+    claims: list[Claim]
+
+    def total(self, outcome: str) -> int:
+        """Number of tests in this file with that outcome."""
+        return sum(claim.counts[outcome] for claim in self.claims)
+
+    @property
+    def seconds(self) -> float:
+        """Time of all its tests."""
+        return sum(claim.seconds for claim in self.claims)
+
+
+def first_sentence(docstring: str | None) -> str:
+    """First paragraph up to its first full stop, on one line."""
+    paragraph = " ".join((docstring or "").strip().split("\n\n")[0].split())
+    return re.split(r"(?<=[.?!])\s+(?=[A-Z])", paragraph)[0]
+
+
+def read_sources(folder: Path) -> dict[str, tuple[str, dict[str, str]]]:
+    """Module name -> (question, {test function: claim}) of every test file, without importing any."""
+    found = {}
+    for path in sorted(folder.glob("test_*.py")):
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef) and _is_test(node.name)]
+        functions.sort(key=lambda node: node.lineno)
+        found[path.stem] = (
+            first_sentence(ast.get_docstring(tree)),
+            {node.name: first_sentence(ast.get_docstring(node)) or _words(node.name) for node in functions},
+        )
+    return found
+
+
+def _is_test(name: str) -> bool:
+    return name.startswith("test")
+
+
+def _words(name: str) -> str:
+    return name.removeprefix("test_").replace("_", " ")
+
+
+def questions(folder: Path, xml: Path | None) -> list[Question]:
+    """The test files by name, their claims in the order of the file, with the outcomes of the last run."""
+    found = {
+        module: Question(module, text, [Claim(name, claim) for name, claim in claims.items()])
+        for module, (text, claims) in read_sources(folder).items()
+    }
+    for case in ElementTree.parse(xml).iter("testcase") if xml else ():
+        _count(case, found)
+    return list(found.values())
+
+
+def _count(case, found: dict[str, Question]):
+    """Add one test case of the XML to its claim; cases of unknown files or functions get an entry of their own."""
+    path = [part for part in (case.get("classname") or case.get("name")).split(".") if _is_test(part)]
+    module = path[0] if path else "elsewhere"
+    question = found.setdefault(module, Question(module, "", []))
+    name = case.get("name").split("[")[0]
+    claim = next((claim for claim in question.claims if claim.name == name), None)
+    if claim is None:
+        question.claims.append(claim := Claim(name, _words(name)))
+    trouble = [node for node in case if node.tag in ("failure", "error")]
+    outcome = "failed" if trouble else "skipped" if case.find("skipped") is not None else "passed"
+    claim.counts[outcome] += 1
+    claim.seconds += float(case.get("time") or 0)
+    if trouble and not claim.message:
+        claim.message = f"{case.get('name')}: {trouble[0].get('message') or ''}"[:600]
+
+
+def find(found: list[Question], test: str) -> Claim | None:
+    """The claim of a path such as verification/test_x.py::test_y."""
+    module, _, name = Path(test).name.partition(".py::")
+    return next((c for q in found if q.module == module for c in q.claims if c.name == name.split("[")[0]), None)

@@ -1,0 +1,115 @@
+"""Which results are still valid: a key per stage, from the contents of everything its result depends on."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.metadata
+import json
+import os
+import platform
+import re
+import subprocess
+import sys
+import tomllib
+from functools import cache
+from itertools import chain
+from pathlib import Path
+
+from .stages import ROOT, Stage
+
+SUFFIXES = {".py", ".toml", ".csv", ".j2", ".css"}
+
+
+def write_atomically(path: Path, text: str):
+    """Readers see the old file or the new one, never half of it."""
+    temporary = path.with_name(f"{path.name}.{os.getpid()}.tmp")
+    temporary.write_text(text, encoding="utf-8", newline="")
+    os.replace(temporary, path)
+
+
+@cache
+def digest(source: str) -> str:
+    """Digest of a file, or of the sources in a folder, by content; ``source`` from the repository's root."""
+    path = ROOT / source
+    files = [path] if path.is_file() else sorted(p for p in path.rglob("*") if p.suffix in SUFFIXES)
+    total = hashlib.sha256()
+    for file in files:
+        if ROOT / "reports" / "out" not in file.parents or file == path:
+            total.update(f"{file.relative_to(path).as_posix()}\0".encode() + file.read_bytes())
+    return total.hexdigest()
+
+
+@cache
+def packages() -> dict:
+    """Installed versions of everything that pyproject.toml names, None where it is not installed."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    wanted = [*project["dependencies"], *chain.from_iterable(project["optional-dependencies"].values())]
+    names = sorted({re.match(r"[\w.-]+", item)[0] for item in wanted} - {project["name"]})
+    return {name: _version(name) for name in names}
+
+
+def _version(name: str) -> str | None:
+    try:
+        return importlib.metadata.version(name)
+    except importlib.metadata.PackageNotFoundError:
+        return None
+
+
+@cache
+def commit() -> str:
+    """Commit and whether the tree is modified; empty outside git."""
+    try:
+        command = ("git", "describe", "--always", "--dirty", "--abbrev=12", "--exclude=*")
+        return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=20).stdout.strip()
+    except (OSError, subprocess.TimeoutExpired):
+        return ""
+
+
+def key(stage: Stage, arguments: tuple[str, ...]) -> str:
+    """Digest of sources, arguments and versions; of the machine too where the result is a timing."""
+    parts = [[digest(source) for source in stage.sources], arguments, packages(), sys.version]
+    if stage.timed or stage.name == "machine":
+        parts.append([platform.node(), platform.machine(), platform.processor(), os.cpu_count()])
+    if stage.name == "machine":
+        parts.append(commit())
+    return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
+
+
+class Ledger:
+    """Record of the finished stages beside their results: key, seconds, date, load before. Written after each stage."""
+
+    def __init__(self, results: Path):
+        self.results, self.path = results, results / "stages.json"
+        try:
+            self.entries = json.loads(self.path.read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            self.entries = {}
+
+    def current(self, stage: Stage) -> bool:
+        """The result is there, it is no failure, and nothing that it depends on has changed."""
+        keys = [key(stage, arguments) for arguments in (stage.arguments, stage.better) if arguments]
+        entry = self.entries.get(stage.name, {})
+        return (self.results / stage.output).exists() and entry.get("good", False) and entry.get("key") in keys
+
+    def valid(self, stage: Stage) -> bool:
+        """The recorded result belongs to the present sources, whatever its arguments were (a shorter run, say)."""
+        entry = self.entries.get(stage.name, {})
+        return bool(entry.get("key")) and entry["key"] == key(stage, tuple(entry["arguments"]))
+
+    def expected(self, stage: Stage) -> float:
+        """Seconds the stage took last time with these arguments, or a guess."""
+        entry = self.entries.get(stage.name, {})
+        return entry["seconds"] if entry.get("arguments") == list(stage.arguments) else stage.seconds
+
+    def forget(self, stage: Stage):
+        """Before a run: whatever it leaves behind is not a result until it is recorded."""
+        if self.entries.get(stage.name, {}).pop("key", None):
+            self._write()
+
+    def record(self, stage: Stage, **facts):
+        """After a successful run."""
+        self.entries[stage.name] = {"arguments": list(stage.arguments), **facts}
+        self._write()
+
+    def _write(self):
+        write_atomically(self.path, json.dumps(self.entries, indent=1))
