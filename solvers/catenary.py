@@ -194,11 +194,11 @@ def span_arrays(w, EA, L, x, z, seabed, friction, clearance, tolerance=TOLERANCE
     """solve_spans without its checks, for a caller that has made them: arrays (n,), one block.
 
     Returns H, V, H_anchor, V_anchor, grounded_length, (K11, K12, K21, K22), regime, status
-    (indices into REGIMES and STATUSES).
+    (indices into REGIMES and STATUSES), iterations.
     """
     with np.errstate(all="ignore"):
         solved = solve(ARRAY, many, w, EA, L, x, z, seabed, friction, clearance, tolerance)
-    return *solved[:5], solved[5:9], solved[9], solved[10]
+    return *solved[:5], solved[5:9], solved[9], solved[10], solved[11]
 
 
 def _columns(arguments) -> list[np.ndarray]:

@@ -44,8 +44,8 @@ def _cosh_excess(f, y, sinh, cosh):
 def suspended_start(f, l, height, e):
     """(start, upper bound) for y: slack from sinh(y)/y, near-taut y^3 = 3 e c^2/(2 l^2), over-stretched."""
     chord = f.sqrt(l * l + height * height)
-    v = height / (1 + e / 2)
-    slack = f.maximum(f.log(f.sqrt(f.maximum((1 - v) * (1 + v), TINY)) / l), 0.0)
+    one_minus_v = f.maximum(spare_height(height, e), TINY) / (1 + e / 2)
+    slack = f.maximum(f.log(f.sqrt(one_minus_v * (2 - one_minus_v)) / l), 0.0)
     near = f.cbrt(1.5 * e * chord * chord / (l * l))
     over = f.where(chord > 1, e / 2 / f.maximum(chord - 1, TINY), 3.0)
     start = f.maximum(f.sqrt(6 * slack + slack * slack), f.minimum(f.minimum(near, over), 3.0))
@@ -53,15 +53,23 @@ def suspended_start(f, l, height, e):
 
 
 def suspended_residual(f, y, l, height, e):
-    """log of (computed l)/l, and its Newton step in log y. ``1 - v`` is formed as (1 - h + zeta)/(1 + zeta)."""
+    """log of (computed l)/l, and its Newton step in log y."""
     return _suspended_step(f, *_suspended_angle(f, y, height, e), l, e)
 
 
 def _suspended_angle(f, y, height, e):
-    """(y, sinh, cosh, v, 1 - v) at the unknown y; zeta = (e/2) coth y is the vertical stretch over v."""
+    """(y, sinh, cosh, v, 1 - v) at the unknown y; zeta = (e/2) coth y is the vertical stretch over v.
+
+    1 - v is summed from two terms >= 0, with coth y - 1 = 1/(s (s + c)).
+    """
     s, c = _sinh_cosh(f, y)
     zeta = e / 2 / s * c
-    return y, s, c, height / (1 + zeta), ((1 - height) + zeta) / (1 + zeta)
+    return y, s, c, height / (1 + zeta), (spare_height(height, e) + e / 2 / s / (s + c)) / (1 + zeta)
+
+
+def spare_height(height, e):
+    """1 + e/2 - h: how far a line of no horizontal extent would hang below its lower end; negative: steep."""
+    return (1 - height) + e / 2
 
 
 def _sinh_cosh(f, y):
@@ -81,7 +89,7 @@ def _suspended_step(f, y, s, c, v, one_minus_v, l, e):
 # (0, inf) keeps the distance to y_max as a relative quantity, so 1 - v has no cancellation however steep the line.
 def steep_start(f, l, height, e):
     """(start, upper bound) for t: over-stretched as above, or nearly vertical."""
-    y_max = f.arctanh(e / (2 * (height - 1)))
+    y_max = _steepest(f, height, e)
     s = f.sinh(y_max)
     chord = f.sqrt(l * l + height * height)
     near = f.cbrt(1.5 * e * chord * chord / (l * l))
@@ -91,9 +99,14 @@ def steep_start(f, l, height, e):
     return f.maximum(y / (1 - y / y_max), y_max * (1 / f.maximum(distance, TINY) - 1)), 0 * l + 1e300
 
 
+def _steepest(f, height, e):
+    """y_max, where v = 1: (e/2) coth y_max = h - 1."""
+    return f.log1p(e / -spare_height(height, e)) / 2
+
+
 def _steep_angle(f, t, height, e):
     """(y, sinh, cosh, v, 1 - v) at the unknown t."""
-    y_max = f.arctanh(e / (2 * (height - 1)))
+    y_max = _steepest(f, height, e)
     y = t / (1 + t / y_max)
     s, c = _sinh_cosh(f, y)
     zeta = e / 2 / s * c

@@ -74,7 +74,7 @@ def _classify(f, l, h, e, CB, c, seabed, massless):
     k = h - e / 2
     H = f.where(k > 0, (1 - k * k) / f.where(k > 0, 2 * k, 1.0), 1.0)
     rests = (k <= 0) | ((k < 1) & (l <= H * (f.arcsinh(1 / f.where(k < 1, H, 1.0)) + e)))
-    regime = f.where(h > 1 + e / 2, _STEEP, f.where(h < -1 - e / 2, _STEEP, _SUSPENDED))
+    regime = f.where(regimes.spare_height(abs(h), e) < 0, _STEEP, _SUSPENDED)
     regime = f.where((e < MASSLESS) & (chord > 1), _MASSLESS, regime)
     regime = f.where(seabed & (c == 0) & rests, f.where(h > LOWEST, _GROUNDED, _LYING), regime)
     regime = f.where(l < NARROWEST * (1 + abs(h)), _VERTICAL, regime)

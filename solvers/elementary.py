@@ -21,5 +21,4 @@ SCALAR = SimpleNamespace(
     log1p=lambda x: float(np.log1p(x)),
     cbrt=lambda x: float(np.cbrt(x)),
     arcsinh=lambda x: float(np.arcsinh(x)),
-    arctanh=lambda x: float(np.arctanh(x)),
 )

@@ -1,12 +1,12 @@
 """Reading a MAP++ input file (.map; ..._MAP.dat of OpenFAST) as a Network.
 
-Four sections, each a title between dashes, a line of column names, a line of units, then one row a line; words are
-parted by blanks or tabs. In SOLVER OPTIONS a line that starts with a blank is a comment.
+Four sections, each a title between dashes, a line of column names, a line of units, then its rows, words parted by
+blanks or tabs:
 
 LINE DICTIONARY   LineType Diam MassDenInAir EA CB CIntDamp Ca Cdn Cdt    m, kg/m, N; CB: friction of the seabed
 NODE PROPERTIES   Node Type X Y Z M B FX FY FZ      Type fix, connect or vessel; M kg, B m^3 (or named V), forces N
 LINE PROPERTIES   Line LineType UnstrLen NodeAnch NodeFair Flags...
-SOLVER OPTIONS    Option: a word and its numbers
+SOLVER OPTIONS    Option: a word and its numbers; a line that starts with a blank is a comment
 
 "#" marks an unknown: "#90" with the guess 90, "#" without one (0 here). Z may be "depth": on the seabed. Nodes and
 lines are numbered 1, 2, ... in order. "repeat a b ..." copies all of them, turned by each angle in degrees, clockwise
@@ -58,13 +58,12 @@ def read_map_file(path, *, depth=None, rho=Environment.rho, g=Environment.g) -> 
 
     Raises InputError naming file and line for what is missing, wrong or not supported.
     """
-    environment = Environment(rho=rho, g=g, depth=depth)
+    environment, types, angles = Environment(rho=rho, g=g, depth=depth), {}, []
     try:
         text = Path(path).read_text(encoding="latin-1")  # what counts is ASCII; the unit m^3 comes in any encoding
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
-    rows = _sections(path, text.splitlines())
-    types = {}
+    rows = _sections(path, text.split("\n"))
     for row in rows["LINE DICTIONARY"]:
         row.require(row["LineType"] not in types, f"LineType {row['LineType']!r} is there already")
         diameter, mass, EA, friction, *_ = [row.number(name) for name in row if name != "LineType"]
@@ -73,14 +72,13 @@ def read_map_file(path, *, depth=None, rho=Environment.rho, g=Environment.g) -> 
     nodes = [_node(row, i, environment) for i, row in enumerate(rows["NODE PROPERTIES"], start=1)]
     elements = [_element(row, i, types, len(nodes)) for i, row in enumerate(rows["LINE PROPERTIES"], start=1)]
     ignored = [text for row in rows["LINE PROPERTIES"] for text in _flags(row, environment)]
-    angles = []
     for row in rows["SOLVER OPTIONS"]:
         _option(row, angles, ignored)
-    turned = [_turned(node, angle) for angle in angles for node in nodes]
-    shifts = [len(nodes) * k for k in range(len(angles) + 1)]
+    shifts = range(0, len(nodes) * (len(angles) + 1), len(nodes))
     copies = [replace(e, ends=(e.ends[0] + shift, e.ends[1] + shift)) for shift in shifts for e in elements]
+    nodes += [_turned(node, angle) for angle in angles for node in nodes]
     try:
-        return MapNetwork(nodes + turned, copies, environment, tuple(ignored))
+        return MapNetwork(nodes, copies, environment, tuple(ignored))
     except InputError as error:
         name, i, message = re.fullmatch(r"(node|element) (\d+)(.*)", str(error)).groups()
         own = rows["NODE PROPERTIES" if name == "node" else "LINE PROPERTIES"]
@@ -95,8 +93,8 @@ class _Row(dict):
         count = OPEN.get(section, len(names))
         super().__init__(zip(names, words[:count], strict=False))
         self.where, self.more = where, words[count:]
-        known = len(words) == count or (len(words) > count and section in OPEN)
-        self.require(known, f"{len(words)} columns where {section} has {count}: {' '.join(names[:count])}")
+        fits = len(words) == count or (len(words) > count and section in OPEN)
+        self.require(fits, f"{len(words)} columns where {section} has {count}: {' '.join(names[:count])}")
 
     def require(self, condition, message):
         if not condition:
@@ -184,16 +182,16 @@ def _flags(row, environment):
         key = flag.lower()
         known = key in (*OUTPUTS.split(), *NUMBERED) or (key == "omit_contact" and environment.depth is None)
         row.require(known, f"flag {flag!r}: {REFUSED.get(key, 'is not known')}")
-        number = f" {row.number(flag, next(flags, '')):g}" if key in NUMBERED else ""
-        yield f"line {row['Line']}: {flag}{number}"
+        yield f"line {row['Line']}: {flag}" + (f" {row.number(flag, next(flags, '')):g}" if key in NUMBERED else "")
 
 
 def _option(row, angles, ignored):
     key = row["Option"].lower()
+    known = key in ("repeat", *IGNORED.split())
+    row.require(known, f"option {row['Option']!r}: {REFUSED.get(key, 'is not known')}")
     if key == "repeat":
         angles += [row.number(key, angle) for angle in row.more]
     else:
-        row.require(key in IGNORED.split(), f"option {row['Option']!r}: {REFUSED.get(key, 'is not known')}")
         ignored.append(" ".join((row["Option"], *row.more)))
 
 

@@ -156,7 +156,7 @@ class NetworkState(Outcome):
         (free, resting), N; the outputs y of section 1.3 are its coupled rows
     stiffness : (3c, 3c), d(-reaction)/dr of the c coupled nodes, the free nodes following, N/m
     residual_norm : largest unbalanced force over the largest force
-    iterations, function_evaluations : of the outer loop, of the residual
+    iterations, function_evaluations, inner_iterations : of the outer loop, of the residual, of the spans inside it
     operations : of all factorizations, (2/3) n^3 each, (5.6)
     """
 
@@ -171,6 +171,7 @@ class NetworkState(Outcome):
     status: Status
     iterations: int
     function_evaluations: int
+    inner_iterations: int
     operations: float
     residual_norm: float
 
@@ -302,6 +303,7 @@ def _state(balance, r, count, tolerance, elements=None) -> NetworkState:
         status=Status.SUCCESS if solved else Status.NOT_CONVERGED,
         iterations=count.iterations,
         function_evaluations=count.evaluations,
+        inner_iterations=count.inner,
         operations=count.operations,
         residual_norm=residual,
     )

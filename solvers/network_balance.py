@@ -95,9 +95,9 @@ class Geometry:
 
 
 def exact_forces(balance, geometry, rows=slice(None)):
-    """Forces (H, V, H_anchor, V_anchor) (k,) and their derivatives D (k, 4, 3) of the given elements, spans solved."""
+    """(H, V, H_anchor, V_anchor) (k,), their D (k, 4, 3) of the given elements, and the sum of span iterations."""
     w, EA, friction = balance.w[rows], balance.EA[rows], geometry.friction[rows]
-    H, V, H_anchor, V_anchor, _, K, regime, _ = span_arrays(
+    H, V, H_anchor, V_anchor, _, K, regime, _, iterations = span_arrays(
         *(w, EA, balance.L[rows]),
         *(geometry.l[rows], geometry.rise[rows], balance.rests[rows], friction, geometry.clearance[rows]),
     )
@@ -117,7 +117,7 @@ def exact_forces(balance, geometry, rows=slice(None)):
     sagging = regime == SAGGING
     if sagging.any():
         D[sagging] = _sagging(*(k[sagging] for k in K), H[sagging], -V_anchor[sagging], w[sagging], EA[sagging])
-    return H, V, H_anchor, V_anchor, D
+    return H, V, H_anchor, V_anchor, D, int(np.sum(iterations))
 
 
 def _sagging(K11, K12, K21, K22, H, lift, w, EA):
@@ -135,9 +135,10 @@ def _sagging(K11, K12, K21, K22, H, lift, w, EA):
 class Elements:
     """Forces (e,) of all elements and their derivatives D (e, 4, 3) with (l, z_a, z_f), in their geometry."""
 
-    def __init__(self, geometry, H, V, H_anchor, V_anchor, D):
+    def __init__(self, geometry, H, V, H_anchor, V_anchor, D, inner_iterations=0):
         self.geometry = geometry
         self.H, self.V, self.H_anchor, self.V_anchor, self.D = H, V, H_anchor, V_anchor, D
+        self.inner_iterations = inner_iterations
 
     def pull(self, H, V):
         """(e, 3) force vectors with the horizontal component H along each element."""

@@ -49,10 +49,12 @@ def analytic_jacobian(now):
 def difference_jacobian(now):
     """The same by forward differences of the residual: one evaluation a column."""
     base, columns = now.residual, []
+    units, b = _units(now), now.monolith.balance
+    typical = np.full(base.size, np.median(np.abs(b.w) * b.L))
+    typical[: np.count_nonzero(now.moving)] = np.median(b.L)
     scale = np.concatenate([np.abs(now.r[now.moving]), np.abs(_open_forces(now))])
-    units = _units(now)
     for i in range(base.size):
-        step = DIFFERENCE * max(scale[i], units[i] * 1e-3)
+        step = DIFFERENCE * max(scale[i], typical[i], units[i] * 1e-3)
         change = np.zeros(base.size)
         change[i] = step
         moved = _moved(now, change)

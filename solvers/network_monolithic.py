@@ -58,7 +58,7 @@ class Monolith:
         H_anchor, V_anchor, D, gap = H.copy(), V.copy(), np.zeros((H.size, 4, 3)), np.zeros((H.size, 2))
         if fresh.any():
             rows = np.flatnonzero(fresh)
-            H[rows], V[rows], H_anchor[rows], V_anchor[rows], D[rows] = exact_forces(b, g, rows)
+            H[rows], V[rows], H_anchor[rows], V_anchor[rows], D[rows], _ = exact_forces(b, g, rows)
         rows = np.flatnonzero(~closed)
         lines = (b.w[rows], b.EA[rows], b.L[rows], b.rests[rows], g.friction[rows], g.clearance[rows])
         x = excursion(H[rows], V[rows], *lines)

@@ -230,6 +230,7 @@ def evaluate(balance, r, count):
     """Elements and unbalanced force at r, counted."""
     elements = balance.spans(r)
     count.evaluations += 1
+    count.inner += elements.inner_iterations
     return elements, balance.unbalanced(elements)
 
 

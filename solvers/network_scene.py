@@ -89,8 +89,9 @@ def _entries(name: str, tables):
         raise InputError(f"{name}: must be tables, each under a line [[{name}]]")
     if not tables:
         raise InputError(f"{name}: there must be at least one, under a line [[{name}]]")
-    for i, table in enumerate(tables):
-        where = f"[[{name}]] {table.get('name', f'number {i + 1}')!r}".replace("'number", "number")
+    for i, table in enumerate(tables, start=1):
+        own = repr(table["name"]) if "name" in table else f"number {i}"
+        where = f"[[{name}]] {own}"
         _check(where, table, *_TABLES[name])
         yield where, table
 
