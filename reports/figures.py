@@ -105,7 +105,7 @@ def _work_caption(points, total, common, left) -> str:
         if factors:
             said.append(
                 f"At the smallest error that {labels[peer]} reaches, it takes {times(np.median(factors))} as long "
-                f"as this project (median of {len(factors)} cases, {times(min(factors))} to {times(max(factors))})."
+                f"as this project (median of {len(factors)} cases, {ratio(min(factors))} to {ratio(max(factors))})."
             )
     said.append(_front(total))
     if left:

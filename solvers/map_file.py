@@ -68,7 +68,7 @@ def read_map_file(path, *, depth=None, rho=Environment.rho, g=Environment.g) -> 
         row.require(row["LineType"] not in types, f"LineType {row['LineType']!r} is there already")
         diameter, mass, EA, friction, *_ = [row.number(name) for name in row if name != "LineType"]
         cable = row.checked(CableProperties, EA, diameter, mass)
-        types[row["LineType"]] = cable.weight_in(environment), EA, friction
+        types[row["LineType"]] = {"w": cable.weight_in(environment), "EA": EA, "friction": friction}
     nodes = [_node(row, i, environment) for i, row in enumerate(rows["NODE PROPERTIES"], start=1)]
     elements = [_element(row, i, types, len(nodes)) for i, row in enumerate(rows["LINE PROPERTIES"], start=1)]
     ignored = [text for row in rows["LINE PROPERTIES"] for text in _flags(row, environment)]
@@ -109,10 +109,10 @@ class _Row(dict):
         self.require(word and plain and math.isfinite(float(digits)), f"{name}: {word!r} must be a number")
         return float(digits)
 
-    def checked(self, make, *arguments):
+    def checked(self, make, *arguments, **named):
         """make(...), its InputError with the line number."""
         try:
-            return make(*arguments)
+            return make(*arguments, **named)
         except InputError as error:
             self.require(False, error)
 
@@ -153,10 +153,10 @@ def _check_header(where, section, words, header):
 
 def _node(row, i, environment) -> Node:
     row.require(row["Node"] == str(i), f"Node: {row['Node']!r} must be {i}: numbered 1, 2, ... in order")
-    kind, on_seabed = KINDS.get(row["Type"].lower()), row["Z"].lower() == "depth"
+    kind = KINDS.get(row["Type"].lower())
+    free, on_seabed = kind == "free", row["Z"].lower() == "depth"
     row.require(kind, f"Type: {row['Type']!r} must be one of {', '.join(KINDS)}")
     row.require(not on_seabed or environment.depth, "Z: 'depth' needs the argument depth of read_map_file")
-    free = kind == "free"
     z = -environment.depth if on_seabed else row.number("Z", unknown=free)
     r = row.number("X", unknown=free), row.number("Y", unknown=free), z
     # the force that holds a fix or vessel node is an output: # or a guess of it, no load
@@ -170,9 +170,8 @@ def _element(row, i, types, n) -> Element:
     for name in ("NodeAnch", "NodeFair"):
         row.require(row[name] in map(str, range(1, n + 1)), f"{name}: {row[name]!r} must be a node from 1 to {n}")
     row.require(row["NodeAnch"] != row["NodeFair"], f"NodeAnch and NodeFair are both {row['NodeAnch']}")
-    w, EA, friction = types[row["LineType"]]
     ends = int(row["NodeAnch"]) - 1, int(row["NodeFair"]) - 1
-    return row.checked(Element, w, EA, row.number("UnstrLen"), ends, friction)
+    return row.checked(Element, L=row.number("UnstrLen"), ends=ends, **types[row["LineType"]])
 
 
 def _flags(row, environment):
@@ -187,11 +186,10 @@ def _flags(row, environment):
 
 def _option(row, angles, ignored):
     key = row["Option"].lower()
-    known = key in ("repeat", *IGNORED.split())
-    row.require(known, f"option {row['Option']!r}: {REFUSED.get(key, 'is not known')}")
     if key == "repeat":
         angles += [row.number(key, angle) for angle in row.more]
     else:
+        row.require(key in IGNORED.split(), f"option {row['Option']!r}: {REFUSED.get(key, 'is not known')}")
         ignored.append(" ".join((row["Option"], *row.more)))
 
 

@@ -68,7 +68,7 @@ COMPLEX = SimpleNamespace(
     sinh=_analytic(cmath.sinh),
     log=_analytic(cmath.log),
     arcsinh=_analytic(cmath.asinh),
-    arctanh=_analytic(cmath.atanh),
+    log1p=lambda x: Complex(math.log1p(x.real), x.imag / (1 + x.real)),  # cmath has none; first order is all of it
 )
 """The elementary functions for complex step; what is only used for first guesses is left out."""
 
