@@ -8,6 +8,7 @@ nested (exact spans inside a force balance, ``network_nested``) or monolithic (p
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -136,7 +137,14 @@ class Network:
         for i, r in zip(coupled, positions, strict=True):
             old = nodes[i]
             nodes[i] = Node("coupled", tuple(r), old.mass, old.volume, old.force)
-        return Network(tuple(nodes), self.elements, self.environment)
+        moved = Network(tuple(nodes), self.elements, self.environment)
+        moved.__dict__["balance"] = self.balance.moved(moved)  # the assembly pattern is found once
+        return moved
+
+    @cached_property
+    def balance(self) -> Balance:
+        """The equations, assembled when first needed."""
+        return Balance(self)
 
 
 def _vector(name, value, unit) -> tuple[float, float, float]:
@@ -154,7 +162,6 @@ class NetworkState(Outcome):
     r : (n, 3) positions, m;  H, V, H_anchor, V_anchor : (e,) as in CatenaryState, N;  coupled : (n,) bool
     reaction : (n, 3) force on each node that its lines and loads leave to its support (fixed, coupled) or to the seabed
         (free, resting), N; the outputs y of section 1.3 are its coupled rows
-    stiffness : (3c, 3c), d(-reaction)/dr of the c coupled nodes, the free nodes following, N/m
     residual_norm : largest unbalanced force over the largest force
     iterations, function_evaluations, inner_iterations : of the outer loop, of the residual, of the spans inside it
     operations : of all factorizations, (2/3) n^3 each, (5.6)
@@ -167,13 +174,19 @@ class NetworkState(Outcome):
     V_anchor: np.ndarray
     reaction: np.ndarray
     coupled: np.ndarray
-    stiffness: np.ndarray
     status: Status
     iterations: int
     function_evaluations: int
     inner_iterations: int
     operations: float
     residual_norm: float
+    balance: Balance = field(repr=False, compare=False)
+
+    @cached_property
+    def stiffness(self) -> np.ndarray:
+        """(3c, 3c) d(-reaction)/dr of the c coupled nodes, the free nodes following, N/m."""
+        resting = self.balance.free & (self.r[:, 2] <= self.balance.floor) & (self.reaction[:, 2] < 0)
+        return coupled_stiffness(self.balance, self.r, resting)
 
     def body_stiffness(self, reference) -> np.ndarray:
         """(6, 6) stiffness of a rigid body that carries the coupled nodes, about ``reference`` (3,), m.
@@ -230,9 +243,9 @@ def solve_network(
     for name, value in given.items():
         if value not in METHODS[name]:
             raise InputError(f"{name}: {value!r} must be one of {', '.join(METHODS[name])}")
-    balance, count = Balance(network), Count()
+    balance, count = network.balance, Count()
     first, H, V = _start(network, balance, start, count)
-    if method == "monolithic":
+    if method == "monolithic" and balance.size > 0:
         last, solved = monolithic(balance, first, H, V, count, units, jacobian, globalisation, tolerance)
         state = _state(balance, last.r, count, tolerance, last.elements if solved else None)
     else:
@@ -293,17 +306,17 @@ def _state(balance, r, count, tolerance, elements=None) -> NetworkState:
     unbalanced[resting, 2] = 0.0
     largest = largest_force(balance, elements) or 1.0
     residual = float(np.abs(unbalanced).max()) / largest
-    solved = residual <= max(tolerance, attainable(balance, elements) / largest)
+    solved = residual <= max(tolerance, attainable(balance) / largest)
     return NetworkState(
         r=r,
         **{name: getattr(elements, name) for name in ("H", "V", "H_anchor", "V_anchor")},
         reaction=force - unbalanced,
         coupled=balance.coupled,
-        stiffness=coupled_stiffness(balance, r, resting, count),
         status=Status.SUCCESS if solved else Status.NOT_CONVERGED,
         iterations=count.iterations,
         function_evaluations=count.evaluations,
         inner_iterations=count.inner,
         operations=count.operations,
         residual_norm=residual,
+        balance=balance,
     )

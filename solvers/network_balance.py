@@ -7,6 +7,8 @@ span; a seabed makes them depend on both heights, not on the difference alone. T
 
 from __future__ import annotations
 
+from copy import copy
+
 import numpy as np
 import scipy.sparse as sparse
 
@@ -50,6 +52,12 @@ class Balance:
         rows, columns = np.broadcast_arrays(of_element[:, :, None], of_element[:, None, :])
         self.used = ((rows >= 0) & (columns >= 0)).ravel()
         self.rows, self.columns = rows.ravel()[self.used], columns.ravel()[self.used]
+
+    def moved(self, network):
+        """The same equations for the same network with its nodes elsewhere."""
+        other = copy(self)
+        other.position = np.array([node.r for node in network.nodes])
+        return other
 
     def geometry(self, r):
         """Horizontal extent, direction, rise and clearance of every element between the nodes at r (n, 3)."""

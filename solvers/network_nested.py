@@ -116,7 +116,7 @@ def robust_start(balance, count, contact):
     hardest = min(HARDEST / balance.w.size, max(HARDER * total / balance.EA.max(), LEAST_SOFT))
     while softness > hardest:
         stage = SoftFloor(balance, softness, contact)
-        r, _, _ = newton(stage, r, STAGE_TOLERANCE * stage.load, count, 60)
+        r, _, _ = newton(stage, r, lambda _, stage=stage: STAGE_TOLERANCE * stage.load, count, 60)
         softness *= HARDER
     r[balance.free, 2] = np.maximum(r[balance.free, 2], balance.floor)
     return r
@@ -127,15 +127,15 @@ def largest_force(balance, elements):
     return max(np.abs(v).max() for v in (elements.H, elements.V, elements.H_anchor, elements.V_anchor, balance.load))
 
 
-def attainable(balance, elements):
+def attainable(balance):
     """Unbalanced force that rounding the positions to eps causes, N."""
     return 4 * EPS * float(np.max(balance.EA / balance.L)) * (np.abs(balance.position).max() + balance.L.max())
 
 
-def newton(balance, r, tolerance, count, limit=MAX_ITERATIONS, rounding=0.0):
+def newton(balance, r, bound, count, limit=MAX_ITERATIONS, rounding=0.0):
     """Regularised Newton on the force balance; returns (r, largest unbalanced force of the free nodes, converged).
 
-    tolerance : N; a force below ``rounding`` that no longer falls is accepted too.
+    bound : function of the elements, N; a force below ``rounding`` (N) that no longer falls is accepted too.
     """
     free, damping, least, stalled = balance.free, 1e-2, np.inf, 0
     unit = soft_stiffness(getattr(balance, "balance", balance))
@@ -145,7 +145,7 @@ def newton(balance, r, tolerance, count, limit=MAX_ITERATIONS, rounding=0.0):
         moving[:, 2] &= ~((r[:, 2] <= balance.floor) & (force[:, 2] <= 0))
         worst = np.abs(force[moving]).max(initial=0.0)
         least, stalled = min(least, worst), 0 if worst < least / 2 else stalled + 1
-        if worst <= tolerance or (worst <= rounding and stalled >= STALLS):
+        if worst <= bound(elements) or (worst <= rounding and stalled >= STALLS):
             return r, worst, True
         count.iterations += 1
         unknown = balance.dof[moving]
@@ -170,9 +170,12 @@ def newton(balance, r, tolerance, count, limit=MAX_ITERATIONS, rounding=0.0):
 def nested(balance, r, jacobian, tolerance, count):
     """Equilibrium from positions r (n, 3), balanced to ``tolerance`` times the largest force: (r, converged)."""
     equations = balance if jacobian == "analytic" else Differences(balance, count)
-    elements, _ = evaluate(balance, r, count)
-    bound = tolerance * largest_force(balance, elements)
-    r, _, converged = newton(equations, r, bound, count, rounding=attainable(balance, elements))
+    rounding = attainable(balance)
+
+    def bound(elements):
+        return tolerance * largest_force(balance, elements)
+
+    r, _, converged = newton(equations, r, bound, count, rounding=rounding)
     return r, converged
 
 
@@ -200,7 +203,7 @@ class Differences:
         return np.column_stack(columns)
 
 
-def coupled_stiffness(balance, r, resting, count):
+def coupled_stiffness(balance, r, resting):
     """(3c, 3c) stiffness of the coupled nodes, the free nodes following: K_cc - K_cf K_ff^-1 K_fc."""
     every = copy(balance)
     every.pattern(balance.free | balance.coupled)
@@ -212,7 +215,7 @@ def coupled_stiffness(balance, r, resting, count):
         return dense(K[held][:, held])
     columns = dense(K[follow][:, held])
     slack = 1e-12 * np.abs(K.diagonal()).max()  # a slack part follows nowhere in particular: keep it in place
-    inner = np.column_stack([solve_sparse(K[follow][:, follow], slack, column, count) for column in columns.T])
+    inner = np.column_stack([solve_sparse(K[follow][:, follow], slack, column, Count()) for column in columns.T])
     return dense(K[held][:, held]) - dense(K[held][:, follow]) @ inner
 
 
