@@ -1,0 +1,595 @@
+"""Are networks solved right? Against printed digits, 40 digits, closed forms, invariances, energy; refused inputs."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from mpmath import mp, mpf
+
+from solvers import (
+    ConvergenceError,
+    Element,
+    Environment,
+    InputError,
+    Network,
+    Node,
+    Span,
+    Status,
+    network_monolithic,
+    network_nested,
+    solve_network,
+    solve_span,
+    solve_spans,
+)
+
+from .cases.networks import (
+    NAMED,
+    PAPER_START,
+    TWO_LINE_W_PRINTED,
+    NetworkCase,
+    NodeCase,
+    bridle,
+    bridle_system,
+    chain,
+    chain_wire_chain,
+    hanging_mass,
+    random_networks,
+    spring_net,
+    symmetric_v,
+    two_line,
+)
+from .exact import network_mp
+from .reference import EPS
+
+TIGHT = 1e-13  # asked of the solver where digits are compared
+# Rounding a position of 1200 m to eps changes the force of the 300 m line (EA/L = 7.8e5 N/m) by 4e-13 of the 570 kN,
+# that of the grounded joint (EA/L = 3e6 N/m, 250 kN) by 3e-12: a few of either.
+DIGITS, STIFF_DIGITS = 2e-12, 2e-11
+PRINTED_DIGIT = 0.5e-9  # kN and m: half a unit of the shortest entry of the table
+SAME = 1e-9  # two equilibria that each balance to 1e-10 of the largest force, in well conditioned networks
+BALANCE = 1e-9  # of the largest force: the promise for every network
+RANDOM, RANDOM_DEEP = 40, 500
+# Networks whose stiffnesses spread more than this are left out where two solutions are compared: a difference quotient
+# cannot tell a loose node there. ROUNDING: of the positions, beyond what residual_norm shows.
+SPREAD, ROUNDING = 1e8, 1e-10
+PLACES = 16  # eps that positions of the ends of an element, and what it reaches, are rounded by
+PAPER_ITERATIONS = 8
+
+# EQUATIONS.md, any friction for 59.1 N/m (fully suspended), none for 226.61 N/m; kN and m.
+PRINTED = {
+    59.1: (137.76551942683, 71.074634975925, 566.57536502408, -72.125336439007, -58.041151448209),
+    226.61: (162.58627222711, 157.71555654983, 479.93444345017, -103.11368787518, -67.661806056975),
+}
+METHODS = {
+    "monolithic, line search": {},
+    "monolithic, trust region": {"globalisation": "trust-region"},
+    "monolithic, differences": {"jacobian": "finite-difference"},
+    "monolithic, differences, trust region": {"jacobian": "finite-difference", "globalisation": "trust-region"},
+    "nested": {"method": "nested"},
+    "nested, differences": {"method": "nested", "jacobian": "finite-difference"},
+}
+
+
+def network_of(case: NetworkCase) -> Network:
+    """solvers.Network of a case."""
+    nodes = (Node(**vars(node)) for node in case.nodes)
+    lines = (Element(**vars(line)) for line in case.elements)
+    return Network(tuple(nodes), tuple(lines), Environment(**vars(case.environment)))
+
+
+def solved(case, **options):
+    """Its state from no guess, tight; raises where there is none."""
+    return solve_network(network_of(case), **({"tolerance": TIGHT} | options))
+
+
+@cache
+def exact(case):
+    """40-digit solution of a case, started at whole millimetres."""
+    return network_mp.solve(case, np.round(solved(case).r, 3))
+
+
+def largest(state) -> float:
+    """Largest force of the elements, N."""
+    return float(max(np.abs(f).max() for f in (state.H, state.V, state.H_anchor, state.V_anchor)))
+
+
+# ---------------------------------------------------------------- an assembly of its own
+def spans_at(case, r):
+    """(solve_spans batch, unit vectors (e, 2)) of the elements between nodes at r (n, 3)."""
+    a, f = np.array([line.ends for line in case.elements]).T
+    w, EA, L, friction = np.array([(line.w, line.EA, line.L, line.friction) for line in case.elements]).T
+    reach, depth = r[f] - r[a], case.environment.depth
+    l = np.hypot(reach[:, 0], reach[:, 1])
+    seabed = (w >= 0) & (depth is not None)
+    clearance = np.where(seabed, r[a, 2] + (depth or 0.0), 0.0)
+    batch = solve_spans(w, EA, L, l, reach[:, 2], seabed, np.where(clearance == 0, friction, 0), clearance)
+    return batch, reach[:, :2] / np.where(l > 0, l, 1.0)[:, None]
+
+
+def forces_at(case, r) -> np.ndarray:
+    """(n, 3) sum of all forces on each node at r, N, every element solved there."""
+    return assembled(case, *spans_at(case, r))
+
+
+def assembled(case, forces, direction) -> np.ndarray:
+    """(n, 3) loads, and pulls of elements with the given forces (fields H, V, H_anchor, V_anchor), on each node."""
+    env = case.environment
+    total = np.array([node.force for node in case.nodes], dtype=float)
+    for i, node in enumerate(case.nodes):
+        total[i, 2] += (env.rho * node.volume - node.mass) * env.g
+    for e, line in enumerate(case.elements):
+        anchor, fairlead = line.ends
+        total[anchor] += [*(forces.H_anchor[e] * direction[e]), forces.V_anchor[e]]
+        total[fairlead] -= [*(forces.H[e] * direction[e]), forces.V[e]]
+    return total
+
+
+def free_nodes(case) -> np.ndarray:
+    """(n,) bool."""
+    return np.array([node.kind == "free" for node in case.nodes])
+
+
+# ---------------------------------------------------------------- checks: each returns sentences on what is wrong
+def printed_misses(**options) -> list[str]:
+    """The two-line example against every digit of EQUATIONS.md."""
+    misses = []
+    for w, wanted in PRINTED.items():
+        for start in (None, PAPER_START):
+            state = solved(two_line(w), start=start, **options)
+            got = (state.H[0] / 1e3, state.V[0] / 1e3, state.V[1] / 1e3, state.r[2, 0], state.r[2, 2])
+            allowed = DIGITS * largest(state) / 1e3 + PRINTED_DIGIT
+            misses += [f"w {w}: {a!r}, printed {b!r}" for a, b in zip(got, wanted, strict=True) if abs(a - b) > allowed]
+    return misses
+
+
+def exact_misses(cases, allowed=DIGITS, **options) -> list[str]:
+    """Positions and forces against 40 digits, over the largest position and force."""
+    misses = []
+    for case in cases:
+        truth, state = exact(case), solved(case, **options)
+        assert truth.residual < 1e-40 and truth.error < 1e-36, f"{case.name}: the reference is not verified"
+        size = max(np.abs(state.r).max(), 1.0)
+        columns = {"r": size, **dict.fromkeys(("H", "V", "H_anchor", "V_anchor"), largest(state))}
+        for name, scale in columns.items():
+            wanted = np.array([[float(c) for c in np.atleast_1d(row)] for row in getattr(truth, name)])
+            error = np.abs(getattr(state, name).reshape(wanted.shape) - wanted).max() / scale
+            if not error <= allowed:
+                misses.append(f"{case.name}: {name} off by {error:.3g} of the largest")
+    return misses
+
+
+def reaction_misses(cases, allowed=DIGITS) -> list[str]:
+    """Reactions against the sums of all forces in 40 digits."""
+    misses = []
+    for case in cases:
+        state, wanted = solved(case), np.array([[float(c) for c in row] for row in exact(case).force])
+        error = np.abs(state.reaction - wanted).max() / largest(state)
+        if not error <= allowed:
+            misses.append(f"{case.name}: reactions off by {error:.3g} of the largest force")
+    return misses
+
+
+def iteration_misses() -> list[str]:
+    """The paper's start, 59.1 N/m: at most 8 iterations of the monolithic analytic method, without the fallback."""
+    misses = []
+    for globalisation in ("line-search", "trust-region"):
+        state = solve_network(network_of(two_line()), start=PAPER_START, globalisation=globalisation, fallback=False)
+        if state.iterations > PAPER_ITERATIONS:
+            misses.append(f"{globalisation}: {state.iterations} iterations")
+    return misses
+
+
+def closed_form_misses() -> list[str]:
+    """Answers that are known without a network: half the load each, m g, one line for a chain, straight springs."""
+    return [*_symmetric_v_misses(), *_mass_misses(), *_chain_misses(), *_spring_misses()]
+
+
+def _off(what, got, wanted, scale, allowed=1e-11):
+    """One sentence if got differs from wanted by more than a few roundings of a tightly solved network."""
+    error = np.abs(np.asarray(got) - wanted).max() / scale
+    return [] if error <= allowed else [f"{what}: got {got}, wanted {wanted}, off by {error:.3g}"]
+
+
+def _symmetric_v_misses():
+    case = symmetric_v()
+    state, line, load = solved(case), case.elements[0], -case.nodes[2].force[2]
+    sag = -state.r[2, 2]
+    half = solve_span(Span(line.w, line.EA, line.L, 50.0, sag, seabed=False))
+    return [
+        *_off("V: sideways", state.r[2, :2], 0.0, 100.0),
+        *_off("V: share of the load", -state.V, load / 2, load),
+        *_off("V: half of it alone", [half.H, half.V - line.w * line.L], [state.H[0], load / 2], load),
+    ]
+
+
+def _mass_misses():
+    case = hanging_mass()
+    state, line, node, env = solved(case), case.elements[0], case.nodes[1], case.environment
+    load, anchor = (node.mass - env.rho * node.volume) * env.g, np.array(case.nodes[0].r)
+    length = line.L + (load * line.L + line.w * line.L**2 / 2) / line.EA
+    top = load + line.w * line.L
+    return [
+        *_off("mass: position", state.r[1], anchor - [0, 0, length], line.L),
+        *_off("mass: tension", [state.V[0], state.V_anchor[0]], [top, load], top),
+        *_off("mass: reaction", state.reaction[0], [0, 0, -top], top),
+    ]
+
+
+def _chain_misses():
+    misses = []
+    for depth, friction in ((None, 0.0), (500.0, 0.0), (500.0, 0.05)):
+        case = chain(8, depth=depth, friction=friction, end=(300.0, 400.0, 200.0), L=600.0 if depth else 560.0)
+        line = case.elements[0]
+        one = solve_span(Span(line.w, line.EA, 8 * line.L, 500.0, 200.0, depth is not None, friction))
+        state = solved(case)
+        scale = np.hypot(one.H, one.V)
+        got, wanted = [state.H[-1], state.V[-1], state.H_anchor[0]], [one.H, one.V, one.H_anchor]
+        misses += _off(f"chain, depth {depth}, friction {friction}: ends", got, wanted, scale, SAME)
+        x, z, _ = one.profile(np.arange(9) * line.L)
+        places = np.column_stack([0.6 * x, 0.8 * x, z - (depth or 0.0)])
+        misses += _off(f"chain, depth {depth}, friction {friction}: nodes", state.r, places, 500.0, SAME)
+    return misses
+
+
+def _spring_misses():
+    case = spring_net()
+    state = solved(case)
+    residual = np.array([node.force for node in case.nodes])
+    for line in case.elements:
+        a, f = line.ends
+        reach = state.r[f] - state.r[a]
+        pull = line.EA * (np.linalg.norm(reach) / line.L - 1) * reach / np.linalg.norm(reach)
+        residual[a] += pull
+        residual[f] -= pull
+    return _off("spring net: balance of straight springs", residual[free_nodes(case)], 0.0, largest(state))
+
+
+def equilibrium_misses() -> list[str]:
+    """The whole net: reactions against loads and weights, forces and moments about the origin, no seabed."""
+    misses = []
+    for case in (bridle(), two_line(depth=None), chain(5)):
+        state, env = solved(case), case.environment
+        force, moment = np.zeros(3), np.zeros(3)
+        for node, r, reaction in zip(case.nodes, state.r, state.reaction, strict=True):
+            load = np.array(node.force) + [0, 0, (env.rho * node.volume - node.mass) * env.g]
+            force += load - reaction
+            moment += np.cross(r, load - reaction)
+        for e, line in enumerate(case.elements):
+            weight = np.array([0, 0, -line.w * line.L])
+            force += weight
+            moment += np.cross(_centre(state, line, e), weight)
+        misses += _off(f"{case.name}: sum of forces", force, 0.0, largest(state))
+        misses += _off(f"{case.name}: sum of moments", moment, 0.0, largest(state) * np.abs(state.r).max())
+    return misses
+
+
+def _centre(state, line, e):
+    """Mean position of an element by Gauss quadrature of its profile, m."""
+    t, weights = np.polynomial.legendre.leggauss(60)
+    a, f = (state.r[end] for end in line.ends)
+    l = np.hypot(*(f - a)[:2])
+    x, z, _ = solve_span(Span(line.w, line.EA, line.L, l, f[2] - a[2], seabed=False)).profile(line.L * (1 + t) / 2)
+    mean = (weights @ x / 2, weights @ z / 2)
+    return a + [*(mean[0] * (f - a)[:2] / l), mean[1]]
+
+
+@cache
+def from_no_guess(case, method):
+    """The state of a case by a method as a user gets it; whatever its status."""
+    return solve_network(network_of(case), method=method, throw=False)
+
+
+def balance_misses(cases, method="monolithic", find=from_no_guess) -> list[str]:
+    """From no guess: success, nodes balanced by the assembly of this module, every element on its catenary."""
+    misses = []
+    for case in cases:
+        state = find(case, method)
+        if not state.success:
+            misses.append(f"{case.name}: {state.status.name}, residual {state.residual_norm:.3g}")
+            continue
+        spans, direction = spans_at(case, state.r)
+        force, free = assembled(case, state, direction), free_nodes(case)
+        floor = -np.inf if case.environment.depth is None else -case.environment.depth
+        carried = np.where(free[:, None], 0.0, force)
+        resting = free & (state.r[:, 2] <= floor) & (force[:, 2] <= 0)
+        carried[resting, 2] = force[resting, 2]
+        bound = BALANCE * (max(largest(state), np.abs(force).max()) or 1.0)  # no force at all: all lines slack
+        for what, error in (("unbalanced", force - carried), ("reactions off", state.reaction - carried)):
+            if not np.abs(error).max() <= bound:
+                misses.append(
+                    f"{case.name}: {what} by {np.abs(error).max() / bound * BALANCE:.3g} of the largest force"
+                )
+        for e, line in enumerate(case.elements):
+            K = spans.stiffness[e][np.isfinite(spans.stiffness[e])]
+            place = PLACES * EPS * (np.abs(state.r).max() + line.L)
+            error = max(abs(state.H[e] - spans.H[e]), abs(state.V[e] - spans.V[e]))
+            if not error <= bound + place * np.abs(K).max(initial=0.0):
+                misses.append(f"{case.name}: element {e} is {error:.3g} N off its catenary, largest {largest(state):g}")
+    return misses
+
+
+def agreement_misses(cases) -> tuple[list[str], int]:
+    """Nested against monolithic where the free nodes are held; also how many cases that were.
+
+    An unbalanced force f moves a line's force by at most sqrt(k_largest/k_least) |f|, from K >= k d d^T of each line.
+    """
+    misses, judged = [], 0
+    for case in cases:
+        first, second = (from_no_guess(case, method) for method in ("monolithic", "nested"))
+        spread = stiffness_spread(case, first.r)
+        if not (first.success and second.success and spread < SPREAD):
+            continue
+        judged += 1
+        unbalanced = first.residual_norm + second.residual_norm + ROUNDING
+        allowed = np.sqrt(3 * len(case.nodes) * spread) * unbalanced
+        error = max(np.abs(getattr(first, f) - getattr(second, f)).max() for f in ("H", "V")) / (largest(first) or 1.0)
+        if not error <= allowed:
+            misses.append(f"{case.name}: forces differ by {error:.3g} of the largest, allowed {allowed:.3g}")
+    return misses, judged
+
+
+def stiffness_spread(case, r) -> float:
+    """Largest over least stiffness of the free nodes, eigenvalues of a difference quotient; inf where one is loose."""
+    free = np.flatnonzero(free_nodes(case))
+    if free.size == 0:
+        return 1.0
+    depth, step = case.environment.depth, 1e-6 * np.mean([line.L for line in case.elements])
+    loose = [(i, k) for i in free for k in range(3) if not (k == 2 and depth is not None and r[i, 2] <= -depth)]
+    base, columns = forces_at(case, r), []
+    for i, k in loose:
+        moved = r.copy()
+        moved[i, k] += step
+        change = (base - forces_at(case, moved)) / step
+        columns.append([change[j, m] for j, m in loose])
+    eigenvalues = np.linalg.eigvals(np.array(columns)).real
+    return float(eigenvalues.max() / eigenvalues.min()) if eigenvalues.min() > 0 else float("inf")
+
+
+def invariance_misses(cases) -> list[str]:
+    """Rotation about z, reflection, renumbering, ends swapped, other units: the same equilibrium."""
+    misses = []
+    for case in cases:
+        state = solved(case)
+        scale = largest(state)
+        c, s = np.cos(0.7), np.sin(0.7)
+        for matrix in (np.array([[c, -s, 0], [s, c, 0], [0, 0, 1.0]]), np.diag([1.0, -1.0, 1.0])):
+            other = solved(case.mapped(matrix))
+            misses += _same(case.mapped(matrix).name, other, state.r @ matrix.T, state.V, scale)
+        rng = np.random.default_rng(7)
+        nodes, lines = rng.permutation(len(case.nodes)), rng.permutation(len(case.elements))
+        renumbered = case.renumbered(nodes.tolist(), lines.tolist())
+        misses += _same(renumbered.name, solved(renumbered), state.r[nodes], state.V[lines], scale)
+        if all(line.friction == 0 for line in case.elements):
+            swapped = case.end_swapped()
+            misses += _same(swapped.name, solved(swapped), state.r, -state.V_anchor, scale)
+        scaled = case.scaled(8.0, 0.25)
+        misses += _same(scaled.name, solved(scaled), 8.0 * state.r, 0.25 * state.V, scale)
+    return misses
+
+
+def _same(name, other, r, V, scale):
+    return [
+        *_off(f"{name}: positions", other.r, r, np.abs(r).max(), SAME),
+        *_off(f"{name}: V", other.V, V, scale, SAME),
+    ]
+
+
+def energy_misses(cases) -> list[str]:
+    """Force on displaced free nodes works against every displacement: the potential rises from the equilibrium."""
+    misses, rng = [], np.random.default_rng(11)
+    for case in cases:
+        state, free = solved(case), free_nodes(case)
+        floor = -np.inf if case.environment.depth is None else -case.environment.depth
+        for size in (1e-3, 0.1, 1.0):
+            for _ in range(5):
+                moved = state.r + size * np.where(free[:, None], rng.normal(size=state.r.shape), 0.0)
+                moved[free, 2] = np.maximum(moved[free, 2], floor)
+                work = float(np.sum((moved - state.r) * forces_at(case, moved)))
+                if not work < 0:
+                    misses.append(f"{case.name}: {size} m away the force does {work:.3g} J along the displacement")
+    return misses
+
+
+def status_misses(monkeypatch) -> list[str]:
+    """Stopped short: a status and no success, whatever the method."""
+    misses = []
+    with monkeypatch.context() as patch:
+        patch.setattr(network_monolithic, "MAX_ITERATIONS", 2)
+        patch.setattr(network_nested.newton, "__defaults__", (2, 0.0))
+        for options in METHODS.values():
+            state = solve_network(network_of(two_line()), start=PAPER_START, fallback=False, throw=False, **options)
+            if state.status is not Status.NOT_CONVERGED or state.residual_norm < 1e-6:
+                misses.append(f"{options}: {state.status.name}, residual {state.residual_norm:.3g} after 2 iterations")
+    return misses
+
+
+# ---------------------------------------------------------------- tests
+@pytest.mark.parametrize("options", METHODS.values(), ids=METHODS)
+def test_two_line_example_to_every_digit(options):
+    assert printed_misses(**options) == []
+
+
+TWO_LINE = [
+    two_line(w, friction, depth)
+    for w in (59.1, TWO_LINE_W_PRINTED)
+    for friction, depth in ((1.0, 350.0), (10.0, 350.0), (0.0, None))
+]
+
+
+@pytest.mark.parametrize("options", METHODS.values(), ids=METHODS)
+def test_two_line_example_with_friction_and_without_seabed_to_40_digits(options):
+    assert exact_misses(TWO_LINE, **options) == []
+
+
+SMALL = [symmetric_v(), hanging_mass(), bridle(), bridle_system(1.0, (20.0, -7.0, 1.0))]
+GROUNDED_JOINT = [chain_wire_chain(), chain_wire_chain(0.6)]
+
+
+def test_small_networks_to_40_digits():
+    assert exact_misses(SMALL) == [] == reaction_misses(SMALL)
+
+
+def test_a_joint_on_the_seabed_to_40_digits():
+    assert exact_misses(GROUNDED_JOINT, STIFF_DIGITS) == [] == reaction_misses(GROUNDED_JOINT, STIFF_DIGITS)
+    for case in GROUNDED_JOINT:
+        state = solved(case)
+        assert state.r[1, 2] == -case.environment.depth and state.reaction[1, 2] < 0
+
+
+def test_reference_needs_no_solver():
+    """The 40 digits of a hanging mass from a start by hand: L + (m g L + w L^2/2)/EA below its support."""
+    case = hanging_mass()
+    line, node, env = case.elements[0], case.nodes[1], case.environment
+    truth = network_mp.solve(case, [case.nodes[0].r, (3.5, -2.5, -56.0)])
+    with mp.workdps(45):
+        load = (mpf(node.mass) - mpf(env.rho) * mpf(node.volume)) * mpf(env.g)
+        L, w, EA = mpf(line.L), mpf(line.w), mpf(line.EA)
+        wanted = mpf(case.nodes[0].r[2]) - L - (load * L + w * L**2 / 2) / EA
+        assert abs(truth.r[1][2] - wanted) < mpf(10) ** -38
+        assert max(abs(truth.r[1][k] - case.nodes[0].r[k]) for k in (0, 1)) < mpf(10) ** -36
+
+
+def test_reference_refuses_what_it_cannot_verify():
+    """A joint taken to rest on the seabed that a force lifts from it."""
+    case = chain_wire_chain()
+    start = np.array(solved(case).r)
+    pulled = replace(case, nodes=(*case.nodes[:1], replace(case.nodes[1], force=(0, 0, 4e5)), *case.nodes[2:]))
+    with pytest.raises(ArithmeticError, match="would leave the seabed"):
+        network_mp.solve(pulled, start, 20)
+
+
+def test_from_the_start_of_the_paper():
+    assert iteration_misses() == []
+
+
+def test_closed_forms():
+    assert closed_form_misses() == []
+
+
+def test_reactions_carry_loads_and_weights():
+    assert equilibrium_misses() == []
+
+
+@pytest.mark.parametrize("case", NAMED, ids=lambda case: case.name)
+def test_methods_agree(case):
+    states = {name: solved(case, **options) for name, options in METHODS.items()}
+    first = states.pop("monolithic, line search")
+    for name, state in states.items():
+        assert _same(f"{case.name}, {name}", state, first.r, first.V, largest(first)) == []
+
+
+def test_invariances():
+    assert invariance_misses(NAMED) == []
+
+
+def test_potential_energy_is_least():
+    assert energy_misses([case for case in NAMED if all(line.friction == 0 for line in case.elements)]) == []
+
+
+@pytest.mark.parametrize("units", ["scaled", "N", "kN"])
+def test_units_of_the_iteration_do_not_matter(units):
+    assert exact_misses(TWO_LINE[:1], units=units, start=PAPER_START) == []
+
+
+def test_warm_start_of_a_moved_body():
+    base, moved = network_of(bridle_system()), bridle_system(offset=(1.0, 0.0, 0.0))
+    state = solve_network(base)
+    offsets = state.r[state.coupled] + [1.0, 0.0, 0.0]
+    warm, cold = solve_network(base.moved(offsets), start=state, fallback=False), solved(moved)
+    assert warm.iterations <= 6
+    assert _same("moved", warm, cold.r, cold.V, largest(cold)) == []
+
+
+def test_random_networks_from_no_guess(deep):
+    cases = random_networks(RANDOM_DEEP if deep else RANDOM)
+    assert balance_misses(cases) == [] == balance_misses(cases, "nested")
+
+
+def test_methods_agree_on_random_networks(deep):
+    number = RANDOM_DEEP if deep else RANDOM
+    misses, judged = agreement_misses(random_networks(number))
+    assert misses == [] and judged >= number / 8
+
+
+# ---------------------------------------------------------------- fails well
+ANCHOR, JOINT, FAIRLEAD = NodeCase("fixed", (0, 0, -50)), NodeCase("free", (5, 0, -20)), NodeCase("coupled", (9, 0, -5))
+LINE = {"w": 10.0, "EA": 1e6, "L": 40.0}
+
+
+def _network(nodes, ends, depth=50.0):
+    lines = [Element(**LINE, ends=pair) for pair in ends]
+    return Network([Node(**vars(node)) for node in nodes], lines, Environment(depth=depth))
+
+
+REFUSED = {
+    "free node apart": (r"node 2 \(free\): carries no element", lambda: _network((ANCHOR, FAIRLEAD, JOINT), [(0, 1)])),
+    "island": (
+        r"node 2 \(free\): no chain",
+        lambda: _network((ANCHOR, FAIRLEAD, JOINT, JOINT), [(0, 1), (2, 3)]),
+    ),
+    "nothing fixed": (r"node 0 \(free\): no chain", lambda: _network((JOINT, JOINT), [(0, 1)])),
+    "duplicate ends": (r"element 1: both ends are node 1", lambda: _network((ANCHOR, JOINT), [(0, 1), (1, 1)])),
+    "no such node": (r"element 0: ends \(0, 2\) must be node indices", lambda: _network((ANCHOR, JOINT), [(0, 2)])),
+    "negative index": (r"element 0: ends \(0, -1\)", lambda: _network((ANCHOR, JOINT), [(0, -1)])),
+    "no element": (r"elements: a network needs at least one", lambda: _network((ANCHOR,), [])),
+    "coupled under the seabed": (
+        r"node 1 \(coupled\): z = -50.1 m lies below the seabed at -50 m",
+        lambda: _network((ANCHOR, replace(FAIRLEAD, r=(9, 0, -50.1))), [(0, 1)]),
+    ),
+    "fixed under the seabed": (
+        r"node 0 \(fixed\): z = -50 m lies below",
+        lambda: _network((ANCHOR, FAIRLEAD), [(0, 1)], 40.0),
+    ),
+    "NaN position": (r"r\[1\]: nan m must be finite", lambda: Node("free", (0, float("nan"), 0))),
+    "infinite force": (r"force\[2\]: inf N must be finite", lambda: Node("free", (0, 0, 0), force=(0, 0, 1e400))),
+    "two coordinates": (r"r: \(0, 0\) must be three numbers \(m\)", lambda: Node("free", (0, 0))),
+    "negative mass": (r"mass: -1 kg must be >= 0", lambda: Node("free", (0, 0, 0), mass=-1)),
+    "negative volume": (r"volume: -1 m\^3 must be >= 0", lambda: Node("free", (0, 0, 0), volume=-1)),
+    "unknown kind": (r"kind: 'loose' must be one of fixed, free, coupled", lambda: Node("loose", (0, 0, 0))),
+    "no length": (r"L: 0 m must be > 0", lambda: Element(10, 1e6, 0.0, (0, 1))),
+    "NaN weight": (r"w: nan N/m must be finite", lambda: Element(float("nan"), 1e6, 1.0, (0, 1))),
+    "soft": (r"EA: -1 N must be > 0", lambda: Element(10, -1, 1.0, (0, 1))),
+    "one end": (r"ends: \(0,\) must be two node indices", lambda: Element(10, 1e6, 1.0, (0,))),
+}
+
+
+@pytest.mark.parametrize(("message", "build"), REFUSED.values(), ids=REFUSED)
+def test_refused_inputs(message, build):
+    with pytest.raises(InputError, match=message):
+        build()
+
+
+@pytest.mark.parametrize("name", ["method", "jacobian", "globalisation", "units"])
+def test_unknown_options_are_refused(name):
+    with pytest.raises(InputError, match=rf"{name}: 'other' must be one of"):
+        solve_network(network_of(two_line()), **{name: "other"})
+
+
+@pytest.mark.parametrize("start", ["here", 3.0, ((0, 0, 0), (1,), (1,)), (np.full((3, 3), np.nan), (1, 1), (1, 1))])
+def test_unknown_starts_are_refused(start):
+    with pytest.raises(InputError, match="start: "):
+        solve_network(network_of(two_line()), start=start)
+
+
+def test_moved_wants_one_row_a_coupled_node():
+    with pytest.raises(InputError, match=re.escape("positions: shape (2, 3) must be (3, 3)")):
+        network_of(bridle_system()).moved(np.zeros((2, 3)))
+
+
+def test_stopping_short_is_a_status(monkeypatch):
+    assert status_misses(monkeypatch) == []
+    monkeypatch.setattr(network_monolithic, "MAX_ITERATIONS", 2)
+    with pytest.raises(ConvergenceError, match="2 elements, 3 nodes, monolithic") as caught:
+        solve_network(network_of(two_line()), start=PAPER_START, fallback=False)
+    assert caught.value.outcome.status is Status.NOT_CONVERGED
+
+
+def test_without_a_free_node_the_spans_remain():
+    """Nothing to balance: each element is its own line."""
+    state = solve_network(_network((ANCHOR, FAIRLEAD), [(0, 1)]))
+    one = solve_span(Span(**LINE, x=9.0, z=45.0))
+    assert state.residual_norm == 0 and state.V[0] == pytest.approx(one.V, rel=4 * EPS)
