@@ -3,6 +3,7 @@
 `regenerate` keeps finished rows beside the data until all are there, so an interrupted run resumes; what it keeps is
 tied to the inputs and to the code that computes them. `check` recomputes everything and compares text.
 """
+
 import argparse
 import csv
 import hashlib
@@ -101,8 +102,11 @@ def differences(stored, fresh):
     found = [f"{name}: not stored" for name in new if name not in old]
     found += [f"{name}: stored but not in the design" for name in old if name not in new]
     for name in (n for n in new if n in old):
-        found += [f"{name}: {column} stored {old[name].get(column)}, computed {value}"
-                  for column, value in new[name].items() if old[name].get(column) != value]
+        found += [
+            f"{name}: {column} stored {old[name].get(column)}, computed {value}"
+            for column, value in new[name].items()
+            if old[name].get(column) != value
+        ]
     if not found and stored != fresh:
         found = ["same values, but another order, layout or line ending"]
     return found
@@ -127,8 +131,12 @@ def _positive(text):
 def _arguments(argv):
     parser = argparse.ArgumentParser(prog="python -m reference_data", description=__doc__.splitlines()[0])
     parser.add_argument("action", choices=("regenerate", "check"))
-    parser.add_argument("--only", choices=sorted(GENERATED), metavar="SET",
-                        help=f"one computed set, of: {', '.join(sorted(GENERATED))} (published sets are not computed)")
+    parser.add_argument(
+        "--only",
+        choices=sorted(GENERATED),
+        metavar="SET",
+        help=f"one computed set, of: {', '.join(sorted(GENERATED))} (published sets are not computed)",
+    )
     parser.add_argument("--jobs", type=_positive, default=os.cpu_count() or 1, help="processes (default: all cores)")
     return parser.parse_args(argv)
 

@@ -1,7 +1,8 @@
 """Compact mooring-cable solvers: numpy and scipy only. See README.md for the conventions."""
 
 from .catenary import CatenaryBatch, CatenaryState, Regime, Span, solve_span, solve_spans
-from .network import Element, Network, NetworkState, Node, solve_network
+from .network import NetworkState, solve_network
+from .network_model import Element, Network, Node
 from .outcome import ConvergenceError, InputError, Status
 from .properties import CableProperties, Environment
 from .scene import Scene

@@ -20,7 +20,7 @@ import re
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from .network import Element, Network, Node
+from .network_model import Element, Network, Node
 from .outcome import InputError
 from .properties import CableProperties, Environment
 

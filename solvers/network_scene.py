@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
 
-from .network import Element, Network, Node
+from .network_model import Element, Network, Node
 from .outcome import InputError
 from .properties import CableProperties, Environment
 from .scene import _check_keys, _point  # private to this package: one wording of errors for all scene files

@@ -17,7 +17,7 @@ ROOT = Path(__file__).parents[1]
 OWN = ("solvers", "verification", "benchmarks", "reference_data", "reports")
 TESTING = ("pytest", "hypothesis", "mpmath")
 LONGEST_SOLVER_MODULE = 320  # lines: what one can read at a sitting
-READERS = ("scene.py", "map_file.py")  # solver modules whose job is to read an input file
+READERS = ("scene.py", "map_file.py", "network_scene.py")  # solver modules whose job is to read an input file
 
 # Folder, most special first -> what it may import beside the standard library. A name covers all below it.
 MAY_IMPORT = {

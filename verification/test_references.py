@@ -4,6 +4,7 @@ The computed spans must satisfy the end point (forward quadrature), the energy i
 unilateral contact, a double-precision quadrature of x and the definition of the stiffness. Published rows must close
 within their printed digits. Planted faults show that each check can turn red.
 """
+
 import csv
 import math
 import subprocess
@@ -39,13 +40,37 @@ STIFFNESS_ERROR = mpf("1e-6")
 SAMPLE_SEED, SAMPLE_SIZE = 7, 12
 
 LEAST_ROWS = {
-    "suspended": 12, "contact-frictionless": 12, "contact-anchor-tension": 9, "contact-anchor-slack": 9, "slack": 12,
-    "slack-lying": 6, "lying-frictionless": 9, "lying-friction-part": 9, "lying-friction-full": 9, "vertical-taut": 12,
-    "vertical-folded": 12, "vertical-slack-seabed": 12, "chord-equals-length": 30, "near-chord": 30,
-    "over-stretched": 20, "fairlead-below": 12, "floating-slack": 12, "fairlead-on-seabed": 3, "lifted-contact": 12,
-    "lifted-suspended": 9, "lifted-slack": 12, "buoyant": 12, "weightless-taut": 12, "weightless-slack": 3,
-    "nearly-vertical": 20, "nearly-slack": 12, "just-touching": 9, "just-lifted": 9, "named-line": 9,
-    "random-seabed": 30, "random-floating": 30,
+    "suspended": 12,
+    "contact-frictionless": 12,
+    "contact-anchor-tension": 9,
+    "contact-anchor-slack": 9,
+    "slack": 12,
+    "slack-lying": 6,
+    "lying-frictionless": 9,
+    "lying-friction-part": 9,
+    "lying-friction-full": 9,
+    "vertical-taut": 12,
+    "vertical-folded": 12,
+    "vertical-slack-seabed": 12,
+    "chord-equals-length": 30,
+    "near-chord": 30,
+    "over-stretched": 20,
+    "fairlead-below": 12,
+    "floating-slack": 12,
+    "fairlead-on-seabed": 3,
+    "lifted-contact": 12,
+    "lifted-suspended": 9,
+    "lifted-slack": 12,
+    "buoyant": 12,
+    "weightless-taut": 12,
+    "weightless-slack": 3,
+    "nearly-vertical": 20,
+    "nearly-slack": 12,
+    "just-touching": 9,
+    "just-lifted": 9,
+    "named-line": 9,
+    "random-seabed": 30,
+    "random-floating": 30,
 }
 
 
@@ -169,8 +194,13 @@ def half_line(H, w, a, b, near, V_start):
     length, knee = b - a, min(b - a, H / abs(w))
     near_part = quad(lambda s: H / math.hypot(H, w * s), 0, knee, epsrel=1e-12, epsabs=0)[0]
     # beyond the knee in ln s, where the integrand is smooth
-    far_part = quad(lambda t: H * math.exp(t) / math.hypot(H, w * math.exp(t)), math.log(knee), math.log(length),
-                    epsrel=1e-12, epsabs=0)[0]
+    far_part = quad(
+        lambda t: H * math.exp(t) / math.hypot(H, w * math.exp(t)),
+        math.log(knee),
+        math.log(length),
+        epsrel=1e-12,
+        epsabs=0,
+    )[0]
     return near_part + far_part
 
 
@@ -244,10 +274,14 @@ def faults(row):
     with mp.workdps(WORKING_DIGITS):
         p, s = inputs_of(row), state_of(row)
         regime = regime_of(p, s)
-        found = [f"{row['name']} ({check.__name__}): {line}" for check in CHECKS
-                 for line in refusals(check, p, s, regime)]
-    found += [f"{row['name']}: {name} does not round-trip" for name in INPUTS
-              if name != "seabed" and repr(float(row[name])) != row[name]]
+        found = [
+            f"{row['name']} ({check.__name__}): {line}" for check in CHECKS for line in refusals(check, p, s, regime)
+        ]
+    found += [
+        f"{row['name']}: {name} does not round-trip"
+        for name in INPUTS
+        if name != "seabed" and repr(float(row[name])) != row[name]
+    ]
     return found
 
 
@@ -255,8 +289,9 @@ def table_faults(rows):
     """What is wrong with the set as a whole."""
     names, labels = Counter(row["name"] for row in rows), Counter(row["regime"] for row in rows)
     found = [f"{name} appears {n} times" for name, n in names.items() if n > 1]
-    found += [f"{label}: {labels[label]} rows, at least {n} wanted" for label, n in LEAST_ROWS.items()
-              if labels[label] < n]
+    found += [
+        f"{label}: {labels[label]} rows, at least {n} wanted" for label, n in LEAST_ROWS.items() if labels[label] < n
+    ]
     return found + [f"unknown label {label}" for label in labels if label not in LEAST_ROWS]
 
 
@@ -299,34 +334,37 @@ def test_all_is_recomputed_to_the_digit(request):
 def digit_changed(text, position):
     """The text with one decimal digit after the point raised by one (9 becomes 0)."""
     k = text.index(".") + position
-    return text[:k] + str((int(text[k]) + 1) % 10) + text[k + 1:]
+    return text[:k] + str((int(text[k]) + 1) % 10) + text[k + 1 :]
 
 
 def negated(text):
     return text[1:] if text.startswith("-") else "-" + text
 
 
-@pytest.mark.parametrize(("name", "column", "change"), [
-    ("suspended-07", "H", lambda t: digit_changed(t, 22)),
-    ("suspended-07", "V", negated),
-    ("suspended-07", "V_anchor", negated),
-    ("contact-anchor-tension-05", "H", lambda t: digit_changed(t, 22)),
-    ("contact-anchor-tension-05", "H_anchor", lambda t: digit_changed(t, 10)),
-    ("contact-anchor-slack-04", "V", lambda t: digit_changed(t, 22)),
-    ("lifted-contact-04", "V_anchor", negated),
-    ("lifted-contact-04", "grounded_length", lambda t: digit_changed(t, 15)),
-    ("slack-04", "V", lambda t: digit_changed(t, 22)),
-    ("lying-friction-part-02", "H", lambda t: digit_changed(t, 22)),
-    ("vertical-folded-05", "V", lambda t: digit_changed(t, 22)),
-    ("buoyant-02", "V", negated),
-    ("weightless-taut-03", "V", negated),
-    ("chord-equals-length-04", "K12", negated),
-    ("floating-slack-06", "K11", lambda t: digit_changed(t, 3)),
-    ("lying-frictionless-04", "K11", lambda t: digit_changed(t, 3)),
-    ("vertical-taut-04", "K11", lambda t: digit_changed(t, 3)),
-    ("named-line-01", "x", lambda t: t + "0"),
-    ("named-line-01", "w", lambda t: "226.61"),
-])
+@pytest.mark.parametrize(
+    ("name", "column", "change"),
+    [
+        ("suspended-07", "H", lambda t: digit_changed(t, 22)),
+        ("suspended-07", "V", negated),
+        ("suspended-07", "V_anchor", negated),
+        ("contact-anchor-tension-05", "H", lambda t: digit_changed(t, 22)),
+        ("contact-anchor-tension-05", "H_anchor", lambda t: digit_changed(t, 10)),
+        ("contact-anchor-slack-04", "V", lambda t: digit_changed(t, 22)),
+        ("lifted-contact-04", "V_anchor", negated),
+        ("lifted-contact-04", "grounded_length", lambda t: digit_changed(t, 15)),
+        ("slack-04", "V", lambda t: digit_changed(t, 22)),
+        ("lying-friction-part-02", "H", lambda t: digit_changed(t, 22)),
+        ("vertical-folded-05", "V", lambda t: digit_changed(t, 22)),
+        ("buoyant-02", "V", negated),
+        ("weightless-taut-03", "V", negated),
+        ("chord-equals-length-04", "K12", negated),
+        ("floating-slack-06", "K11", lambda t: digit_changed(t, 3)),
+        ("lying-frictionless-04", "K11", lambda t: digit_changed(t, 3)),
+        ("vertical-taut-04", "K11", lambda t: digit_changed(t, 3)),
+        ("named-line-01", "x", lambda t: t + "0"),
+        ("named-line-01", "w", lambda t: "226.61"),
+    ],
+)
 def test_a_planted_fault_is_found(spans, name, column, change):
     row = next(row for row in spans if row["name"] == name)
     assert not faults(row)
@@ -365,8 +403,14 @@ def openfast_misses(row, half_unit, pi):
     w = v["g"] * (v["mass_density"] - v["rho"] * pi * v["diameter"] ** 2 / 4)
     x = math.hypot(v["x_fairlead"] - v["x_anchor"], v["y_fairlead"] - v["y_anchor"])
     s = solve(w, v["EA"], v["L"], x, v["z_fairlead"] - v["z_anchor"], friction=v["friction"])
-    got = {"Lb": s.grounded_length, "H": s.H, "V": s.V, "T": mp.hypot(s.H, s.V), "HAnch": s.H_anchor,
-           "VAnch": s.V_anchor}
+    got = {
+        "Lb": s.grounded_length,
+        "H": s.H,
+        "V": s.V,
+        "T": mp.hypot(s.H, s.V),
+        "HAnch": s.H_anchor,
+        "VAnch": s.V_anchor,
+    }
     return {name: float(got[name]) - v[name] for name in half_unit if abs(got[name] - v[name]) > half_unit[name]}
 
 
@@ -387,12 +431,21 @@ def msqs_misses(rows, half_unit, w, swapped):
 
     The rounding of H and V is carried through the map by evaluating it at the corners of their intervals.
     """
-    verticals = [float(row["V_kN"]) for row in rows][::-1 if swapped else 1]
+    verticals = [float(row["V_kN"]) for row in rows][:: -1 if swapped else 1]
     misses = []
     for row, V in zip(rows, verticals, strict=True):
         v = {name: float(text) for name, text in row.items() if name != "name"}
-        ends = [excursion(1e3 * (v["H_kN"] + i * half_unit["H_kN"]), 1e3 * (V + j * half_unit["V_kN"]), w,
-                          1e3 * v["EA_kN"], v["L"]) for i in (-1, 1) for j in (-1, 1)]
+        ends = [
+            excursion(
+                1e3 * (v["H_kN"] + i * half_unit["H_kN"]),
+                1e3 * (V + j * half_unit["V_kN"]),
+                w,
+                1e3 * v["EA_kN"],
+                v["L"],
+            )
+            for i in (-1, 1)
+            for j in (-1, 1)
+        ]
         span = abs(v["x_fairlead"] - v["x_anchor"]), v["z_fairlead"] - v["z_anchor"]
         for k, name in enumerate(("x_fairlead", "z_fairlead")):
             least, most = min(e[k] for e in ends), max(e[k] for e in ends)

@@ -2,6 +2,7 @@
 
 The design is dimensionless: stiffness EA/(w L), place of the fairlead (x/L, z/L), friction; sizes are dealt in turn.
 """
+
 from dataclasses import asdict, astuple, dataclass
 from itertools import chain, count, cycle, product
 from math import hypot
@@ -31,16 +32,37 @@ PLAIN = {"suspended"}
 TOUCHING = {"grounded", "grounded-anchor-slack"}
 ANY = PLAIN | TOUCHING | {"slack"}
 LABELS = {
-    "suspended": PLAIN, "contact-frictionless": {"grounded"}, "contact-anchor-tension": {"grounded"},
-    "contact-anchor-slack": {"grounded-anchor-slack"}, "slack": {"slack"}, "slack-lying": {"slack"},
-    "lying-frictionless": {"lying"}, "lying-friction-part": {"lying"}, "lying-friction-full": {"lying"},
-    "vertical-taut": {"vertical"}, "vertical-folded": {"vertical"}, "vertical-slack-seabed": {"slack"},
-    "chord-equals-length": PLAIN | TOUCHING, "near-chord": PLAIN, "over-stretched": PLAIN | TOUCHING,
-    "fairlead-below": PLAIN, "floating-slack": PLAIN, "fairlead-on-seabed": {"grounded"},
-    "lifted-contact": {"grounded"}, "lifted-suspended": PLAIN, "lifted-slack": {"slack"},
-    "buoyant": PLAIN | {"vertical"}, "weightless-taut": {"weightless-taut"}, "weightless-slack": {"weightless-slack"},
-    "nearly-vertical": PLAIN | TOUCHING, "nearly-slack": TOUCHING, "just-touching": {"grounded"},
-    "just-lifted": PLAIN, "named-line": PLAIN | TOUCHING, "random-seabed": ANY, "random-floating": PLAIN,
+    "suspended": PLAIN,
+    "contact-frictionless": {"grounded"},
+    "contact-anchor-tension": {"grounded"},
+    "contact-anchor-slack": {"grounded-anchor-slack"},
+    "slack": {"slack"},
+    "slack-lying": {"slack"},
+    "lying-frictionless": {"lying"},
+    "lying-friction-part": {"lying"},
+    "lying-friction-full": {"lying"},
+    "vertical-taut": {"vertical"},
+    "vertical-folded": {"vertical"},
+    "vertical-slack-seabed": {"slack"},
+    "chord-equals-length": PLAIN | TOUCHING,
+    "near-chord": PLAIN,
+    "over-stretched": PLAIN | TOUCHING,
+    "fairlead-below": PLAIN,
+    "floating-slack": PLAIN,
+    "fairlead-on-seabed": {"grounded"},
+    "lifted-contact": {"grounded"},
+    "lifted-suspended": PLAIN,
+    "lifted-slack": {"slack"},
+    "buoyant": PLAIN | {"vertical"},
+    "weightless-taut": {"weightless-taut"},
+    "weightless-slack": {"weightless-slack"},
+    "nearly-vertical": PLAIN | TOUCHING,
+    "nearly-slack": TOUCHING,
+    "just-touching": {"grounded"},
+    "just-lifted": PLAIN,
+    "named-line": PLAIN | TOUCHING,
+    "random-seabed": ANY,
+    "random-floating": PLAIN,
 }
 
 
@@ -113,7 +135,7 @@ def _dealt(shapes):
     sizes = cycle(SIZES)
     for label, k, x, z, *rest in shapes:
         w, L = next(sizes)
-        seabed, friction, clearance = *rest, *(True, 0.0, 0.0)[len(rest):]
+        seabed, friction, clearance = *rest, *(True, 0.0, 0.0)[len(rest) :]
         yield label, w, k * w * L, L, x * L, z * L, seabed, friction, clearance * L
 
 
@@ -183,7 +205,9 @@ def compute(row):
         raise ValueError(f"{row.name}: labelled {row.regime} but the oracle finds {state.regime}: {astuple(row)}")
     K = catenary_mp.stiffness(**inputs, solution=state)
     kappa = catenary_mp.condition_number(**inputs, solution=state)
-    return ({name: value if isinstance(value, str) else repr(value) for name, value in asdict(row).items()}
-            | {name: text(getattr(state, name)) for name in STATE}
-            | {f"K{i + 1}{j + 1}": text(K[i, j]) for i in (0, 1) for j in (0, 1)}
-            | {"condition": text(kappa, CONDITION_DIGITS)})
+    return (
+        {name: value if isinstance(value, str) else repr(value) for name, value in asdict(row).items()}
+        | {name: text(getattr(state, name)) for name in STATE}
+        | {f"K{i + 1}{j + 1}": text(K[i, j]) for i in (0, 1) for j in (0, 1)}
+        | {"condition": text(kappa, CONDITION_DIGITS)}
+    )

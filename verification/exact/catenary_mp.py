@@ -12,6 +12,7 @@ by evaluating the quadrature once more.
 
 SI units throughout: w N/m, EA N, L, x, z, clearance m, forces N. Inputs are doubles, taken exactly.
 """
+
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise
@@ -393,8 +394,11 @@ def _closed_pieces(regime, H, p):
     first, last = _slack_lengths(p)
     grounded = p.L - first - last
     spread = p.x / grounded if grounded else ZERO
-    return [_Hanging(first, ZERO, -p.w * first), _Lying(grounded, ZERO, ZERO, spread),
-            _Hanging(last, ZERO, ZERO)], grounded
+    return [
+        _Hanging(first, ZERO, -p.w * first),
+        _Lying(grounded, ZERO, ZERO, spread),
+        _Hanging(last, ZERO, ZERO),
+    ], grounded
 
 
 # --- the elastic regime: a robust start and Newton on the quadrature --------------------------------------------------
@@ -729,8 +733,13 @@ def _weightless_stiffness(p, solution):
     return along * cos_**2 + across * sin_**2, mixed, mixed, along * sin_**2 + across * cos_**2
 
 
-CLOSED_STIFFNESS = {"slack": _slack_stiffness, "lying": _lying_stiffness, "vertical": _vertical_stiffness,
-                    "weightless-taut": _weightless_stiffness, "weightless-slack": _weightless_stiffness}
+CLOSED_STIFFNESS = {
+    "slack": _slack_stiffness,
+    "lying": _lying_stiffness,
+    "vertical": _vertical_stiffness,
+    "weightless-taut": _weightless_stiffness,
+    "weightless-slack": _weightless_stiffness,
+}
 # Relative step of limits and differences in closed regimes: its square is below every digit that is kept.
 FINE = mpf(10) ** -60
 
@@ -777,8 +786,10 @@ def _elastic_sensitivities(p, solution, names):
 def _closed_sensitivities(p, solution, names):
     """The same from the closed relations of the regime."""
     for name in names:
+
         def force(value, name=name):
             return _closed_force(solution.regime, replace(p, **{name: value}))
+
         yield _central(force, getattr(p, name), mpf(10) ** (-DECISION_DIGITS // 3))
 
 
