@@ -112,7 +112,7 @@ def report(rows: list[dict]) -> dict:
         },
     }
     solvers = {name: {"label": one.label, "version": one.version} for name, one in harness.solvers().items()}
-    return {"solvers": solvers, "sets": sets, "wrong_bound": WRONG, "rows": rows}
+    return {"solvers": solvers, "sets": sets, "wrong_bound": WRONG, "excused_limits": harness.EXCUSED, "rows": rows}
 
 
 def summary(file: dict) -> str:
