@@ -9,7 +9,7 @@ from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-from . import analysis, figures, published, scene_figures, scene_tables, style, tables, verdicts, words
+from . import analysis, figures, networks, published, scene_figures, scene_tables, style, tables, verdicts, words
 from .claims import OUTCOMES, questions
 from .ledger import Ledger, write_atomically
 from .runner import Ended
@@ -178,6 +178,7 @@ def _whole(results: Results, looks: dict, figure_folder: Path, table_folder: Pat
         "work": figures.work_precision(work, looks, figure_folder) if work else None,
         "map": figures.error_map(accuracy, looks, figure_folder) if accuracy else None,
         "cold": figures.cold_times(timings, looks, figure_folder) if timings else None,
+        "networks": networks.section(results.json("networks"), looks, figure_folder, table_folder),
         "published": _published(results, table_folder),
     }
 

@@ -56,7 +56,7 @@ class Stage:
 QUICK_TESTS = "not 50_digits and not random_lines and not test_report"
 """Tests of the quick run: without those that compute many lines to 50 digits, and without a report in a report."""
 
-SLOW = ("work_precision",)
+SLOW = ("work_precision", "networks")
 """Groups left out by --quick; results of an earlier whole run are still shown."""
 
 
@@ -105,6 +105,8 @@ def plan(quick: bool, published: list[Path]) -> list[Stage]:
               ("benchmarks.work_precision", "--out", "{results}"), "work_precision.json", MEASURED, True, 60),
         Stage("speed", "speed", "speed side by side",
               ("benchmarks.speed", "--out", "{results}"), "speed.json", MEASURED, True, 15),
+        Stage("networks", "networks", "networks of lines",
+              ("benchmarks.networks", "--out", "{results}"), "networks.json", MEASURED, True, 75),
         *(scene_stage(path) for path in sorted(SCENES.glob("*.toml"))),
         *(scene_stage(path, "published") for path in published),
     ]  # fmt: skip
@@ -115,4 +117,4 @@ def scene_plan(paths: list[Path]) -> list[Stage]:
     return [_machine(), *(scene_stage(path) for path in paths)]
 
 
-GROUPS = ("tests", "machine", "accuracy", "benchmarks", "work_precision", "speed", "scenes", "published")
+GROUPS = ("tests", "machine", "accuracy", "benchmarks", "work_precision", "speed", "networks", "scenes", "published")
