@@ -156,10 +156,9 @@ def solve_span(span: Span, *, tolerance: float = TOLERANCE, throw: bool = True) 
     """
     if not isinstance(span, Span):
         raise InputError(f"span: {span!r} is not a solvers.Span")
-    if not 0 < tolerance < 1:
-        raise InputError(f"tolerance: {tolerance!r} (dimensionless) must lie in (0, 1)")
+    tolerance = _checked(tolerance)
     inputs = span.w, span.EA, span.L, span.x, span.z, span.seabed, span.friction, span.clearance
-    *forces, regime, status, iterations, residual = solve(SCALAR, one, *inputs, max(tolerance, TOLERANCE))
+    *forces, regime, status, iterations, residual = solve(SCALAR, one, *inputs, tolerance)
     stiffness = np.array(forces[5:]).reshape(2, 2)
     state = CatenaryState(span, *forces[:5], stiffness, REGIMES[regime], STATUSES[status], iterations, residual)
     return state.or_throw(span) if throw else state
@@ -171,8 +170,7 @@ def solve_spans(w, EA, L, x, z, seabed=True, friction=0.0, clearance=0.0, *, tol
     A row with bad input or without solution gets its own status and NaN. Memory beyond inputs and results does not
     grow with n. Raises InputError for shapes that do not broadcast, more than one dimension, values that are not real.
     """
-    if not 0 < tolerance < 1:
-        raise InputError(f"tolerance: {tolerance!r} (dimensionless) must lie in (0, 1)")
+    tolerance = _checked(tolerance)
     names = [field.name for field in fields(Span)]
     columns = _columns(dict(zip(names, (w, EA, L, x, z, seabed, friction, clearance), strict=True)))
     n = columns[0].size
@@ -184,7 +182,7 @@ def solve_spans(w, EA, L, x, z, seabed=True, friction=0.0, clearance=0.0, *, tol
         for first in range(0, n, BLOCK):
             block = [column[first : first + BLOCK] for column in columns]
             rows = np.flatnonzero(_valid(*block))
-            solved = solve(ARRAY, many, *(column[rows] for column in block), max(tolerance, TOLERANCE))
+            solved = solve(ARRAY, many, *(column[rows] for column in block), tolerance)
             for place, values in zip(places, solved, strict=True):
                 place[first + rows] = values
     return CatenaryBatch(*forces, stiffness.reshape(n, 2, 2), regime, status, iterations, residual)
@@ -201,11 +199,23 @@ def span_arrays(w, EA, L, x, z, seabed, friction, clearance, tolerance=TOLERANCE
     return *solved[:5], solved[5:9], solved[9], solved[10], solved[11]
 
 
+def _checked(tolerance) -> float:
+    value = real_number("tolerance", tolerance, "dimensionless")
+    if not 0 < value < 1:
+        raise InputError(f"tolerance: {tolerance!r} (dimensionless) must lie in (0, 1)")
+    return max(value, TOLERANCE)
+
+
 def _columns(arguments) -> list[np.ndarray]:
     """The arguments as float (seabed: bool) arrays of one shape (n,)."""
     columns = {}
     for name, value in arguments.items():
-        column = np.asarray(value)
+        if np.ma.is_masked(value):
+            raise InputError(f"{name}: has masked elements; leave them out, or fill them")
+        try:
+            column = np.asarray(value)
+        except ValueError:
+            raise InputError(f"{name}: rows of different lengths; it must be of shape () or (n,)") from None
         kinds, wanted = ("b", "True or False") if name == "seabed" else ("iuf", f"real numbers ({_UNITS[name]})")
         if column.dtype.kind not in kinds and column.size:
             raise InputError(f"{name}: values of type {column.dtype} must be {wanted}")

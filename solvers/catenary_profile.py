@@ -6,6 +6,8 @@ import numpy as np
 
 from .outcome import InputError
 
+STRAIGHT = 1e-9  # of the tension: a piece lighter than that is straight, its square is below rounding
+
 
 def profile(state, s):
     """(x, z, tension) at unstretched arc length s (...), m, from the anchor; see CatenaryState.profile."""
@@ -37,18 +39,21 @@ def _hanging(span, H, V0, s):
     """(x, z, T) at s along a free line that starts with the force (H, V0); (2.1) with differences resolved:
 
     sqrt(H^2 + a^2) - sqrt(H^2 + b^2) = (a - b)(a + b)/(Ta + Tb), and for a, b of one sign
-    asinh(a/H) - asinh(b/H) = asinh((a - b)(a + b)/(a Tb + b Ta)).
+    asinh(a/H) - asinh(b/H) = asinh((a - b)(a + b)/(a Tb + b Ta)). Forces are taken in units of the largest.
     """
-    rise = span.w * s
-    b, a = V0, V0 + rise
+    unit = max(H, abs(V0), abs(span.w) * span.L)
+    H, b, rise = H / unit, V0 / unit, span.w / unit * s
+    a = b + rise
     Ta, Tb = np.sqrt(H * H + a * a), np.sqrt(H * H + b * b)
     total = np.where(Ta + Tb > 0, Ta + Tb, 1.0)
-    z = s * (a + b) / total + s * (b + rise / 2) / span.EA
+    z = s * ((a + b) / total + (b + rise / 2) * (unit / span.EA))
     if H == 0:
-        return 0 * s, z, Ta
+        return 0 * s, z, unit * Ta
     one_sign = np.arcsinh(rise * (a + b) / np.where(a * b > 0, a * Tb + b * Ta, 1.0))
     spread = np.where(a * b > 0, one_sign, np.arcsinh(a / H) - np.arcsinh(b / H))
-    return H / span.w * spread + H * s / span.EA, z, Ta
+    straight = np.abs(rise) <= STRAIGHT * np.minimum(Ta, Tb)
+    slope = H * np.where(straight, 2 / total, spread / np.where(straight, 1.0, rise))
+    return s * (slope + H * (unit / span.EA)), z, unit * Ta
 
 
 def _resting(span, state, s):

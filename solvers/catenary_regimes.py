@@ -22,6 +22,7 @@ import math
 TINY = 1e-290  # keeps a divisor from zero, far below anything that counts
 NARROWEST = 1e-50  # a span narrower than this part of its length or height is vertical
 LOWEST = 1e-100  # an end less than this part of L above the seabed lies on it
+LIGHTEST = 1e-300  # N, of w L: below it forces lose their digits
 STIFFEST = 1e-305  # wL/EA of a stiffer line is set to it
 LARGEST = 1e40  # of l, h, c, CB and wL/EA: beyond, intermediate results leave the range of double precision
 MASSLESS = 1e-60  # a taut line lighter than MASSLESS EA/L is straight to far below double precision

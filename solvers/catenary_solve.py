@@ -8,7 +8,7 @@ from enum import Enum
 import numpy as np
 
 from . import catenary_regimes as regimes
-from .catenary_regimes import LARGEST, LOWEST, MASSLESS, NARROWEST, STIFFEST, TINY
+from .catenary_regimes import LARGEST, LIGHTEST, LOWEST, MASSLESS, NARROWEST, STIFFEST
 from .elementary import ARRAY, SCALAR
 from .newton import monotone_root, monotone_roots
 from .outcome import Status
@@ -60,8 +60,8 @@ def _scaled(f, w, EA, L, x, z, seabed, CB, clearance):
     l, c, e = x / L, f.where(clearance > LOWEST * L, clearance / L, 0.0), f.maximum(weight / EA, STIFFEST)
     h = f.where(seabed, f.maximum(z / L, -c), up * z / L)
     largest = f.maximum(f.maximum(f.maximum(l, abs(h)), f.maximum(c, CB)), e)
-    beyond = (largest > LARGEST) | (1e308 * L < EA)
-    massless = (weight < TINY) | beyond  # where beyond, only to give it a kernel that cannot fail
+    beyond = (largest > LARGEST) | (1e308 * L < EA) | ((w != 0) & (weight < LIGHTEST))
+    massless = (w == 0) | beyond  # where beyond, only to give it a kernel that cannot fail
     return up, l, h, e, CB, c, massless, beyond, weight
 
 
@@ -78,6 +78,7 @@ def _classify(f, l, h, e, CB, c, seabed, massless):
     regime = f.where((e < MASSLESS) & (chord > 1), _MASSLESS, regime)
     regime = f.where(seabed & (c == 0) & rests, f.where(h > LOWEST, _GROUNDED, _LYING), regime)
     regime = f.where(l < NARROWEST * (1 + abs(h)), _VERTICAL, regime)
+    regime = f.where((e <= STIFFEST) & (chord > 1), _MASSLESS, regime)
     return f.where(massless, _MASSLESS, f.where(slack, _SLACK, regime))
 
 

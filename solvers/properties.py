@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from numbers import Real
+
+import numpy as np
 
 from .outcome import InputError
 
@@ -11,12 +14,15 @@ from .outcome import InputError
 def real_number(name: str, value, unit: str) -> float:
     """``value`` as a finite float; raises InputError naming the field, the value and its unit."""
     if type(value) is not float:
-        if isinstance(value, (str, bytes, bool)):
-            raise InputError(f"{name}: {value!r} must be a real number ({unit.strip('()')})")
+        if isinstance(value, np.ndarray) and value.ndim == 0:
+            value = value.item()
+        if isinstance(value, bool) or not isinstance(value, Real):
+            article = "one" if isinstance(value, (list, tuple, np.ndarray)) else "a"
+            raise InputError(f"{name}: {value!r} must be {article} real number ({unit.strip('()')})")
         try:
             value = float(value)
-        except (TypeError, ValueError, OverflowError):
-            raise InputError(f"{name}: {value!r} must be one real number ({unit.strip('()')})") from None
+        except OverflowError:
+            raise InputError(f"{name}: {value!r} {unit} must be finite") from None
     if not math.isfinite(value):
         raise InputError(f"{name}: {value} {unit} must be finite")
     return value

@@ -282,3 +282,16 @@ def test_forces_beyond_double_precision_are_a_status():
     state = solve_span(Span(1.0, 1e308, 1.0, 1e10, 0.0), throw=False)
     assert state.status is Status.NOT_FINITE
     assert math.isnan(state.H)
+
+
+@pytest.mark.parametrize("EA", [1e120, 1e200, 1e300])
+@pytest.mark.parametrize(("x", "z"), [(1.2, 0.0), (0.9, 0.8), (0.6, 0.8), (0.0, 1.1), (1e-9, 1.3)])
+def test_profile_of_an_enormously_stiff_line_is_the_chord(EA, x, z):
+    """A line stiffer than 1e120 N, its ends at least its length apart, is straight: T = EA (chord/L - 1)."""
+    state = solve_span(Span(1e-6, EA, 1.0, x, z, seabed=False))
+    xs, zs, T = state.profile([0.0, 0.25, 1.0])
+    size = 1e-12  # of the length: a dozen roundings of a profile that is exact to eps
+    assert np.abs(xs - [0, 0.25 * x, x]).max() < size and np.abs(zs - [0, 0.25 * z, z]).max() < size
+    stretch = math.hypot(x, z) - 1
+    if stretch > 0.01:
+        assert state.tension == pytest.approx(EA * stretch, rel=size) and np.ptp(T) <= size * state.tension
