@@ -151,8 +151,9 @@ def solve_span(span: Span, *, tolerance: float = TOLERANCE, throw: bool = True) 
     """Solve one span from no guess.
 
     tolerance : of residual_norm (default: round-off). Raises ConvergenceError unless throw is False, in which case the
-    state carries the status and NaN. Every valid span has a solution; the two ways to fail are friction under a line
-    that touches the seabed between two raised ends, and forces beyond 1e308 N.
+    state carries the status and NaN. Every valid span has a solution; the ways to fail are friction under a line that
+    touches the seabed between two raised ends, and inputs so extreme that doubles cannot carry the forces or the ratios
+    between (x, z, clearance over L, friction, w L/EA above 1e40; EA/L above 1e308; 0 < |w| L < 1e-300 N).
     """
     if not isinstance(span, Span):
         raise InputError(f"span: {span!r} is not a solvers.Span")
@@ -221,7 +222,7 @@ def _columns(arguments) -> list[np.ndarray]:
             raise InputError(f"{name}: values of type {column.dtype} must be {wanted}")
         if column.ndim > 1:
             raise InputError(f"{name}: shape {column.shape} must be () or (n,)")
-        columns[name] = column.astype(bool if name == "seabed" else float)
+        columns[name] = column.astype(bool if name == "seabed" else float, copy=False)
     try:
         return list(np.broadcast_arrays(np.empty(1), *columns.values()))[1:]
     except ValueError:

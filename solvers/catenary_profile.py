@@ -67,4 +67,4 @@ def _resting(span, state, s):
     x0 = max(grounded - state.H / drag, 0.0)  # tension starts here, or at the anchor with H_anchor
     moved = np.maximum(s - x0, 0)
     stretch = (state.H_anchor * moved + drag * moved * moved / 2) / span.EA
-    return s + stretch, state.H_anchor + drag * moved
+    return s + stretch, np.maximum(state.H - drag * (grounded - s), 0.0)

@@ -26,6 +26,7 @@ from .network_nested import (
     robust_start,
 )
 from .outcome import InputError, Outcome, Status
+from .properties import real_number
 
 
 @dataclass(frozen=True)
@@ -116,6 +117,10 @@ def solve_network(
     for name, value in given.items():
         if value not in METHODS[name]:
             raise InputError(f"{name}: {value!r} must be one of {', '.join(METHODS[name])}")
+    if not isinstance(network, Network):
+        raise InputError(f"network: {network!r} is not a solvers.Network")
+    if not 0 < real_number("tolerance", tolerance, "dimensionless") < 1:
+        raise InputError(f"tolerance: {tolerance!r} (dimensionless) must lie in (0, 1)")
     balance, count = network.balance, Count()
     first, H, V = _start(network, balance, start, count)
     if method == "monolithic" and balance.size > 0:

@@ -14,7 +14,7 @@ from .outcome import InputError
 def real_number(name: str, value, unit: str) -> float:
     """``value`` as a finite float; raises InputError naming the field, the value and its unit."""
     if type(value) is not float:
-        if isinstance(value, np.ndarray) and value.ndim == 0:
+        if isinstance(value, np.ndarray) and value.ndim == 0 and not np.ma.is_masked(value):
             value = value.item()
         if isinstance(value, bool) or not isinstance(value, Real):
             article = "one" if isinstance(value, (list, tuple, np.ndarray)) else "a"

@@ -79,7 +79,7 @@ class Scene:
         scene = cls(
             name=data.get("name", stem),
             description=data.get("description", ""),
-            tolerance=positive_number("tolerance", data.get("tolerance", 1e-6), "(dimensionless)"),
+            tolerance=_tolerance(data.get("tolerance", 1e-6)),
             environment=Environment(**tables["environment"]),
             cable=CableProperties(line["EA"], **section),
             length=positive_number("line.length", line["length"], "m"),
@@ -120,6 +120,13 @@ def _check_keys(name: str, table):
     for key in _REQUIRED[name]:
         if key not in table:
             raise InputError(f"missing key {key!r} in {where}")
+
+
+def _tolerance(value) -> float:
+    tolerance = positive_number("tolerance", value, "(dimensionless)")
+    if tolerance >= 1:
+        raise InputError(f"tolerance: {tolerance:g} (dimensionless) must be < 1, a relative error")
+    return tolerance
 
 
 def _point(name: str, value) -> tuple[float, float, float]:
