@@ -59,7 +59,8 @@ def _counts(rows, nested, whole) -> str:
     inner = [r["inner_iterations"] for r in outer if r.get("inner_iterations") is not None]
     return (
         f"The printed {nested['iterations']} outer and {nested['inner_iterations']} inner iterations of the nested "
-        f"method do not come out: among other differences, where the paper has Levenberg{DASH}Marquardt, the outer method here is a regularised "
+        f"method do not come out: among other differences, where the paper has Levenberg{DASH}Marquardt, the outer "
+        f"method here is a regularised "
         f"Newton method with a line search; it takes {_between(r['iterations'] for r in outer)} iterations"
         f"{f' and {_between(inner)} inner ones' if inner else ''}. "
         f"Of {len(together)} monolithic settings that succeed, {same} "
