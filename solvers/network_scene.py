@@ -11,15 +11,17 @@ name = "..."                 optional: description
 from __future__ import annotations
 
 import re
-import tomllib
 from dataclasses import dataclass
 from difflib import get_close_matches
-from pathlib import Path
 
 from .network_model import Element, Network, Node
 from .outcome import InputError
 from .properties import CableProperties, Environment
-from .scene import _check_keys, _point  # private to this package: one wording of errors for all scene files
+from .scene import (  # private to this package: one wording of errors for all scene files
+    _check_keys,
+    _point,
+    read_tables,
+)
 
 _SECTION = ("diameter", "mass_per_length", "submerged_weight")
 _LOADS = ("mass", "volume", "force")
@@ -41,19 +43,7 @@ class NamedNetwork(Network):
 
 def load_network(path) -> NamedNetwork:
     """Read a network file. Raises InputError naming file, table, key and value of what is missing, unknown or wrong."""
-    path = Path(path)
-    try:
-        data = tomllib.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise InputError(f"{path}: there is no such scene file") from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: cannot be read as a text file: {error}") from None
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{path}: is not a TOML file: {error}") from None
-    try:
-        return _from_tables(data, path.stem)
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from None
+    return read_tables(path, _from_tables)
 
 
 def _from_tables(data: dict, stem: str) -> NamedNetwork:

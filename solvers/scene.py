@@ -51,19 +51,7 @@ class Scene:
     @classmethod
     def load(cls, path) -> Scene:
         """Read a scene file. Raises InputError naming file and key for anything missing, unknown or out of range."""
-        path = Path(path)
-        try:
-            data = tomllib.loads(path.read_text(encoding="utf-8"))
-        except FileNotFoundError:
-            raise InputError(f"{path}: there is no such scene file") from None
-        except (OSError, UnicodeDecodeError) as error:
-            raise InputError(f"{path}: cannot be read as a text file: {error}") from None
-        except tomllib.TOMLDecodeError as error:
-            raise InputError(f"{path}: is not a TOML file: {error}") from None
-        try:
-            return cls._from_tables(data, path.stem)
-        except InputError as error:
-            raise InputError(f"{path}: {error}") from None
+        return read_tables(path, cls._from_tables)
 
     @classmethod
     def _from_tables(cls, data: dict, stem: str) -> Scene:
@@ -106,6 +94,25 @@ class Scene:
             "clearance": 0.0 if depth is None else z0 + depth,
         }
         return tuple(Span(**shape, friction=friction) for friction in self.friction)
+
+
+def read_tables(path, build):
+    """build(tables, stem) of a TOML file. Raises InputError naming the file, for what it is and for what is in it."""
+    try:
+        path = Path(path)
+        data = tomllib.loads(path.read_text(encoding="utf-8"))
+    except TypeError:
+        raise InputError(f"path: {path!r} is not the path of a scene file") from None
+    except FileNotFoundError:
+        raise InputError(f"{path}: there is no such scene file") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: cannot be read as a text file: {error}") from None
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{path}: is not a TOML file: {error}") from None
+    try:
+        return build(data, path.stem)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
 
 
 def _check_keys(name: str, table):

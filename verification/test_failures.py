@@ -195,12 +195,6 @@ def test_batch_arguments(changes, message):
         solve_spans(**(GOOD | changes))
 
 
-def test_ragged_lists():
-    """A ragged list is no array."""
-    with pytest.raises(ValueError, match=r"x|inhomogeneous"):
-        solve_spans(**(GOOD | {"x": [[1.0], [2.0, 3.0]]}))
-
-
 BAD_ROWS = [
     {"w": math.nan}, {"EA": math.inf}, {"L": -math.inf}, {"x": math.nan}, {"z": -math.inf}, {"friction": math.inf},
     {"clearance": math.nan}, {"L": 0.0}, {"L": -1.0}, {"EA": 0.0}, {"EA": -1.0}, {"x": -1.0}, {"friction": -0.1},
@@ -413,7 +407,7 @@ def test_empty_scene_file(tmp_path):
 @pytest.mark.parametrize("path", [None, 3, object()])
 def test_scene_path_of_a_wrong_type(path):
     """Something that is no path is refused."""
-    with pytest.raises((InputError, TypeError), match=r"path|os.PathLike"):
+    with pytest.raises(InputError, match=r"^path: .* is not the path of a scene file"):
         Scene.load(path)
 
 
