@@ -27,7 +27,14 @@ class Regime(Enum):
     MASSLESS = "a straight spring"
 
 
-REGIMES, STATUSES = tuple(Regime), tuple(Status)
+REGIMES = tuple(Regime)
+STATUSES = (
+    Status.SUCCESS,
+    Status.INVALID_INPUT,
+    Status.NOT_CONVERGED,
+    Status.FRICTION_UNDETERMINED,
+    Status.NOT_FINITE,
+)
 _SUSPENDED, _STEEP, _GROUNDED, _SAGGING, _SLACK, _LYING, _VERTICAL, _MASSLESS = range(len(REGIMES))
 SUCCESS, INVALID_INPUT, NOT_CONVERGED, FRICTION_UNDETERMINED, NOT_FINITE = range(len(STATUSES))
 

@@ -1,16 +1,20 @@
-"""Newton's method where it cannot fail: the root t > 0 of a strictly decreasing function, one or many at a time.
+"""Newton's method. First where it cannot fail: the root t > 0 of a strictly decreasing function, one or many at a time.
 
 The residual returns its value g(t) and the Newton step in log t. A step is taken in t when it grows and in 1/t when it
 shrinks (both agree with log t to first order, keep t > 0 and cost no exponential); a step that leaves the bracket found
 so far is replaced by its geometric mean. The sign of g alone shrinks the bracket, so every start converges.
+Then for systems: ``damped_newton``.
 """
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 
 from .elementary import ARRAY, SCALAR
 
+MIN_RELAXATION = 1e-6  # shorter steps have never led anywhere: the start is too far, continue in a parameter
 MAX_ITERATIONS = 200  # a bisection of the whole positive double range in log t needs 2 + log2(1420 / eps) = 65
 
 
@@ -56,3 +60,49 @@ def monotone_roots(residual, start, upper, parameters, tolerance):
         if left.size == 0:
             break
     return root, iterations, value, converged
+
+
+class Step(NamedTuple):
+    """One Newton step: its size by the caller's norm, and the share of it that was taken."""
+
+    error: float
+    relaxation: float
+
+
+def damped_newton(linearise, residual, x, tolerance, norm, limit=50):
+    """Newton's method with the error-oriented damping of Deuflhard (Newton Methods for Nonlinear Problems, NLEQ-ERR).
+
+    linearise(x) -> (F, solve) with solve(F) = J^-1 F, or None where J is singular; residual(x) -> F;
+    norm(step) -> float: the damping asks that the simplified Newton step gets shorter, so it does not see the scaling
+    of F. Returns (x, steps, converged): converged when norm(step) <= tolerance.
+    """
+    steps, relaxation, last = [], 1.0, None
+    for _ in range(limit):
+        F, solve = linearise(x)
+        if solve is None or not np.isfinite(F).all():
+            return x, steps, False
+        full = -solve(F)
+        error = norm(full)
+        if not np.isfinite(error):
+            return x, steps, False
+        if error <= tolerance:
+            steps.append(Step(error, 1.0))
+            return x + full, steps, True
+        if last is not None:
+            before, simplified, taken = last
+            change = norm(simplified - full)
+            relaxation = min(1.0, taken * norm(before) * norm(simplified) / (change * error)) if change > 0 else 1.0
+        while True:
+            trial = x + relaxation * full
+            F = residual(trial)
+            simplified = -solve(F) if np.isfinite(F).all() else np.full_like(full, np.inf)
+            size = norm(simplified)
+            if size <= (1 - relaxation / 4) * error:
+                break
+            bound = norm(simplified - (1 - relaxation) * full) if np.isfinite(size) else np.inf
+            relaxation = min(relaxation / 2, 0.5 * error * relaxation**2 / bound)
+            if relaxation < MIN_RELAXATION:
+                return x, steps, False
+        steps.append(Step(error, relaxation))
+        x, last = trial, (full, simplified, relaxation)
+    return x, steps, False

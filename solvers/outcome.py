@@ -18,6 +18,10 @@ class Status(Enum):
         "the line rests on the seabed between two ends above it, where friction acts as the line was laid "
         "and statics alone cannot tell: set friction = 0 or clearance = 0"
     )
+    NO_EQUILIBRIUM_FOUND = (
+        "no equilibrium of the cable was found, even with the current raised in small steps: "
+        "see whether the line can hold (length against chord, tension above zero), or use more nodes"
+    )
     NOT_FINITE = (
         "forces or ratios of the inputs (to L, to w L) leave the range of double precision: change the extreme input"
     )

@@ -1,0 +1,192 @@
+"""The cable as a chain: governing equations HB (1)-(12) on the box scheme (39), for the fields that the scene needs.
+
+F = M(y) y_t + K(y) y_s + f(y) summed over the two nodes of a cell, in total form; f of EQUATIONS.md.
+Structural damping is Kelvin-Voigt, T = EA (eps + beta d(eps)/dt), beta in s (the paper's beta in (1) is a misprint).
+Inside, vectors are (up, along, out): HB's X, Y, Z with Y from the anchor towards the fairlead.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+
+import numpy as np
+
+from . import cable_planar, cable_spatial
+from .chain import ChainSystem, Rows
+from .loads import seabed_support
+from .outcome import InputError
+
+_IN_PLANE = 1e-12  # out-of-plane parts below this share of a vector come from rounding its direction
+
+
+def cable_system(scene, nodes=50, *, mesh=None, fields="auto", motion=None, source=None) -> CableSystem:
+    """The line of a scene on ``nodes`` nodes, as a ChainSystem for solve_static, solve_time_domain, solve_periodic.
+
+    mesh: unstretched arc lengths (N,) of the nodes in m, from 0 to the length, or None: uniform.
+    fields: "planar" (eps, u, v, phi), "spatial" (+ w, theta), or "auto": planar when current and motion lie in the
+    line's vertical plane. z is added when the scene has a seabed.
+    motion: displacement(t) and velocity(t), (3, *S) in m and m/s, in place of the scene's.
+    source: t -> (n_f, N, *S), right-hand side added to the equations, for manufactured solutions.
+    Raises InputError naming the field for anything missing or out of range.
+    """
+    motion = scene.motion if motion is None else motion
+    return CableSystem(scene, _mesh(nodes, mesh, scene.length), _planar(fields, scene, motion), motion, source)
+
+
+class CableSystem(ChainSystem):
+    """See ``cable_system``. Attributes: ``s`` (N,) m, ``fields``, ``axes`` (2 or 3, 3): (up, along[, out]) in x, y, z."""
+
+    def __init__(self, scene, s, planar, motion, source=None):
+        cable, environment = scene.cable, scene.environment
+        for name in ("diameter", "mass_per_length"):
+            if getattr(cable, name) is None:
+                raise InputError(f"{name}: not given, and dynamics needs it ({'m' if name == 'diameter' else 'kg/m'})")
+        self.scene, self.s, self.motion, self.source = scene, s, motion, source
+        self.ds = np.diff(s)
+        self.nodes, self.planar = s.size, planar
+        self._rows = cable_planar if planar else cable_spatial
+        self.axes = _axes(scene)[: 2 if planar else 3]
+        self.anchor = np.array(scene.anchor)
+        self.chord = self.axes @ (np.array(scene.fairlead) - self.anchor)
+
+        d, rho = cable.diameter, environment.rho
+        self.EA, self.beta, self.m, self.w0 = cable.EA, cable.damping, cable.mass_per_length, cable.weight_in(environment)
+        self.ma = cable.added_mass(environment)
+        self.drag_t = 0.5 * rho * math.pi * d * cable.Cdt
+        self.drag_n, self.drag_b = 0.5 * rho * d * cable.Cdn, 0.5 * rho * d * cable.Cdb
+        flow = self.axes @ np.array(environment.current)
+        self.current = flow if np.any(flow) else None
+        self.inertia = (1 + cable.Ca) * rho * cable.area  # C_m rho pi d^2 / 4
+        self.has_seabed, self.seabed_stiffness = environment.depth is not None, environment.seabed_stiffness
+        if self.has_seabed and environment.seabed_stiffness is None:
+            raise InputError(
+                "seabed_stiffness: not given (N/m^2), and a line over a seabed (depth is set) needs it in dynamics; "
+                f"{self.w0 / (0.1 * d):.3g} N/m^2 lets a resting line sink a tenth of its diameter"
+            )
+        self.fields = self._rows.FIELDS + (("z",) if self.has_seabed else ())
+        self.dimension = len(self.axes)
+        self.start_rows = self.dimension + self.has_seabed
+        self._start = np.zeros((self.start_rows, len(self.fields)))
+        self._start[: self.dimension, 1 : 1 + self.dimension] = np.eye(self.dimension)
+        self._start[self.dimension :, -1] = 1.0
+
+    def effective_weight(self, y):
+        """w_e = w_0 less the support of the seabed, HB 2.5, and d(w_e)/dz; N/m."""
+        if not self.has_seabed:
+            return self.w0, 0.0
+        support, slope = seabed_support(self.seabed_stiffness, self.scene.environment.depth, max(self.w0, 0.0), y[-1])
+        return self.w0 - support, -slope
+
+    def start(self, y, ydot, t, tangents=True) -> Rows:
+        """Anchor at rest, (42), and at its height on a seabed."""
+        value = np.tensordot(self._start, y[:, 0], 1)
+        value[self.dimension :] -= self.anchor[2]
+        if not tangents:
+            return Rows(value)
+        J = np.broadcast_to(_over(self._start, y), (*self._start.shape, *y.shape[2:]))
+        return Rows(value, J, np.zeros_like(J))
+
+    def cells(self, y, ydot, t, tangents=True) -> Rows:
+        """Rows 1, 2, (3), 4, 5, (6), (z) of the box scheme (39), less the source."""
+        rows = self._rows.cells(self, y, ydot, tangents)
+        if self.source is not None:
+            q = self.source(t)
+            np.subtract(rows.value, q[:, 1:] + q[:, :-1], out=rows.value)
+        return rows
+
+    def end(self, y, ydot, t, tangents=True, correction=None) -> Rows:
+        """Fairlead velocity is the prescribed one, (43)-(45), plus the ``correction`` (n_d, *S)."""
+        value, slope = self._rows.velocity(y[:, -1])
+        if self.motion is not None:
+            value = value - self.axes @ self.motion.velocity(t)
+        if correction is not None:
+            value = value - correction
+        return Rows(value, slope, np.zeros_like(slope)) if tangents else Rows(value)
+
+    def rest(self) -> np.ndarray:
+        """The discrete equilibrium of this mesh, (n_f, N)."""
+        return self._equilibrium
+
+    @cached_property
+    def _equilibrium(self):
+        from .statics import solve_static  # statics knows this module
+
+        return solve_static(self).y
+
+    def drift(self, y, t) -> np.ndarray:
+        """Integral of (1 + eps) t ds less the prescribed place of the fairlead, (2 or 3, *S), m."""
+        reached = np.einsum("dn...,n->d...", self._rows.stretched_tangent(y)[0], self._weights)
+        prescribed = _over(self.chord, y) if y.ndim > 2 else self.chord
+        return reached - prescribed - (0.0 if self.motion is None else self.axes @ self.motion.displacement(t))
+
+    def drift_tangent(self, y) -> np.ndarray:
+        """d(drift)/dy, (2 or 3, n_f, N, *S)."""
+        return self._rows.stretched_tangent(y)[1] * _over(self._weights, y)
+
+    @cached_property
+    def _weights(self):
+        """Trapezoidal rule on the mesh: the integral that the box scheme's position rows make."""
+        weights = np.zeros(self.nodes)
+        weights[1:] += self.ds / 2
+        weights[:-1] += self.ds / 2
+        return weights
+
+    def stretched_tangent(self, y):
+        """(1 + eps) t of the nodes in (up, along[, out]) and d/dy: (n_d, N, *S), (n_d, n_f, N, *S)."""
+        return self._rows.stretched_tangent(y)
+
+    def tension(self, y, ydot=None) -> np.ndarray:
+        """EA (eps + beta eps_t), (N, *S), N."""
+        return self.EA * (y[0] if ydot is None else y[0] + self.beta * ydot[0])
+
+    def positions(self, y) -> np.ndarray:
+        """Places of the nodes in the public frame, (3, N, *S), m: anchor plus the integral of (1 + eps) t ds."""
+        step = self._rows.stretched_tangent(y)[0]
+        step = (step[:, 1:] + step[:, :-1]) * _over(self.ds / 2, y)
+        local = np.concatenate([np.zeros_like(step[:, :1]), np.cumsum(step, axis=1)], axis=1)
+        return np.einsum("dc,dn...->cn...", self.axes, local) + _over(self.anchor[:, None], y)
+
+    def direction(self, y) -> np.ndarray:
+        """Unit tangent of the nodes in the public frame, (3, N, *S)."""
+        return np.einsum("dc,dn...->cn...", self.axes, self._rows.stretched_tangent(y)[0] / (1 + y[0]))
+
+
+def _over(array, y):
+    """The array with the axes of the samples of y appended."""
+    return array.reshape(*array.shape, *(1,) * (y.ndim - 2))
+
+
+def _axes(scene) -> np.ndarray:
+    """(up, along, out) as rows; along points from anchor to fairlead, or along x where the line is vertical."""
+    dx, dy = (b - a for a, b in zip(scene.anchor[:2], scene.fairlead[:2], strict=True))
+    span = math.hypot(dx, dy)
+    cx, cy = (dx / span, dy / span) if span > 0 else (1.0, 0.0)
+    return np.array([[0.0, 0.0, 1.0], [cx, cy, 0.0], [-cy, cx, 0.0]])
+
+
+def _planar(fields, scene, motion) -> bool:
+    if fields not in ("auto", "planar", "spatial"):
+        raise InputError(f"fields: {fields!r} must be 'auto', 'planar' or 'spatial'")
+    if fields == "spatial":
+        return False
+    out = _axes(scene)[2]
+    current = np.array(scene.environment.current)
+    moves = np.zeros((1, 3)) if motion is None else np.asarray(motion.directions())
+    planar = all(np.all(abs(vector @ out) <= _IN_PLANE * np.linalg.norm(vector)) for vector in (current, *moves))
+    if fields == "planar" and not planar:
+        raise InputError("fields: 'planar', but the current or the motion leaves the line's vertical plane")
+    return planar
+
+
+def _mesh(nodes, mesh, length) -> np.ndarray:
+    if mesh is None:
+        if isinstance(nodes, bool) or not isinstance(nodes, (int, np.integer)) or nodes < 3:
+            raise InputError(f"nodes: {nodes!r} must be a whole number >= 3")
+        return np.linspace(0.0, length, nodes)
+    s = np.asarray(mesh, dtype=float)
+    if s.ndim != 1 or s.size < 3 or not np.isfinite(s).all() or not (np.diff(s) > 0).all():
+        raise InputError(f"mesh: must be three or more finite, increasing arc lengths (m), given {mesh!r}")
+    if s[0] != 0 or abs(s[-1] - length) > 1e-12 * length:
+        raise InputError(f"mesh: runs from {s[0]:g} to {s[-1]:g} m, it must run from 0 to the length, {length:g} m")
+    return s

@@ -1,0 +1,122 @@
+"""Cable moving in its vertical plane: rows 1, 2, 4, 5 of HB (1)-(6) in (eps, u, v, phi), and z on a seabed."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .chain import Rows
+from .loads import quadratic_drag
+
+FIELDS = ("eps", "u", "v", "phi")
+EPS, U, V, PHI, Z = range(5)
+
+
+def _loads(c, u, v, sin, cos, stretch):
+    """F_dt, F_dn of (10), (11) with d/d(eps, u, v, phi), and the current along the tangent, (7), (8)."""
+    if c.current is None:
+        along = across = 0.0
+    else:
+        along, across = c.current[0] * cos + c.current[1] * sin, c.current[1] * cos - c.current[0] * sin
+    values, slopes = [], []
+    for coefficient, q, q_phi in ((c.drag_t, u - along, -across), (c.drag_n, v - across, along)):
+        if coefficient:
+            value, slope = quadratic_drag(coefficient, q, stretch)
+            values.append(value)
+            slopes.append((value / (2 * stretch * stretch), slope, slope * q_phi if c.current is not None else 0.0))
+        else:
+            values.append(0.0)
+            slopes.append((0.0, 0.0, 0.0))
+    return values, slopes, along, across
+
+
+def cells(c, y, ydot, tangents=True) -> Rows:
+    """Rows of the box scheme (39) between the nodes of the cable ``c``; y and ydot (4 or 5, N, *S)."""
+    eps, u, v, phi = y[:4]
+    eps_t, u_t, v_t, phi_t = ydot[:4]
+    m, ma, EA = c.m, c.ma, c.EA
+    sin, cos = np.sin(phi), np.cos(phi)
+    T = EA * (eps + c.beta * eps_t) if c.beta else EA * eps
+    w, w_z = c.effective_weight(y)
+    (Fdt, Fdn), (dFdt, dFdn), along, across = _loads(c, u, v, sin, cos, np.sqrt(1 + eps))
+    turning = m * u if c.current is None else m * u + c.inertia * along
+
+    a = np.empty_like(y)  # M y_t + f at the nodes
+    a[0] = m * (v * phi_t - u_t) - w * cos + Fdt
+    a[1] = -(m + ma) * v_t - turning * phi_t + w * sin + Fdn
+    a[2] = -eps_t
+    a[3] = -(1 + eps) * phi_t
+    if c.has_seabed:
+        a[4] = -(1 + eps) * cos
+
+    ds = c.ds if y.ndim == 2 else c.ds[:, None]
+    D, S = (y[:, 1:] - y[:, :-1]) / ds, y[:, 1:] + y[:, :-1]  # y_s, and twice the mean
+    S_T, D_phi = T[1:] + T[:-1], D[PHI]
+    F = a[:, 1:] + a[:, :-1]
+    F[0] += 2 * (T[1:] - T[:-1]) / ds
+    F[1] += S_T * D_phi
+    F[2] += 2 * D[U] - S[V] * D_phi
+    F[3] += 2 * D[V] + S[U] * D_phi
+    if c.has_seabed:
+        F[4] += 2 * D[Z]
+    if not tangents:
+        return Rows(F)
+
+    n, shape = y.shape[0], y.shape[1:]
+    by, bt = np.zeros((2, n, n, *shape), dtype=a.dtype)  # of a by y and by ydot
+    by[0, EPS], by[0, U] = dFdt[0], dFdt[1]
+    by[0, V] = m * phi_t
+    by[0, PHI] = w * sin + dFdt[2]
+    by[1, EPS], by[1, V] = dFdn[0], dFdn[1]
+    by[1, U] = -m * phi_t
+    by[1, PHI] = w * cos + dFdn[2]
+    by[3, EPS] = -phi_t
+    bt[0, U], bt[0, PHI] = -m, m * v
+    bt[1, V], bt[1, PHI] = -(m + ma), -turning
+    bt[2, EPS] = -1
+    bt[3, PHI] = -(1 + eps)
+    if c.current is not None:
+        by[1, PHI] -= c.inertia * across * phi_t
+    if c.has_seabed:
+        by[0, Z], by[1, Z] = -w_z * cos, w_z * sin
+        by[4, EPS], by[4, PHI] = -cos, (1 + eps) * sin
+
+    J = np.stack([by[:, :, :-1], by[:, :, 1:]])
+    Jt = np.stack([bt[:, :, :-1], bt[:, :, 1:]])
+    for side, sign in ((0, -1.0), (1, 1.0)):
+        per = sign / ds
+        J[side, 0, EPS] += 2 * EA * per
+        J[side, 1, EPS] += EA * D_phi
+        J[side, 1, PHI] += S_T * per
+        J[side, 2, U] += 2 * per
+        J[side, 2, V] -= D_phi
+        J[side, 2, PHI] -= S[V] * per
+        J[side, 3, V] += 2 * per
+        J[side, 3, U] += D_phi
+        J[side, 3, PHI] += S[U] * per
+        if c.beta:
+            Jt[side, 0, EPS] += 2 * EA * c.beta * per
+            Jt[side, 1, EPS] += EA * c.beta * D_phi
+        if c.has_seabed:
+            J[side, 4, Z] += 2 * per
+    return Rows(F, J, Jt)
+
+
+def velocity(y):
+    """Velocity of the nodes (Z up, X along the line's plane): (2, *shape), (43), (44); and d/dy (2, n_f, *shape)."""
+    u, v, phi = y[U], y[V], y[PHI]
+    sin, cos = np.sin(phi), np.cos(phi)
+    value = np.stack([u * cos - v * sin, u * sin + v * cos])
+    slope = np.zeros((2, *y.shape), dtype=y.dtype)
+    slope[0, U], slope[0, V], slope[0, PHI] = cos, -sin, -value[1]
+    slope[1, U], slope[1, V], slope[1, PHI] = sin, cos, value[0]
+    return value, slope
+
+
+def stretched_tangent(y):
+    """(1 + eps) t of the nodes in (up, along): (2, *shape), and d/dy (2, n_f, *shape)."""
+    stretch, sin, cos = 1 + y[EPS], np.sin(y[PHI]), np.cos(y[PHI])
+    value = np.stack([stretch * cos, stretch * sin])
+    slope = np.zeros((2, *y.shape), dtype=y.dtype)
+    slope[0, EPS], slope[0, PHI] = cos, -value[1]
+    slope[1, EPS], slope[1, PHI] = sin, value[0]
+    return value, slope

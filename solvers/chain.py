@@ -1,0 +1,115 @@
+"""A chain: nodes with a few fields each, coupled to their neighbours only; what the dynamic solvers know of a problem."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg.lapack import dgbtrf, dgbtrs
+
+
+class Rows(NamedTuple):
+    """Some rows of F and its tangents; S is () at one instant or (samples,).
+
+    Cells: value (n_f, N - 1, *S); y and ydot (2, n_f, n_f, N - 1, *S), the first axis the left and the right node.
+    End rows: value (n_r, *S); y and ydot (n_r, n_f, *S). Without tangents y and ydot are None.
+    """
+
+    value: np.ndarray
+    y: np.ndarray | None = None
+    ydot: np.ndarray | None = None
+
+
+class ChainSystem:
+    """F(y, ydot, t) = 0 for y of shape (n_f, N, *S), n_f ``fields`` at N ``nodes``; t of shape S.
+
+    A subclass sets ``fields`` (names), ``nodes`` and ``start_rows``, and gives the rows of F in the order
+    start (start_rows rows of node 1), cells (n_f rows between neighbours), end (n_f - start_rows rows of node N).
+    A single node has no cells: its rows are start and end.
+    """
+
+    fields: tuple[str, ...]
+    nodes: int
+    start_rows: int
+
+    def start(self, y, ydot, t, tangents=True) -> Rows:
+        """Rows of the first node, (start_rows, *S)."""
+        raise NotImplementedError
+
+    def cells(self, y, ydot, t, tangents=True) -> Rows:
+        """Rows between neighbours; a chain of one node has none."""
+        raise NotImplementedError
+
+    def end(self, y, ydot, t, tangents=True) -> Rows:
+        """Rows of the last node, (n_f - start_rows, *S)."""
+        raise NotImplementedError
+
+    def rest(self) -> np.ndarray:
+        """State (n_f, N) from which a motion starts, with F(rest, 0, 0) = 0 when nothing moves yet."""
+        return np.zeros((len(self.fields), self.nodes))
+
+    def drift(self, y, t) -> np.ndarray | None:
+        """How far the last node's position is from the prescribed one, (n_d, *S), or None: rows see it only as a rate.
+
+        The rows ``end`` see velocities, so a constant of integration is open: a time integration lets it drift and a
+        periodic solution leaves it undetermined. The solvers close it with this: as the velocity that ``end`` takes
+        in ``correction``, or in place of the mean of the last n_d rows of ``end``.
+        """
+        return None
+
+    def drift_tangent(self, y) -> np.ndarray:
+        """d(drift)/dy, (n_d, n_f, N, *S)."""
+        raise NotImplementedError
+
+    def residual(self, y, ydot, t) -> np.ndarray:
+        """F as one vector, (N n_f, *S), rows start, cells (node after node), end."""
+        return stack(self.start(y, ydot, t, False), self._cells(y, ydot, t, False), self.end(y, ydot, t, False))
+
+    def _cells(self, y, ydot, t, tangents=True) -> Rows:
+        if self.nodes > 1:
+            return self.cells(y, ydot, t, tangents)
+        n = len(self.fields)
+        empty = np.zeros((2, n, n, 0, *y.shape[2:]), dtype=y.dtype)
+        return Rows(empty[0, 0], empty, empty)
+
+
+def stack(start: Rows, cells: Rows, end: Rows) -> np.ndarray:
+    """Values of the rows as one vector, (N n_f, *S)."""
+    n_f, between = cells.value.shape[:2]
+    middle = cells.value.swapaxes(0, 1).reshape(n_f * between, *cells.value.shape[2:])
+    return np.concatenate([start.value, middle, end.value])
+
+
+class BandedJacobian:
+    """a dF/dy + b dF/dydot of a chain in LAPACK's band storage, and its LU factors. Real, one instant."""
+
+    def __init__(self, fields: int, nodes: int, start_rows: int):
+        n, first = fields * nodes, start_rows
+        self.kl = max(first + fields - 1, fields - 1)
+        self.ku = max(2 * fields - 1 - first, fields - 1)
+        self.storage = np.zeros((2 * self.kl + self.ku + 1, n), order="F")
+        cell = np.arange(nodes - 1)
+        side, row, column = np.ogrid[:2, :fields, :fields]
+        i = first + fields * cell + row[..., None]
+        j = fields * (cell + side[..., None]) + column[..., None]
+        self._cells = self._position(i, j)
+        row, column = np.ogrid[:first, :fields]
+        self._start = self._position(row, column)
+        row, column = np.ogrid[: fields - first, :fields]
+        self._end = self._position(n - fields + first + row, n - fields + column)
+
+    def _position(self, i, j):
+        """Index into the storage, Fortran order, of entry (i, j)."""
+        return np.ravel(self.storage.shape[0] * j + (self.kl + self.ku + i - j))
+
+    def factorise(self, start: Rows, cells: Rows, end: Rows, a: float, b: float) -> bool:
+        """Fill and factorise; False when the matrix is singular or not finite."""
+        flat = self.storage.ravel(order="K")
+        for where, rows in ((self._start, start), (self._cells, cells), (self._end, end)):
+            flat[where] = (a * rows.y + b * rows.ydot).ravel()
+        self._lu, self._pivots, info = dgbtrf(self.storage, self.kl, self.ku)
+        return info == 0 and bool(np.isfinite(self._lu[self.kl + self.ku]).all())
+
+    def solve(self, right) -> np.ndarray:
+        """Solution of (a dF/dy + b dF/dydot) x = right, (N n_f,) or (N n_f, k)."""
+        return dgbtrs(self._lu, self.kl, self.ku, right, self._pivots)[0]

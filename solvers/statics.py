@@ -1,0 +1,181 @@
+"""Equilibrium of a cable on its own mesh: the box scheme with nothing moving, and the ends where they are.
+
+Unknowns are strain, angles and positions (up, along[, out]) of the nodes; the velocities are zero and rows 4 to 6 are
+met. The start is the catenary; a current, where Newton's method alone does not get there, is raised in steps.
+"""
+
+from __future__ import annotations
+
+import copy
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from .cable import CableSystem
+from .catenary import Span, solve_span
+from .chain import BandedJacobian, Rows, stack
+from .newton import Step, damped_newton
+from .outcome import Outcome, Status
+
+TOLERANCE = 1e-11  # mean change of (eps, angles in rad, positions in chords): a hundred roundings of a position
+_SMALLEST_RISE = 2.0**-10  # of the load parameter, in the continuation
+
+
+@dataclass(frozen=True)
+class StaticState(Outcome):
+    """Discrete equilibrium: y (n_f, N) as in ``fields``; forces in N, public frame; residual_norm in N/m."""
+
+    system: CableSystem = field(repr=False)
+    y: np.ndarray = field(repr=False)
+    status: Status
+    iterations: int
+    residual_norm: float
+    steps: tuple[Step, ...] = field(repr=False, default=())
+
+    @cached_property
+    def tension(self) -> np.ndarray:
+        """(N,) N."""
+        return self.system.tension(self.y)
+
+    @cached_property
+    def r(self) -> np.ndarray:
+        """Places of the nodes, (3, N), m."""
+        return self.system.positions(self.y)
+
+    @property
+    def fairlead_force(self) -> np.ndarray:
+        """Force of the line on the vessel, (3,), N."""
+        return -self.tension[-1] * self.system.direction(self.y)[:, -1]
+
+    @property
+    def anchor_force(self) -> np.ndarray:
+        """Force of the line on the anchor, (3,), N."""
+        return self.tension[0] * self.system.direction(self.y)[:, 0]
+
+
+def solve_static(system: CableSystem, *, tolerance=TOLERANCE, throw=True) -> StaticState:
+    """Equilibrium of the cable between its ends, on the box scheme HB (39) with (13)-(15).
+
+    Raises ConvergenceError when none is found (``throw=False``: a state whose status says so).
+    """
+    x, iterations, steps = _Statics(system).catenary(), 0, ()
+    reached, rise = 0.0, 1.0
+    while reached < 1.0 and rise >= _SMALLEST_RISE:
+        share = min(1.0, reached + rise)
+        trial, steps, converged = _Statics(_eased(system, x, share)).newton(x, tolerance)
+        iterations += len(steps)
+        if converged:
+            x, reached, rise = trial, share, 2 * rise
+        else:
+            rise /= 2
+    statics = _Statics(system)
+    y, F = statics.full(x), statics.residual(x)
+    state = StaticState(
+        system,
+        y,
+        Status.SUCCESS if reached == 1.0 else Status.NO_EQUILIBRIUM_FOUND,
+        iterations,
+        float(abs(F.reshape(-1)).max()),
+        tuple(steps),
+    )
+    return state.or_throw(system.scene.name) if throw else state
+
+
+def _eased(system, x, share) -> CableSystem:
+    """The system with a share of its current, and a seabed soft enough for the mesh that stiffens with the share."""
+    eased = copy.copy(system)
+    if system.current is not None:
+        eased.current = share * system.current
+    if system.has_seabed:
+        soft = system.EA * x[0].max() / (4 * system.ds.max() ** 2)  # the line lifts off over two cells, sqrt(T / k)
+        eased.seabed_stiffness = system.seabed_stiffness * min(1.0, soft / system.seabed_stiffness) ** (1 - share)
+    return eased
+
+
+class _Statics:
+    """The chain of (eps, angles, positions), x (2 n_d, N)."""
+
+    def __init__(self, system):
+        self.system, n = system, system.dimension
+        self.angles = [0, *range(1 + n, 2 * n)]  # eps and the angles among the fields
+        self.jacobian = BandedJacobian(2 * n, system.nodes, n)
+        self.scale = np.ones((2 * n, 1))
+        self.scale[n:] = np.linalg.norm(system.chord) or 1.0
+        self.anchored = np.zeros((n, 2 * n))
+        self.anchored[:, n:] = np.eye(n)
+
+    def catenary(self) -> np.ndarray:
+        """The continuous equilibrium without current, on the nodes; a seabed is rigid there."""
+        system, n = self.system, self.system.dimension
+        environment = system.scene.environment
+        clearance = system.anchor[2] + environment.depth if system.has_seabed else 0.0
+        rise, run = system.chord[:2]
+        span = Span(system.w0, system.EA, float(system.s[-1]), run, rise, system.has_seabed, 0.0, max(clearance, 0.0))
+        state = solve_span(span)
+        along, up, T = state.profile(system.s)
+        x = np.zeros((2 * n, system.nodes))
+        x[0] = T / system.EA
+        x[1] = np.arctan2(state.H, _vertical(state, system))
+        if state.grounded_length > 0:
+            up = np.where(system.s <= state.grounded_length, up - 0.5 * system.w0 / system.seabed_stiffness, up)
+        x[n], x[n + 1] = up, along
+        return x
+
+    def full(self, x) -> np.ndarray:
+        """The state y (n_f, N) of x."""
+        system = self.system
+        y = np.zeros((len(system.fields), system.nodes))
+        y[self.angles] = x[: system.dimension]
+        if system.has_seabed:
+            y[-1] = system.anchor[2] + x[system.dimension]
+        return y
+
+    def rows(self, x, tangents):
+        """Momentum of (13)-(15) and the positions' own rows, on the cells; the ends in place."""
+        system, n = self.system, self.system.dimension
+        y = self.full(x)
+        cells = system.cells(y, np.zeros_like(y), 0.0, tangents)
+        tangent, slope = system.stretched_tangent(y)
+        place = x[n:]
+        value = np.concatenate(
+            [
+                cells.value[:n],
+                2 * (place[:, 1:] - place[:, :-1]) / system.ds - tangent[:, 1:] - tangent[:, :-1],
+            ]
+        )
+        start, end = Rows(place[:, 0]), Rows(place[:, -1] - system.chord)
+        if not tangents:
+            return start, Rows(value), end
+        J = np.zeros((2, 2 * n, 2 * n, system.nodes - 1))
+        J[:, :n, :n] = cells.y[:, :n, self.angles]
+        if system.has_seabed:
+            J[:, :n, n] = cells.y[:, :n, -1]
+        for side, sign, at in ((0, -1, slice(None, -1)), (1, 1, slice(1, None))):
+            J[side, n:, :n] = -slope[:, self.angles, at]
+            J[side, range(n, 2 * n), range(n, 2 * n)] = sign * 2 / system.ds
+        fixed = self.anchored
+        return Rows(start.value, fixed, fixed), Rows(value, J, J), Rows(end.value, fixed, fixed)
+
+    def residual(self, x) -> np.ndarray:
+        return stack(*self.rows(x, False))
+
+    def newton(self, x, tolerance):
+        """Damped Newton: (x, steps, converged)."""
+
+        def linearise(x):
+            rows = self.rows(x, True)
+            if not self.jacobian.factorise(*rows, 1.0, 0.0):
+                return stack(*rows), None
+            return stack(*rows), lambda F: self.jacobian.solve(F).reshape(x.T.shape).T
+
+        with np.errstate(all="ignore"):  # trial states may have eps < -1; they are refused as not finite
+            return damped_newton(
+                linearise, self.residual, x, tolerance, lambda d: float(np.mean(abs(d / self.scale)))
+            )
+
+
+def _vertical(state, system) -> np.ndarray:
+    """Vertical force at the nodes of the catenary, N; zero where it rests."""
+    V = state.V - system.w0 * (system.s[-1] - system.s)
+    return np.maximum(V, 0.0) if state.grounded_length > 0 else V
