@@ -1,6 +1,7 @@
 """Compact mooring-cable solvers: numpy and scipy only. See README.md for the conventions."""
 
 from .catenary import CatenaryBatch, CatenaryState, Regime, Span, solve_span, solve_spans
+from .motion import Motion, SampledMotion
 from .network import NetworkState, solve_network
 from .network_model import Element, Network, Node
 from .outcome import ConvergenceError, InputError, Status
@@ -15,10 +16,12 @@ __all__ = [
     "Element",
     "Environment",
     "InputError",
+    "Motion",
     "Network",
     "NetworkState",
     "Node",
     "Regime",
+    "SampledMotion",
     "Scene",
     "Span",
     "Status",

@@ -7,6 +7,7 @@ Inside, vectors are (up, along, out): HB's X, Y, Z with Y from the anchor toward
 
 from __future__ import annotations
 
+import copy
 import math
 from functools import cached_property
 
@@ -15,7 +16,8 @@ import numpy as np
 from . import cable_planar, cable_spatial
 from .chain import ChainSystem, Rows
 from .loads import seabed_support
-from .outcome import InputError
+from .motion import Ramped
+from .outcome import InputError, Status
 
 _IN_PLANE = 1e-12  # out-of-plane parts below this share of a vector come from rounding its direction
 
@@ -35,7 +37,7 @@ def cable_system(scene, nodes=50, *, mesh=None, fields="auto", motion=None, sour
 
 
 class CableSystem(ChainSystem):
-    """See ``cable_system``. Attributes: ``s`` (N,) m, ``fields``, ``axes`` (2 or 3, 3): (up, along[, out]) in x, y, z."""
+    """See ``cable_system``. ``s`` (N,) in m, ``fields``, ``axes`` (2 or 3, 3): (up, along[, out]) in x, y, z."""
 
     def __init__(self, scene, s, planar, motion, source=None):
         cable, environment = scene.cable, scene.environment
@@ -43,6 +45,7 @@ class CableSystem(ChainSystem):
             if getattr(cable, name) is None:
                 raise InputError(f"{name}: not given, and dynamics needs it ({'m' if name == 'diameter' else 'kg/m'})")
         self.scene, self.s, self.motion, self.source = scene, s, motion, source
+        self.period = getattr(motion, "period", None)
         self.ds = np.diff(s)
         self.nodes, self.planar = s.size, planar
         self._rows = cable_planar if planar else cable_spatial
@@ -51,7 +54,8 @@ class CableSystem(ChainSystem):
         self.chord = self.axes @ (np.array(scene.fairlead) - self.anchor)
 
         d, rho = cable.diameter, environment.rho
-        self.EA, self.beta, self.m, self.w0 = cable.EA, cable.damping, cable.mass_per_length, cable.weight_in(environment)
+        self.EA, self.beta, self.m = cable.EA, cable.damping, cable.mass_per_length
+        self.w0 = cable.weight_in(environment)
         self.ma = cable.added_mass(environment)
         self.drag_t = 0.5 * rho * math.pi * d * cable.Cdt
         self.drag_n, self.drag_b = 0.5 * rho * d * cable.Cdn, 0.5 * rho * d * cable.Cdb
@@ -80,8 +84,9 @@ class CableSystem(ChainSystem):
 
     def start(self, y, ydot, t, tangents=True) -> Rows:
         """Anchor at rest, (42), and at its height on a seabed."""
-        value = np.tensordot(self._start, y[:, 0], 1)
-        value[self.dimension :] -= self.anchor[2]
+        value = y[1 : 1 + self.start_rows, 0].copy()
+        if self.has_seabed:
+            value[-1] = y[-1, 0] - self.anchor[2]
         if not tangents:
             return Rows(value)
         J = np.broadcast_to(_over(self._start, y), (*self._start.shape, *y.shape[2:]))
@@ -97,12 +102,31 @@ class CableSystem(ChainSystem):
 
     def end(self, y, ydot, t, tangents=True, correction=None) -> Rows:
         """Fairlead velocity is the prescribed one, (43)-(45), plus the ``correction`` (n_d, *S)."""
-        value, slope = self._rows.velocity(y[:, -1])
+        value, slope = self._rows.velocity(y[:, -1], tangents)
         if self.motion is not None:
             value = value - self.axes @ self.motion.velocity(t)
         if correction is not None:
             value = value - correction
-        return Rows(value, slope, np.zeros_like(slope)) if tangents else Rows(value)
+        return Rows(value, slope, np.zeros_like(slope) if tangents else None)
+
+    def ramped(self, duration) -> CableSystem:
+        """The same cable, its motion grown from rest over a duration in s."""
+        if self.motion is None:
+            return self
+        ramped = copy.copy(self)
+        ramped.motion = Ramped(self.motion, duration)
+        return ramped
+
+    def invalid(self, y) -> tuple[Status, int] | None:
+        """A cable carries no compression, and the equations are ill-posed there (HB reference [53])."""
+        node = int(y[0].argmin())
+        return (Status.COMPRESSION, node) if y[0, node] < 0 else None
+
+    def scale(self) -> np.ndarray:
+        """The largest strain at rest; 1 m/s, 1 rad, 1 m."""
+        scale = np.ones(len(self.fields))
+        scale[0] = abs(self.rest()[0]).max()
+        return scale
 
     def rest(self) -> np.ndarray:
         """The discrete equilibrium of this mesh, (n_f, N)."""

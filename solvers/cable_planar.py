@@ -101,11 +101,13 @@ def cells(c, y, ydot, tangents=True) -> Rows:
     return Rows(F, J, Jt)
 
 
-def velocity(y):
-    """Velocity of the nodes (Z up, X along the line's plane): (2, *shape), (43), (44); and d/dy (2, n_f, *shape)."""
+def velocity(y, tangents=True):
+    """Velocity of the nodes, (up, along): (2, *shape), (43), (44); and d/dy (2, n_f, *shape), or None."""
     u, v, phi = y[U], y[V], y[PHI]
     sin, cos = np.sin(phi), np.cos(phi)
-    value = np.stack([u * cos - v * sin, u * sin + v * cos])
+    value = np.array([u * cos - v * sin, u * sin + v * cos])
+    if not tangents:
+        return value, None
     slope = np.zeros((2, *y.shape), dtype=y.dtype)
     slope[0, U], slope[0, V], slope[0, PHI] = cos, -sin, -value[1]
     slope[1, U], slope[1, V], slope[1, PHI] = sin, cos, value[0]

@@ -141,13 +141,15 @@ def cells(c, y, ydot, tangents=True) -> Rows:
     return Rows(F, J, Jt)
 
 
-def velocity(y):
-    """Velocity of the nodes (up, along, out of plane): (3, *shape), (43)-(45); and d/dy (3, n_f, *shape)."""
+def velocity(y, tangents=True):
+    """Velocity of the nodes (up, along, out of plane): (3, *shape), (43)-(45); and d/dy (3, n_f, *shape), or None."""
     u, v, w = y[U], y[V], y[W]
     sin_p, cos_p, sin_t, cos_t = np.sin(y[PHI]), np.cos(y[PHI]), np.sin(y[THETA]), np.cos(y[THETA])
     level = u * cos_t + w * sin_t
     out = w * cos_t - u * sin_t
-    value = np.stack([level * cos_p - v * sin_p, level * sin_p + v * cos_p, out])
+    value = np.array([level * cos_p - v * sin_p, level * sin_p + v * cos_p, out])
+    if not tangents:
+        return value, None
     slope = np.zeros((3, *y.shape), dtype=y.dtype)
     slope[0, U], slope[0, V], slope[0, W] = cos_p * cos_t, -sin_p, cos_p * sin_t
     slope[1, U], slope[1, V], slope[1, W] = sin_p * cos_t, cos_p, sin_p * sin_t

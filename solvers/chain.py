@@ -1,4 +1,4 @@
-"""A chain: nodes with a few fields each, coupled to their neighbours only; what the dynamic solvers know of a problem."""
+"""A chain: nodes with a few fields each, coupled to their neighbours only: all that the dynamic solvers know."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg.lapack import dgbtrf, dgbtrs
+
+from .outcome import Status
 
 
 class Rows(NamedTuple):
@@ -31,6 +33,7 @@ class ChainSystem:
     fields: tuple[str, ...]
     nodes: int
     start_rows: int
+    period: float | None = None  # of the motion, s
 
     def start(self, y, ydot, t, tangents=True) -> Rows:
         """Rows of the first node, (start_rows, *S)."""
@@ -48,6 +51,18 @@ class ChainSystem:
         """State (n_f, N) from which a motion starts, with F(rest, 0, 0) = 0 when nothing moves yet."""
         return np.zeros((len(self.fields), self.nodes))
 
+    def scale(self) -> np.ndarray:
+        """A size (n_f,) of each field below which an error does not matter: what a relative error is relative to."""
+        return np.ones(len(self.fields))
+
+    def ramped(self, duration) -> ChainSystem:
+        """The same chain with a motion that grows from rest over a duration in s."""
+        return self
+
+    def invalid(self, y) -> tuple[Status, int] | None:
+        """Why and at which node (from 0) a state (n_f, N) is outside what the equations hold for; None: it is not."""
+        return None
+
     def drift(self, y, t) -> np.ndarray | None:
         """How far the last node's position is from the prescribed one, (n_d, *S), or None: rows see it only as a rate.
 
@@ -63,9 +78,10 @@ class ChainSystem:
 
     def residual(self, y, ydot, t) -> np.ndarray:
         """F as one vector, (N n_f, *S), rows start, cells (node after node), end."""
-        return stack(self.start(y, ydot, t, False), self._cells(y, ydot, t, False), self.end(y, ydot, t, False))
+        return stack(self.start(y, ydot, t, False), self.between(y, ydot, t, False), self.end(y, ydot, t, False))
 
-    def _cells(self, y, ydot, t, tangents=True) -> Rows:
+    def between(self, y, ydot, t, tangents=True) -> Rows:
+        """``cells``, or no rows for a single node."""
         if self.nodes > 1:
             return self.cells(y, ydot, t, tangents)
         n = len(self.fields)
@@ -81,7 +97,7 @@ def stack(start: Rows, cells: Rows, end: Rows) -> np.ndarray:
 
 
 class BandedJacobian:
-    """a dF/dy + b dF/dydot of a chain in LAPACK's band storage, and its LU factors. Real, one instant."""
+    """A combination of dF/dy and dF/dydot of a chain in LAPACK's band storage, and its LU factors; one instant."""
 
     def __init__(self, fields: int, nodes: int, start_rows: int):
         n, first = fields * nodes, start_rows
@@ -102,14 +118,17 @@ class BandedJacobian:
         """Index into the storage, Fortran order, of entry (i, j)."""
         return np.ravel(self.storage.shape[0] * j + (self.kl + self.ku + i - j))
 
-    def factorise(self, start: Rows, cells: Rows, end: Rows, a: float, b: float) -> bool:
-        """Fill and factorise; False when the matrix is singular or not finite."""
+    def factorise(self, start, cells, end) -> bool:
+        """Fill and factorise: start (start_rows, n_f), cells (2, n_f, n_f, N - 1), end (n_f - start_rows, n_f).
+
+        False when the matrix is singular or not finite.
+        """
         flat = self.storage.ravel(order="K")
-        for where, rows in ((self._start, start), (self._cells, cells), (self._end, end)):
-            flat[where] = (a * rows.y + b * rows.ydot).ravel()
+        for where, part in ((self._start, start), (self._cells, cells), (self._end, end)):
+            flat[where] = part.ravel()
         self._lu, self._pivots, info = dgbtrf(self.storage, self.kl, self.ku)
         return info == 0 and bool(np.isfinite(self._lu[self.kl + self.ku]).all())
 
     def solve(self, right) -> np.ndarray:
-        """Solution of (a dF/dy + b dF/dydot) x = right, (N n_f,) or (N n_f, k)."""
+        """Solution x of matrix x = right, (N n_f,) or (N n_f, k)."""
         return dgbtrs(self._lu, self.kl, self.ku, right, self._pivots)[0]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from numbers import Real
 
 import numpy as np
@@ -36,21 +36,56 @@ def positive_number(name: str, value, unit: str) -> float:
     return value
 
 
+def non_negative_number(name: str, value, unit: str) -> float:
+    """As ``real_number``, and >= 0."""
+    value = real_number(name, value, unit)
+    if value < 0:
+        raise InputError(f"{name}: {value:g} {unit} must be >= 0")
+    return value
+
+
+def vector(name: str, value, unit: str, what: str = "components") -> tuple[float, float, float]:
+    """Three real numbers in x, y, z as a tuple of finite floats; raises InputError naming the one that is not."""
+    if not isinstance(value, (list, tuple, np.ndarray)) or np.shape(value) != (3,):
+        raise InputError(f"{name}: {value!r} must be three {what} [x, y, z] ({unit})")
+    return tuple(real_number(f"{name}[{i}]", v, unit) for i, v in enumerate(value))
+
+
 @dataclass(frozen=True)
 class Environment:
-    """Water and gravity: rho in kg/m^3, g in m/s^2; depth of the flat seabed below z = 0 in m, None: no seabed."""
+    """Water, gravity and seabed, flat at z = -depth.
+
+    rho in kg/m^3, g in m/s^2, depth in m (None: no seabed); current: steady velocity of the water, (3,) in m/s;
+    seabed_stiffness in N/m^2, per unit length of line and metre of penetration (None: rigid, for statics only).
+    Raises InputError naming the field, its value and its unit.
+    """
 
     rho: float = 1025.0
     g: float = 9.80665
     depth: float | None = None
+    current: tuple[float, float, float] = field(default=(0.0, 0.0, 0.0), kw_only=True)
+    seabed_stiffness: float | None = field(default=None, kw_only=True)
 
     def __post_init__(self):
-        object.__setattr__(self, "rho", real_number("rho", self.rho, "kg/m^3"))
-        if self.rho < 0:
-            raise InputError(f"rho: {self.rho:g} kg/m^3 must be >= 0")
+        object.__setattr__(self, "rho", non_negative_number("rho", self.rho, "kg/m^3"))
         object.__setattr__(self, "g", positive_number("g", self.g, "m/s^2"))
         if self.depth is not None:
             object.__setattr__(self, "depth", positive_number("depth", self.depth, "m"))
+        object.__setattr__(self, "current", vector("current", self.current, "m/s"))
+        if self.seabed_stiffness is not None:
+            stiffness = non_negative_number("seabed_stiffness", self.seabed_stiffness, "N/m^2")
+            if self.depth is None:
+                raise InputError(f"seabed_stiffness: {stiffness:g} N/m^2 takes a seabed, and depth (m) is not given")
+            object.__setattr__(self, "seabed_stiffness", stiffness)
+
+
+_COEFFICIENTS = {  # field -> unit
+    "Cdn": "(dimensionless)",
+    "Cdb": "(dimensionless)",
+    "Cdt": "(dimensionless)",
+    "Ca": "(dimensionless)",
+    "damping": "s",
+}
 
 
 @dataclass(frozen=True)
@@ -58,12 +93,21 @@ class CableProperties:
     """Section of a cable: diameter in m, mass_per_length (in air) in kg/m, EA in N.
 
     submerged_weight in N/m per unstretched length; if None it follows from mass, diameter and environment, (2.2).
+    For dynamics, HB (1)-(12): drag coefficients Cdn, Cdb (normal, binormal, on d l; Cdb is Cdn unless given) and Cdt
+    (tangential, on pi d l), added mass coefficient Ca, and damping: the Kelvin-Voigt time beta in s of
+    T = EA (eps + beta d(eps)/dt). They act with diameter and mass_per_length, which statics does not need.
+    Raises InputError naming the field, its value and its unit.
     """
 
     EA: float
     diameter: float | None = None
     mass_per_length: float | None = None
     submerged_weight: float | None = None
+    Cdn: float = field(default=0.0, kw_only=True)
+    Cdb: float | None = field(default=None, kw_only=True)
+    Cdt: float = field(default=0.0, kw_only=True)
+    Ca: float = field(default=0.0, kw_only=True)
+    damping: float = field(default=0.0, kw_only=True)
 
     def __post_init__(self):
         object.__setattr__(self, "EA", positive_number("EA", self.EA, "N"))
@@ -77,10 +121,24 @@ class CableProperties:
             raise InputError(
                 "submerged_weight: not given (N/m), and it takes both diameter (m) and mass_per_length (kg/m)"
             )
+        if self.Cdb is None:
+            object.__setattr__(self, "Cdb", self.Cdn)
+        for name, unit in _COEFFICIENTS.items():
+            object.__setattr__(self, name, non_negative_number(name, getattr(self, name), unit))
+
+    @property
+    def area(self) -> float:
+        """Area of the section, pi d^2/4, m^2. Raises InputError without a diameter."""
+        if self.diameter is None:
+            raise InputError("diameter: not given (m), and the area of the section takes it")
+        return math.pi * self.diameter**2 / 4
+
+    def added_mass(self, environment: Environment) -> float:
+        """Added mass per unstretched length, C_a rho pi d^2/4 in kg/m, HB 2.1. Raises InputError without a diameter."""
+        return self.Ca * environment.rho * self.area
 
     def weight_in(self, environment: Environment) -> float:
         """Submerged weight per unstretched length, N/m: as given, else g (m - rho pi d^2/4), MSQS (2.2)."""
         if self.submerged_weight is not None:
             return self.submerged_weight
-        displaced = environment.rho * math.pi * self.diameter**2 / 4
-        return environment.g * (self.mass_per_length - displaced)
+        return environment.g * (self.mass_per_length - environment.rho * self.area)

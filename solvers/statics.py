@@ -165,14 +165,12 @@ class _Statics:
 
         def linearise(x):
             rows = self.rows(x, True)
-            if not self.jacobian.factorise(*rows, 1.0, 0.0):
+            if not self.jacobian.factorise(*(part.y for part in rows)):
                 return stack(*rows), None
             return stack(*rows), lambda F: self.jacobian.solve(F).reshape(x.T.shape).T
 
         with np.errstate(all="ignore"):  # trial states may have eps < -1; they are refused as not finite
-            return damped_newton(
-                linearise, self.residual, x, tolerance, lambda d: float(np.mean(abs(d / self.scale)))
-            )
+            return damped_newton(linearise, self.residual, x, tolerance, lambda d: float(np.mean(abs(d / self.scale))))
 
 
 def _vertical(state, system) -> np.ndarray:

@@ -1,0 +1,282 @@
+"""Prescribed motion of the fairlead: displacement about its mean place and its derivatives, SI units, public frame.
+
+A solver takes any object with ``displacement(t)`` and ``velocity(t)`` in m and m/s, t in s a number -> (3,) or an array
+(S,) -> (3, S), and ``directions()`` -> (k, 3), unit vectors whose combinations hold the motion: from these it knows
+whether the motion stays in the plane of the line. Here: ``Motion`` (periodic), ``SampledMotion`` (a measured series),
+``FunctionMotion`` (any function of time) and ``Ramped`` (one of these, started from rest).
+t may be complex in Motion, SampledMotion and Ramped: a complex step passes through.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from .outcome import InputError
+from .properties import positive_number, real_number, vector
+
+_SAME_DIRECTION = 1e-12  # share of the largest extent below which an extent is rounding: 1e4 eps
+_END_OF_SERIES = 1e-9  # share of the duration of a series by which a sum of time steps may pass its ends
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """Periodic displacement r(t) = sum_k sine[k-1] sin(2 pi k f t) + cosine[k-1] cos(2 pi k f t), k = 1..K, HB (49).
+
+    frequency f in Hz; sine and cosine (K, 3) in m in x, y, z (cosine None: zero).
+    Raises InputError naming the field, its value and its unit.
+    """
+
+    frequency: float
+    sine: np.ndarray
+    cosine: np.ndarray | None = None
+
+    def __post_init__(self):
+        object.__setattr__(self, "frequency", positive_number("frequency", self.frequency, "Hz"))
+        sine = _rows("sine", self.sine, 1)
+        cosine = np.zeros_like(sine) if self.cosine is None else _rows("cosine", self.cosine, 1)
+        if cosine.shape != sine.shape:
+            raise InputError(f"cosine: shape {cosine.shape} must be that of sine, {sine.shape}: one row a harmonic (m)")
+        object.__setattr__(self, "sine", sine)
+        object.__setattr__(self, "cosine", cosine)
+
+    @classmethod
+    def harmonic(cls, frequency, amplitude, phase=(0.0, 0.0, 0.0)) -> Motion:
+        """amplitude sin(2 pi f t + phase): frequency in Hz, amplitude (3,) in m, phase (3,) in rad, in x, y, z."""
+        amplitude, phase = np.array(vector("amplitude", amplitude, "m")), np.array(vector("phase", phase, "rad"))
+        return cls(frequency, [amplitude * np.cos(phase)], [amplitude * np.sin(phase)])
+
+    @property
+    def period(self) -> float:
+        """1/f, s."""
+        return 1 / self.frequency
+
+    @property
+    def harmonics(self) -> int:
+        """Number K of harmonics of the frequency."""
+        return len(self.sine)
+
+    @property
+    def is_planar(self) -> bool:
+        """Whether the motion stays in the x, z plane."""
+        return not (self.sine[:, 1].any() or self.cosine[:, 1].any())
+
+    def directions(self) -> np.ndarray:
+        """Unit vectors whose combinations hold the motion, (k, 3)."""
+        return _span_of(np.concatenate([self.sine, self.cosine]))
+
+    def scaled(self, factor: float) -> Motion:
+        """The same motion with every displacement multiplied by a number."""
+        factor = real_number("factor", factor, "(dimensionless)")
+        return Motion(self.frequency, factor * self.sine, factor * self.cosine)
+
+    @cached_property
+    def _omega(self):
+        """Angular frequencies of the harmonics, (K,), rad/s."""
+        return 2 * math.pi * self.frequency * np.arange(1, self.harmonics + 1)
+
+    @cached_property
+    def _rates(self):
+        """Coefficients (3, K) of the cosines and of the sines in the velocity, m/s."""
+        return self._omega * self.sine.T, -self._omega * self.cosine.T
+
+    def displacement(self, t) -> np.ndarray:
+        """Displacement, m: t in s, number -> (3,) or (S,) -> (3, S)."""
+        angle = np.multiply.outer(self._omega, _times(t))
+        return self.sine.T @ np.sin(angle) + self.cosine.T @ np.cos(angle)
+
+    def velocity(self, t) -> np.ndarray:
+        """Velocity, m/s: t in s, number -> (3,) or (S,) -> (3, S)."""
+        angle = np.multiply.outer(self._omega, _times(t))
+        of_cosine, of_sine = self._rates
+        return of_cosine @ np.cos(angle) + of_sine @ np.sin(angle)
+
+    def acceleration(self, t) -> np.ndarray:
+        """Acceleration, m/s^2: t in s, number -> (3,) or (S,) -> (3, S)."""
+        angle = np.multiply.outer(self._omega, _times(t))
+        of_cosine, of_sine = self._rates
+        return (self._omega * of_sine) @ np.cos(angle) - (self._omega * of_cosine) @ np.sin(angle)
+
+
+@dataclass(frozen=True, eq=False)
+class SampledMotion:
+    """A C2 cubic spline through a series: time (n,) in s, increasing; samples (n, 3) in m in x, y, z.
+
+    Two or more samples, not-a-knot ends; t outside the series is refused. Raises InputError naming what is wrong.
+    """
+
+    time: np.ndarray
+    samples: np.ndarray
+
+    def __post_init__(self):
+        series = _rows("samples", self.samples, 2)
+        time = _real_array("time", self.time, "s")
+        if time.shape != series.shape[:1]:
+            raise InputError(f"time: shape {time.shape} (s) must be ({len(series)},), one for each row of samples")
+        _finite("time", time, "s")
+        if not (np.diff(time) > 0).all():
+            i = int(np.argmin(np.diff(time) > 0))
+            raise InputError(f"time: must increase (s), and {time[i + 1]:g} follows {time[i]:g} at index {i + 1}")
+        object.__setattr__(self, "time", time)
+        object.__setattr__(self, "samples", series)
+
+    def directions(self) -> np.ndarray:
+        """Unit vectors whose combinations hold the motion, (k, 3)."""
+        return _span_of(self.samples)
+
+    @cached_property
+    def _cubics(self):
+        """Coefficients of (t - time[i])^p, p = 3, 2, 1, 0 down the first axis, (4, 3, n - 1)."""
+        return np.moveaxis(CubicSpline(self.time, self.samples).c, 1, 2)
+
+    def _locate(self, t):
+        """Coefficients (4, 3, *S) of the pieces that hold t, and t from their left ends."""
+        t = _times(t)
+        first, last = self.time[0], self.time[-1]
+        slack = _END_OF_SERIES * (last - first)
+        inside = (t.real >= first - slack) & (t.real <= last + slack)
+        if not np.all(inside):
+            bad = t.real[~inside].flat[0] if t.ndim else t.real
+            raise InputError(f"time: {bad:g} s lies outside the series, {first:g} to {last:g} s")
+        i = np.clip(np.searchsorted(self.time, t.real, side="right") - 1, 0, len(self.time) - 2)
+        return self._cubics[..., i], t - self.time[i]
+
+    def displacement(self, t) -> np.ndarray:
+        """Displacement, m: t in s, number -> (3,) or (S,) -> (3, S). Raises InputError outside the series."""
+        (a, b, c, d), h = self._locate(t)
+        return ((a * h + b) * h + c) * h + d
+
+    def velocity(self, t) -> np.ndarray:
+        """Velocity, m/s: t in s, number -> (3,) or (S,) -> (3, S). Raises InputError outside the series."""
+        (a, b, c, _), h = self._locate(t)
+        return (3 * a * h + 2 * b) * h + c
+
+    def acceleration(self, t) -> np.ndarray:
+        """Acceleration, m/s^2: t in s, number -> (3,) or (S,) -> (3, S). Raises InputError outside the series."""
+        (a, b, _, _), h = self._locate(t)
+        return 6 * a * h + 2 * b
+
+
+@dataclass(frozen=True, eq=False)
+class FunctionMotion:
+    """Motion by functions of one time in s: position t -> (3,) in m in x, y, z, and its rate t -> (3,) in m/s."""
+
+    position: Callable[[float], np.ndarray]
+    rate: Callable[[float], np.ndarray]
+
+    def __post_init__(self):
+        for name in ("position", "rate"):
+            if not callable(getattr(self, name)):
+                raise InputError(f"{name}: {getattr(self, name)!r} must be a function of time (s)")
+
+    def directions(self) -> np.ndarray:
+        """x, y and z: a function may go anywhere, (3, 3)."""
+        return np.eye(3)
+
+    def displacement(self, t) -> np.ndarray:
+        """Displacement, m: t in s, number -> (3,) or (S,) -> (3, S). Raises InputError where it is not finite."""
+        return _called("position", self.position, t, "m")
+
+    def velocity(self, t) -> np.ndarray:
+        """Velocity, m/s: t in s, number -> (3,) or (S,) -> (3, S). Raises InputError where it is not finite."""
+        return _called("rate", self.rate, t, "m/s")
+
+
+@dataclass(frozen=True, eq=False)
+class Ramped:
+    """A motion started from rest: its displacement times q(t/duration), q = 10 x^3 - 15 x^4 + 6 x^5 from 0 to 1, C2.
+
+    duration in s; HB section 4 ramps over half a period. acceleration takes a motion that has one.
+    """
+
+    motion: Motion | SampledMotion | FunctionMotion
+    duration: float
+
+    def __post_init__(self):
+        object.__setattr__(self, "duration", positive_number("duration", self.duration, "s"))
+
+    def directions(self) -> np.ndarray:
+        """Unit vectors whose combinations hold the motion, (k, 3)."""
+        return self.motion.directions()
+
+    def _ramp(self, t):
+        """q and its first two time derivatives, each of the shape of t."""
+        if np.ndim(t) == 0 and t.real >= self.duration:
+            return 1.0, 0.0, 0.0
+        t = _times(t)
+        x = np.where(t.real <= 0, 0.0, np.where(t.real >= self.duration, 1.0, t / self.duration))
+        q = x**3 * (10 - 15 * x + 6 * x**2)
+        return q, 30 * x**2 * (1 - x) ** 2 / self.duration, 60 * x * (1 - x) * (1 - 2 * x) / self.duration**2
+
+    def displacement(self, t) -> np.ndarray:
+        """Displacement, m: t in s, number -> (3,) or (S,) -> (3, S)."""
+        return self._ramp(t)[0] * self.motion.displacement(t)
+
+    def velocity(self, t) -> np.ndarray:
+        """Velocity, m/s: t in s, number -> (3,) or (S,) -> (3, S)."""
+        q, q_t, _ = self._ramp(t)
+        return q_t * self.motion.displacement(t) + q * self.motion.velocity(t)
+
+    def acceleration(self, t) -> np.ndarray:
+        """Acceleration, m/s^2: t in s, number -> (3,) or (S,) -> (3, S)."""
+        q, q_t, q_tt = self._ramp(t)
+        r, v, a = self.motion.displacement(t), self.motion.velocity(t), self.motion.acceleration(t)
+        return q_tt * r + 2 * q_t * v + q * a
+
+
+def _times(t) -> np.ndarray:
+    """t as an array of one axis at most."""
+    t = np.asarray(t)
+    if t.ndim > 1:
+        raise InputError(f"t: shape {t.shape} must be () or (S,) (s)")
+    return t
+
+
+def _real_array(name, values, unit) -> np.ndarray:
+    """A read-only float copy of an array of real numbers."""
+    try:
+        array = np.asarray(values)
+    except ValueError:
+        raise InputError(f"{name}: rows of different lengths must be real numbers ({unit}) of one shape") from None
+    if array.dtype.kind not in "iuf":
+        raise InputError(f"{name}: values of type {array.dtype} must be real numbers ({unit})")
+    array = array.astype(float)
+    array.flags.writeable = False
+    return array
+
+
+def _finite(name, array, unit):
+    """Raises InputError naming the first entry that is not finite."""
+    if not np.isfinite(array).all():
+        at = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
+        raise InputError(f"{name}[{', '.join(map(str, at))}]: {array[at]} {unit} must be finite")
+
+
+def _rows(name, values, least) -> np.ndarray:
+    """A read-only array (n, 3) of finite numbers in m, n >= least."""
+    array = _real_array(name, values, "m")
+    if array.ndim != 2 or array.shape[1] != 3 or len(array) < least:
+        raise InputError(f"{name}: shape {array.shape} must be (n, 3), n >= {least} rows [x, y, z] (m)")
+    _finite(name, array, "m")
+    return array
+
+
+def _span_of(rows) -> np.ndarray:
+    """Orthonormal vectors (k, 3), k = 0..3, whose combinations hold the rows (n, 3)."""
+    _, extent, axes = np.linalg.svd(rows, full_matrices=False)
+    return axes[extent > _SAME_DIRECTION * max(extent[0], np.finfo(float).tiny)]
+
+
+def _called(name, function, t, unit) -> np.ndarray:
+    """function at each t, (3, *S); raises InputError naming the time at which it is not three finite numbers."""
+    t = _times(t)
+    values = [np.asarray(function(one)) for one in t.ravel().tolist()]
+    for one, value in zip(t.ravel(), values, strict=True):
+        if value.shape != (3,) or not np.isfinite(value).all():
+            raise InputError(f"{name}: {value!r} at {one:g} s must be three finite components [x, y, z] ({unit})")
+    return np.stack(values, axis=-1).reshape(3, *t.shape) if values else np.empty((3, 0))

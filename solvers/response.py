@@ -1,0 +1,53 @@
+"""What a time history and a periodic response of a cable have in common: its outputs, by time."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+
+_SAMPLES = 64  # in a period for each harmonic asked for: the interpolated tension then has no alias above 1e-6
+
+
+class Response:
+    """Mixin of results with ``system``, ``time`` (K,), ``y`` and ``ydot`` (n_f, N, K), at(t), rate_at(t), last_period.
+
+    Forces are those of the line on what holds it, in N, public frame.
+    """
+
+    def field(self, name: str) -> np.ndarray:
+        """One of ``system.fields`` at the stored times, (N, K): eps, u, v, w in m/s, phi, theta in rad, z in m."""
+        return self.y[self.system.fields.index(name)]
+
+    @cached_property
+    def tension(self) -> np.ndarray:
+        """At the nodes and stored times, (N, K), N."""
+        return self.system.tension(self.y, self.ydot)
+
+    @cached_property
+    def r(self) -> np.ndarray:
+        """Places of the nodes at the stored times, (3, N, K), m."""
+        return self.system.positions(self.y)
+
+    @property
+    def fairlead_force(self) -> np.ndarray:
+        """On the vessel at the stored times, (3, K), N."""
+        return -self.tension[-1] * self.system.direction(self.y[:, -1:])[:, 0]
+
+    @property
+    def anchor_force(self) -> np.ndarray:
+        """On the anchor at the stored times, (3, K), N."""
+        return self.tension[0] * self.system.direction(self.y[:, :1])[:, 0]
+
+    def fairlead_tension(self, t) -> np.ndarray:
+        """At times t in s, any shape, N. Raises InputError where the history does not reach."""
+        t = np.asarray(t, dtype=float)
+        flat = np.atleast_1d(t).ravel()
+        return self.system.tension(self.at(flat), self.rate_at(flat))[-1].reshape(t.shape)
+
+    def tension_harmonics(self, k: int) -> np.ndarray:
+        """Mean and amplitudes of harmonics 1..k of the fairlead tension over the last period, (k + 1,), N."""
+        first, period = self.last_period
+        n = _SAMPLES * (k + 1)
+        spectrum = np.fft.rfft(self.fairlead_tension(first + period * np.arange(n) / n)) / n
+        return np.concatenate([[spectrum[0].real], 2 * abs(spectrum[1 : k + 1])])
