@@ -117,6 +117,19 @@ class CableSystem(ChainSystem):
         ramped.motion = Ramped(self.motion, duration)
         return ramped
 
+    def scaled(self, share) -> CableSystem:
+        """The same cable with its motion multiplied by a number."""
+        scaled = copy.copy(self)
+        scaled.motion = self.motion.scaled(share)
+        return scaled
+
+    def mirror(self) -> tuple[tuple[int, ...], ...] | None:
+        """Reflection at the vertical plane of the line: w, theta, row 3, row 6 and the sideways velocity change sign."""
+        if self.planar:
+            return None
+        z = (1,) * self.has_seabed
+        return (1, 1, 1, -1, 1, -1, *z), (1, 1, -1, *z), (1, 1, -1, 1, 1, -1, *z), (1, 1, -1)
+
     def invalid(self, y) -> tuple[Status, int] | None:
         """A cable carries no compression, and the equations are ill-posed there (HB reference [53])."""
         node = int(y[0].argmin())

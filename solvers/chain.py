@@ -59,6 +59,14 @@ class ChainSystem:
         """The same chain with a motion that grows from rest over a duration in s."""
         return self
 
+    def scaled(self, share) -> ChainSystem:
+        """The same chain with its driving multiplied by a number from 0 to 1."""
+        raise NotImplementedError
+
+    def mirror(self) -> tuple[tuple[int, ...], ...] | None:
+        """Signs +1 or -1 of the fields and of the start, cell and end rows under a mirror that may map it onto itself."""
+        return None
+
     def invalid(self, y) -> tuple[Status, int] | None:
         """Why and at which node (from 0) a state (n_f, N) is outside what the equations hold for; None: it is not."""
         return None

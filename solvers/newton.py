@@ -78,6 +78,25 @@ class Step(NamedTuple):
     relaxation: float
 
 
+def relaxed_newton(linearise, residual, x, tolerance, norm, limit=50):
+    """Newton's method with the relaxation factor of HB (75) as ``adapted_relaxation`` sets it; as ``damped_newton``."""
+    steps, relaxation, last = [], 1.0, np.inf
+    for _ in range(limit):
+        F, solve = linearise(x)
+        if solve is None or not np.isfinite(F).all():
+            return x, steps, False
+        full = solve(F)
+        error = norm(full)
+        if not np.isfinite(error):
+            return x, steps, False
+        relaxation = adapted_relaxation(relaxation, error, last)
+        steps.append(Step(error, relaxation))
+        x, last = x - relaxation * full, error
+        if error <= tolerance:
+            return x, steps, True
+    return x, steps, False
+
+
 def damped_newton(linearise, residual, x, tolerance, norm, limit=50):
     """Newton's method with the error-oriented damping of Deuflhard (Newton Methods for Nonlinear Problems, NLEQ-ERR).
 

@@ -27,6 +27,10 @@ class Status(Enum):
         "the tension vanished at a node, and a perfectly flexible cable in compression is ill-posed: "
         "reduce the motion, or set allow_invalid=True and read what follows with care"
     )
+    NO_PERIODIC_RESPONSE = (
+        "no periodic response was found at the full motion, even with its amplitude raised in small steps: "
+        "use more harmonics, start from a neighbouring response, or reduce the motion"
+    )
     NOT_FINITE = (
         "forces or ratios of the inputs (to L, to w L) leave the range of double precision: change the extreme input"
     )

@@ -1,0 +1,37 @@
+"""Fourier series of real periodic functions, and the way from samples to coefficients and back (AFT).
+
+y(t) = c_0/sqrt(2) + sum_k s_k sin(k w t / nu) + c_k cos(k w t / nu), HB (49); coefficients in the order of (51):
+c_0, s_1, c_1, s_2, c_2, ..., without c_0 in the paper's variant.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+
+class Basis:
+    """Harmonics 0 or 1 to Nh of angular frequency omega/nu (rad/s), sampled at Nt equal times of the period.
+
+    times (Nt,) s; harmonic (C,): number k of each coefficient; Q, Q_t (Nt, C): the functions (55) and their rates;
+    P (Nt, C): coefficients of samples f are f @ P, (61).
+    """
+
+    def __init__(self, harmonics: int, samples: int, omega: float, mean: bool):
+        self.harmonics, self.samples, self.omega, self.mean = harmonics, samples, omega, mean
+        self.times = 2 * math.pi / omega * np.arange(samples) / samples
+        self.harmonic = np.concatenate([[0] if mean else [], np.repeat(np.arange(1, harmonics + 1), 2)]).astype(int)
+        self.Q, self.Q_t = self.functions(self.times)
+        self.P = 2 / samples * self.Q
+
+    def functions(self, t):
+        """q(t) and its rate, (S, C) each, for times (S,) in s, (55), (57)."""
+        k = self.omega * np.arange(1, self.harmonics + 1)
+        angle = np.multiply.outer(t, k)
+        sin, cos, first = np.sin(angle), np.cos(angle), int(self.mean)
+        q, q_t = np.zeros((2, len(t), self.harmonic.size))
+        q[:, :first] = math.sqrt(0.5)
+        q[:, first::2], q[:, first + 1 :: 2] = sin, cos
+        q_t[:, first::2], q_t[:, first + 1 :: 2] = k * cos, -k * sin
+        return q, q_t
