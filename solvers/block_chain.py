@@ -1,8 +1,8 @@
-"""LU of a chain of dense blocks, node after node: start rows, cell rows between neighbours, end rows, and a few full rows.
+"""LU of a chain of dense blocks, node after node: start rows, cell rows between neighbours, end rows, some full rows.
 
-The matrix has the shape of a two-point boundary-value problem. At each node the rows still open (start_rows of them) are
-stacked on the rows of the next cell and eliminated by LAPACK with row exchanges; what is left over is open at the next
-node. Cost and storage grow linearly with the nodes, HB 3.2.
+The matrix has the shape of a two-point boundary-value problem. At each node the rows still open (as many as there are
+start rows) are stacked on those of the next cell and eliminated by LAPACK with row exchanges; what is left over is open
+at the next node. Cost and storage grow linearly with the nodes, HB 3.2.
 """
 
 from __future__ import annotations

@@ -124,7 +124,7 @@ class CableSystem(ChainSystem):
         return scaled
 
     def mirror(self) -> tuple[tuple[int, ...], ...] | None:
-        """Reflection at the vertical plane of the line: w, theta, row 3, row 6 and the sideways velocity change sign."""
+        """Reflection at the plane of the line: w, theta, row 3, row 6 and the sideways velocity change sign."""
         if self.planar:
             return None
         z = (1,) * self.has_seabed

@@ -64,7 +64,7 @@ class ChainSystem:
         raise NotImplementedError
 
     def mirror(self) -> tuple[tuple[int, ...], ...] | None:
-        """Signs +1 or -1 of the fields and of the start, cell and end rows under a mirror that may map it onto itself."""
+        """Signs +1 or -1 of the fields and of the start, cell and end rows under a mirror that may map it to itself."""
         return None
 
     def invalid(self, y) -> tuple[Status, int] | None:

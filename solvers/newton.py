@@ -16,6 +16,7 @@ from .elementary import ARRAY, SCALAR
 
 MIN_RELAXATION = 1e-6  # shorter steps have never led anywhere: the start is too far, continue in a parameter
 _RELAX_UP, _RELAX_DOWN = 1.02, 1.1
+_KEEP = 0.1  # contraction at which a step with an old Jacobian is worth more than a new Jacobian
 MAX_ITERATIONS = 200  # a bisection of the whole positive double range in log t needs 2 + log2(1420 / eps) = 65
 
 
@@ -102,10 +103,11 @@ def damped_newton(linearise, residual, x, tolerance, norm, limit=50):
 
     linearise(x) -> (F, solve) with solve(F) = J^-1 F, or None where J is singular; residual(x) -> F;
     norm(step) -> float: the damping asks that the simplified Newton step gets shorter, so it does not see the scaling
-    of F. Returns (x, steps, converged): converged when norm(step) <= tolerance.
+    of F. A Jacobian is kept while the steps with it shrink by _KEEP. Returns (x, steps, converged): converged when
+    norm(step) <= tolerance.
     """
     steps, relaxation, last = [], 1.0, None
-    for _ in range(limit):
+    while len(steps) < limit:
         F, solve = linearise(x)
         if solve is None or not np.isfinite(F).all():
             return x, steps, False
@@ -113,14 +115,11 @@ def damped_newton(linearise, residual, x, tolerance, norm, limit=50):
         error = norm(full)
         if not np.isfinite(error):
             return x, steps, False
-        if error <= tolerance:
-            steps.append(Step(error, 1.0))
-            return x + full, steps, True
         if last is not None:
             before, simplified, taken = last
             change = norm(simplified - full)
             relaxation = min(1.0, taken * norm(before) * norm(simplified) / (change * error)) if change > 0 else 1.0
-        while True:
+        while error > tolerance:
             trial = x + relaxation * full
             F = residual(trial)
             simplified = -solve(F) if np.isfinite(F).all() else np.full_like(full, np.inf)
@@ -131,6 +130,16 @@ def damped_newton(linearise, residual, x, tolerance, norm, limit=50):
             relaxation = min(relaxation / 2, 0.5 * error * relaxation**2 / bound)
             if relaxation < MIN_RELAXATION:
                 return x, steps, False
+        else:
+            steps.append(Step(error, 1.0))
+            return x + full, steps, True
         steps.append(Step(error, relaxation))
         x, last = trial, (full, simplified, relaxation)
+        while relaxation == 1.0 and size <= _KEEP * error and len(steps) < limit:
+            x, error = x + simplified, size
+            steps.append(Step(error, 1.0))
+            if error <= tolerance:
+                return x, steps, True
+            simplified = -solve(residual(x))
+            size, last = norm(simplified), None
     return x, steps, False
