@@ -3,11 +3,17 @@
 name = "OC3 Hywind"                  optional: description
 tolerance = 1e-6                     relative error wanted of the fairlead tension
 [environment]                        rho = 1025 kg/m^3, g = 9.80665 m/s^2; depth (m): a flat seabed at z = -depth
+current = [0.5, 0.0, 0.0]            m/s, of the water; seabed_stiffness (N/m^2): for dynamics over a seabed
 [line]                               length (m), EA (N), then submerged_weight (N/m) or diameter (m) + mass_per_length
 friction = 0.001                     (kg/m); friction of the seabed: one value, or a list to compare
+Cdn = 1.6                            dynamics: drag Cdn, Cdb, Cdt, added mass Ca, damping (s), see CableProperties
 [ends]
 anchor = [-853.87, 0.0, -320.0]      m, z up from still water
 fairlead = [-5.2, 0.0, -70.0]
+[motion]                             of the fairlead about that place; optional, and takes diameter and mass_per_length
+frequency = 0.05                     Hz, or period (s)
+amplitude = [5.0, 0.0, 0.0]          m in x, y, z, of sin(2 pi f t + phase); phase (rad) is 0 where it is not given;
+                                     both may be lists of rows [x, y, z], one for each harmonic of the frequency
 """
 
 from __future__ import annotations
@@ -18,24 +24,35 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
 
-from .catenary import Span
-from .outcome import InputError
-from .properties import CableProperties, Environment, positive_number, real_number
+import numpy as np
 
+from .catenary import Span
+from .motion import Motion
+from .outcome import InputError
+from .properties import CableProperties, Environment, positive_number, real_number, vector
+
+_SECTION = ("diameter", "mass_per_length", "submerged_weight", "Cdn", "Cdb", "Cdt", "Ca", "damping")
 _KEYS = {
-    "": {"name", "description", "tolerance", "environment", "line", "ends"},
-    "environment": {"rho", "g", "depth"},
-    "line": {"length", "EA", "submerged_weight", "diameter", "mass_per_length", "friction"},
+    "": {"name", "description", "tolerance", "environment", "line", "ends", "motion"},
+    "environment": {"rho", "g", "depth", "current", "seabed_stiffness"},
+    "line": {"length", "EA", "friction", *_SECTION},
     "ends": {"anchor", "fairlead"},
+    "motion": {"frequency", "period", "amplitude", "phase"},
 }
-_REQUIRED = {"": ("line", "ends"), "environment": (), "line": ("length", "EA"), "ends": ("anchor", "fairlead")}
+_REQUIRED = {
+    "": ("line", "ends"),
+    "environment": (),
+    "line": ("length", "EA"),
+    "ends": ("anchor", "fairlead"),
+    "motion": ("amplitude",),
+}
 
 
 @dataclass(frozen=True)
 class Scene:
     """One line with its surroundings: length in m, friction a tuple of coefficients, anchor and fairlead (3,) in m.
 
-    Raises InputError naming the key, its value and its unit.
+    motion: of the fairlead about that place, or None. Raises InputError naming the key, its value and its unit.
     """
 
     name: str
@@ -47,6 +64,7 @@ class Scene:
     friction: tuple[float, ...] = (0.0,)
     tolerance: float = 1e-6
     description: str = ""
+    motion: Motion | None = None
 
     @classmethod
     def load(cls, path) -> Scene:
@@ -55,7 +73,7 @@ class Scene:
 
     @classmethod
     def _from_tables(cls, data: dict, stem: str) -> Scene:
-        tables = {name: data.get(name, {}) for name in ("environment", "line", "ends")}
+        tables = {"environment": {}, "line": {}, "ends": {}} | {k: data[k] for k in _KEYS if k in data}
         for name, table in {"": data, **tables}.items():
             _check_keys(name, table)
         for key in ("name", "description"):
@@ -63,7 +81,7 @@ class Scene:
                 raise InputError(f"{key}: {data[key]!r} must be a text")
         line, ends = tables["line"], tables["ends"]
         friction = line.get("friction", 0.0)
-        section = {key: line[key] for key in ("diameter", "mass_per_length", "submerged_weight") if key in line}
+        section = {key: line[key] for key in _SECTION if key in line}
         scene = cls(
             name=data.get("name", stem),
             description=data.get("description", ""),
@@ -74,11 +92,31 @@ class Scene:
             friction=tuple(friction) if isinstance(friction, list) else (friction,),
             anchor=_point("ends.anchor", ends["anchor"]),
             fairlead=_point("ends.fairlead", ends["fairlead"]),
+            motion=_motion(tables["motion"]) if "motion" in tables else None,
         )
         if not scene.friction:
             raise InputError("line.friction: the list is empty; give one coefficient or several")
         scene.spans()
+        if scene.motion is not None:
+            scene._check_dynamics()
         return scene
+
+    def _check_dynamics(self):
+        """What the motion takes beside a line at rest."""
+        for key, unit in (("diameter", "m"), ("mass_per_length", "kg/m")):
+            if getattr(self.cable, key) is None:
+                raise InputError(f"line.{key}: not given ({unit}), and [motion] takes it")
+        depth = self.environment.depth
+        if depth is None:
+            return
+        if self.environment.seabed_stiffness is None:
+            raise InputError("environment.seabed_stiffness: not given (N/m^2), and [motion] over a seabed takes it")
+        period = np.linspace(0.0, self.motion.period, 64 * self.motion.harmonics + 1)
+        lowest = self.fairlead[2] + self.motion.displacement(period)[2].min()
+        if lowest < -depth:
+            raise InputError(
+                f"motion.amplitude: takes the fairlead down to z = {lowest:g} m, below the seabed, {-depth:g} m"
+            )
 
     def spans(self) -> tuple[Span, ...]:
         """The line as solvers.Span in its vertical plane, one for each friction coefficient."""
@@ -134,6 +172,26 @@ def _tolerance(value) -> float:
     if tolerance >= 1:
         raise InputError(f"tolerance: {tolerance:g} (dimensionless) must be < 1, a relative error")
     return tolerance
+
+
+def _motion(table: dict) -> Motion:
+    given = [key for key in ("frequency", "period") if key in table]
+    if len(given) != 1:
+        raise InputError(f"[motion] takes either frequency (Hz) or period (s); given: {' and '.join(given) or 'none'}")
+    frequency = positive_number(f"motion.{given[0]}", table[given[0]], "Hz" if given[0] == "frequency" else "s")
+    amplitude = _rows("motion.amplitude", table["amplitude"], "m")
+    phase = _rows("motion.phase", table["phase"], "rad") if "phase" in table else np.zeros_like(amplitude)
+    if phase.shape != amplitude.shape:
+        raise InputError(f"motion.phase: {len(phase)} rows [x, y, z] (rad) do not fit {len(amplitude)} of amplitude")
+    if given[0] == "period":
+        frequency = 1 / frequency
+    return Motion(frequency, amplitude * np.cos(phase), amplitude * np.sin(phase))
+
+
+def _rows(name: str, value, unit: str) -> np.ndarray:
+    """[x, y, z] of the first harmonic, or a list of such rows, as an array (K, 3)."""
+    rows = value if isinstance(value, list) and value and isinstance(value[0], list) else [value]
+    return np.array([vector(f"{name}[{k}]" if rows is value else name, row, unit) for k, row in enumerate(rows)])
 
 
 def _point(name: str, value) -> tuple[float, float, float]:

@@ -22,14 +22,14 @@ READERS = ("scene.py", "map_file.py", "network_scene.py")  # solver modules whos
 # Folder, most special first -> what it may import beside the standard library. A name covers all below it.
 MAY_IMPORT = {
     "verification/exact": ("numpy", "mpmath", "verification.exact"),
-    "verification/cases": ("numpy", "verification.cases"),
+    "verification/cases": ("numpy", "solvers.chain", "verification.cases"),
     "reference_data/generate": ("numpy", "mpmath", "verification.exact", "reference_data.generate"),
     "reference_data": ("numpy", "mpmath", "verification.exact", "reference_data", "tqdm"),
     "benchmarks/peers": ("numpy", "benchmarks.peers", "verification.cases", "verification.registry",
-                         "verification.reference", "moorpy", "pycatenary"),
+                         "verification.reference", "moorpy", "pycatenary", "moordyn"),
     "benchmarks": ("numpy", "scipy", "solvers", "verification.cases", "verification.registry", "verification.reference",
                    "pytest", "threadpoolctl", "mpmath", "tqdm", "benchmarks"),
-    "reports": ("numpy", "matplotlib", "jinja2", "tqdm", "reports"),
+    "reports": ("numpy", "matplotlib", "mpl_toolkits", "jinja2", "tqdm", "reports"),
     "solvers": ("numpy", "scipy", "threadpoolctl", "solvers"),
     "verification": ("numpy", "scipy", "threadpoolctl", "solvers", "verification", *TESTING),
 }  # fmt: skip
