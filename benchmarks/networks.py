@@ -1,4 +1,4 @@
-"""Networks: the paper's Table 2 remade, speed of methods, growth with size, MoorPy on the same systems: networks.json.
+"""Networks: pictures, the paper's Table 2 remade, error against time, speed, growth, MoorPy beside: networks.json.
 
 Table 2 is that of MSQS, section 5: two lines and a buoyant joint, both weights, counts of each method by itself (no
 fallback). Speed and peers are measured turn and turn about in one run and quoted as ratios.
@@ -9,26 +9,18 @@ from __future__ import annotations
 import gc
 import importlib.util
 import time
-import tracemalloc
 from collections.abc import Callable
-from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
-from solvers import Element, Environment, Network, Node, solve_network
+from solvers import solve_network
 from solvers.network_balance import Balance
 from solvers.network_jacobian import analytic_jacobian
 from solvers.network_monolithic import Monolith
 from solvers.network_nested import Count
-from solvers.network_scene import load_network
 
-from . import console, harness, results
-
-SCENES = Path(__file__).parents[1] / "reference_data" / "scenes" / "networks"
-
-WEIGHTS = (59.1, 226.61)
-"""N/m: the one that reproduces the paper's solution, and the one that it prints (see the errata of MSQS)."""
+from . import console, harness, network_accuracy, network_memory, network_pictures, results
+from .network_systems import FAMILIES, WEIGHTS, chain, scene, two_lines, without_friction
 
 EXACT_H = {59.1: 137765.51942683, 226.61: 162586.27222711}
 """N: horizontal force of both lines, 40-digit solution rounded; without friction."""
@@ -39,7 +31,6 @@ STARTS = {
 }
 """(H, V) (2,) in N: (5.1) as printed, and the values of the guess formula that it came from; both with JOINT_GUESS."""
 
-JOINT_GUESS = (-26.0, 0.0, -65.0)  # m, (5.2)
 UNITS = ("N", "kN", "scaled")
 
 SPEED_TURNS = 15
@@ -50,56 +41,6 @@ SPREAD = (5, 95)  # percentiles of the ratios: their extremes are single interru
 FITTED_FROM = 1000  # elements: below, a solve is mostly overhead that does not grow
 LONG = 1.0  # s: solves that last longer are timed once
 OFFSET = 1.0  # m: of the vessel in surge, before a warm re-solve
-
-
-# ---------------------------------------------------------------- the networks
-def two_lines(w: float) -> Network:
-    """MSQS Fig. 12: w in N/m."""
-    joint = Node("free", JOINT_GUESS, force=(0.0, 0.0, 637650.0))
-    nodes = (Node("fixed", (-1200.0, 0.0, -350.0)), Node("fixed", (0.0, 0.0, -350.0)), joint)
-    lines = (Element(w, 2.34e8, 1175.0, (0, 2)), Element(w, 2.34e8, 300.0, (1, 2)))
-    return Network(nodes, lines, Environment(depth=350.0))
-
-
-def chain(n: int) -> Network:
-    """n elements from a fixed to a coupled node, 1000 m over 800 m, hanging free."""
-    x = np.linspace(0.0, 800.0, n + 1)
-    kinds = ["fixed", *["free"] * (n - 1), "coupled"]
-    nodes = [Node(kind, (xi, 0.0, 0.0)) for kind, xi in zip(kinds, x.tolist(), strict=True)]
-    return Network(nodes, [Element(100.0, 1e8, 1000.0 / n, (i, i + 1)) for i in range(n)])
-
-
-def net(n: int) -> Network:
-    """A square net of about n elements, 100 m wide, its lines 5 % longer than flat, held at its four edges."""
-    k = max(3, round((1 + (1 + 2 * n) ** 0.5) / 2))  # 2 k (k - 1) = n
-    x = np.linspace(0.0, 100.0, k)
-    inside = range(1, k - 1)
-    nodes = [
-        Node("free" if i in inside and j in inside else "fixed", (x[i], x[j], 0.0)) for i in range(k) for j in range(k)
-    ]
-    pairs = [(i * k + j, (i + 1) * k + j) for i in range(k - 1) for j in range(k)]
-    pairs += [(i * k + j, i * k + j + 1) for i in range(k) for j in range(k - 1)]
-    return Network(nodes, [Element(20.0, 1e6, 1.05 * 100.0 / (k - 1), pair) for pair in pairs])
-
-
-def tree(n: int) -> Network:
-    """A binary tree of about n elements under a coupled node: level by level 20 m lower, its leaves anchored."""
-    levels = max(2, round(np.log2(n + 2) - 1))
-    nodes, lines, parents = [Node("coupled", (0.0, 0.0, 0.0))], [], [(0, 0.0, 0.0)]
-    for level in range(1, levels + 1):
-        reach, children = 200.0 * 0.7**level, []
-        for parent, px, py in parents:
-            for side in (-1.0, 1.0):
-                x, y = (px + side * reach, py) if level % 2 else (px, py + side * reach)
-                lines.append(Element(50.0, 1e7, 1.02 * float(np.hypot(reach, 20.0)), (len(nodes), parent)))
-                children.append((len(nodes), x, y))
-                nodes.append(Node("fixed" if level == levels else "free", (x, y, -20.0 * level)))
-        parents = children
-    return Network(nodes, lines)
-
-
-FAMILIES = {"chain": chain, "net": net, "tree": tree}
-SIZES = (10, 30, 100, 300, 1000, 3000, 10000)
 
 
 # ---------------------------------------------------------------- Table 2
@@ -169,6 +110,7 @@ def table_row(w, network, start, forces, options, condition) -> dict:
         "units": options["units"] if options["method"] == "monolithic" else None,
         "globalisation": options["globalisation"] if options["method"] == "monolithic" else None,
         "iterations": state.iterations,
+        "inner_iterations": state.inner_iterations if options["method"] == "nested" else None,
         "function_evaluations": state.function_evaluations,
         "operations": state.operations,
         "residual_norm": state.residual_norm,
@@ -250,6 +192,9 @@ def compared(network, start) -> dict:
 
 
 # ---------------------------------------------------------------- growth
+SIZES = (10, 30, 100, 300, 1000, 3000, 10000)
+
+
 def growth():
     """Yield once a solve; the last value is the part "growth": rows, and the exponent fitted for each family."""
     rows = []
@@ -270,7 +215,7 @@ def growth():
                     "iterations": state.iterations,
                     "residual_norm": state.residual_norm,
                     "status": state.status.name,
-                    "peak_MB": peak(network) / 1e6 if size == SIZES[-1] else None,
+                    "memory": network_memory.in_its_own_process(family, size) if size == SIZES[-1] else None,
                 }
             )
             yield None
@@ -279,16 +224,6 @@ def growth():
         "fitted_from": FITTED_FROM,
         "exponents": {family: exponent(rows, family) for family in FAMILIES},
     }
-
-
-def peak(network) -> int:
-    """Most bytes of Python and numpy held at one time by the solve; the factors of SuperLU are not counted."""
-    tracemalloc.start()
-    try:
-        solve_network(network, throw=False)
-        return tracemalloc.get_traced_memory()[1]
-    finally:
-        tracemalloc.stop()
 
 
 def exponent(rows, family: str) -> float:
@@ -304,13 +239,9 @@ def exponent(rows, family: str) -> float:
 
 
 # ---------------------------------------------------------------- MoorPy
-def systems() -> dict[str, Network]:
-    """The systems compared, without seabed friction: MoorPy loses it at system level."""
-    found = {name: load_network(SCENES / f"{name}.toml") for name in ("oc3_three_lines", "three_bridles")}
-    return {
-        name: replace(network, elements=tuple(replace(element, friction=0.0) for element in network.elements))
-        for name, network in found.items()
-    }
+def systems() -> dict:
+    """The systems compared."""
+    return {name: without_friction(scene(name)) for name in ("oc3_three_lines", "three_bridles")}
 
 
 def peers():
@@ -365,8 +296,17 @@ def warm(network, moorpy, tolerance: float) -> dict:
 
 
 # ---------------------------------------------------------------- the file
-PARTS = {"table2": table2, "speed": speed, "growth": growth, "peers": peers}
+PARTS = {
+    "pictures": network_pictures.pictures,
+    "table2": table2,
+    "work": network_accuracy.work,
+    "speed": speed,
+    "growth": growth,
+    "peers": peers,
+}
 STEPS = {
+    "pictures": len(network_pictures.PICTURES) + 1,
+    "work": network_accuracy.STEPS,
     "table2": len(WEIGHTS) * (len(STARTS) + 1) * len(list(methods())) + 1,
     "speed": len(WEIGHTS) + len(SPEED_SIZES) + 1,
     "growth": len(FAMILIES) * len(SIZES) + 1,

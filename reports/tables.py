@@ -28,13 +28,15 @@ class Table:
     formats: dict = field(default_factory=dict)
     groups: tuple = ()
 
-    def shown(self) -> list[list[tuple[str, bool]]]:
-        """(text, is a number) of every cell."""
-        return [[self._cell(key, row.get(key)) for key in self.columns] for row in self.rows]
+    def numeric(self, key) -> bool:
+        """A column that holds numbers, its dashes among them."""
+        values = [row.get(key) for row in self.rows]
+        return any(isinstance(value, (int, float)) and not isinstance(value, bool) for value in values)
 
-    def _cell(self, key, value):
-        numeric = isinstance(value, (int, float)) and not isinstance(value, bool)
-        return self.formats.get(key, number)(value), numeric or value is None
+    def shown(self) -> list[list[tuple[str, bool]]]:
+        """(text, is in a column of numbers) of every cell."""
+        numeric = {key: self.numeric(key) for key in self.columns}
+        return [[(self.formats.get(key, number)(row.get(key)), numeric[key]) for key in numeric] for row in self.rows]
 
     def write(self, folder: Path) -> Table:
         """name.csv and name.json; returns self."""

@@ -8,8 +8,10 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
+import numpy as np
+
 from .cases.spans import SpanCase
-from .exact import catenary_mp
+from .exact import catenary_mp, network_mp
 
 EPS = 2.0**-52
 DATA = Path(__file__).parents[1] / "reference_data"
@@ -79,3 +81,33 @@ def exact_span(case: SpanCase, start=None) -> SpanTruth:
     forces = (exact.H, exact.V, exact.H_anchor, exact.V_anchor, exact.grounded_length)
     K = tuple(tuple(float(stiffness[i, j]) for j in (0, 1)) for i in (0, 1))
     return SpanTruth(*(float(value) for value in forces), K, float(condition))
+
+
+# ---------------------------------------------------------------- networks
+NETWORK_START = 3
+"""Decimals of a metre that a start keeps: what the solver found finer than a millimetre does not reach the oracle."""
+
+
+@dataclass(frozen=True)
+class NetworkTruth:
+    """r (n, 3), m, and tension (e, 2) at the anchor and fairlead ends of the elements, N, rounded from 40 digits."""
+
+    r: np.ndarray
+    tension: np.ndarray
+
+
+def exact_network(case, start) -> NetworkTruth:
+    """Truth of a small network by the 40-digit oracle; ``start`` (n, 3), m, is near the equilibrium.
+
+    Raises ArithmeticError where the oracle finds none.
+    """
+    exact = network_mp.solve(case, np.round(start, NETWORK_START))
+    H, V, H_anchor, V_anchor = (np.array(f, dtype=float) for f in (exact.H, exact.V, exact.H_anchor, exact.V_anchor))
+    ends = np.column_stack([np.hypot(H_anchor, V_anchor), np.hypot(H, V)])
+    return NetworkTruth(np.array(exact.r, dtype=float), ends)
+
+
+def tension_error(tension, truth: NetworkTruth) -> float:
+    """Largest difference of an end tension over the largest tension. NaN gives inf."""
+    error = float(np.abs(np.asarray(tension) - truth.tension).max() / truth.tension.max())
+    return math.inf if math.isnan(error) else error

@@ -1,0 +1,83 @@
+"""Where each network lies and what tension it carries: the part "pictures" of networks.json, which the report draws."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from solvers import Network, Span, solve_network, solve_span
+
+from .network_systems import chain, map_example, net, scene, tree, two_lines
+
+POINTS = 240  # of a whole picture, shared by its elements
+LEAST_POINTS, MOST_POINTS = 4, 60  # of one element: few where many short ones make the shape
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A network to be drawn: name for files, title, how to make it."""
+
+    name: str
+    title: str
+    make: Callable[[], Network]
+
+
+PICTURES = (
+    Picture("two_lines", "Two lines and a buoyant joint (MSQS, section 5)", lambda: two_lines(59.1)),
+    Picture("three_bridles", "Three lines with bridles", lambda: scene("three_bridles")),
+    Picture("oc3_three_lines", "Three lines of a spar (OC3)", lambda: scene("oc3_three_lines")),
+    Picture("map_file", "A MAP++ file: bridles, repeated twice", map_example),
+    Picture("chain_wire_chain", "Chain, wire, chain: a joint on the seabed", lambda: scene("chain_wire_chain")),
+    Picture("chain", "Chain", lambda: chain(10)),
+    Picture("tree", "Tree", lambda: tree(30)),
+    Picture("net", "Net", lambda: net(84)),
+)
+
+
+def pictures():
+    """Yield once a network; the last value is the part "pictures" of the file."""
+    rows = []
+    for picture in PICTURES:
+        network = picture.make()
+        rows.append({"name": picture.name, "title": picture.title} | drawn(network))
+        yield None
+    yield rows
+
+
+def drawn(network: Network) -> dict:
+    """Nodes, elements and seabed of a solved network: lengths in m, tensions in N.
+
+    nodes : kind and r (3,);  elements : x, y, z, tension along each, from its anchor, and its tension at either end as
+    the network's state has it;  seabed : height, or None
+    """
+    state = solve_network(network)
+    depth = network.environment.depth
+    count = int(np.clip(POINTS // len(network.elements), LEAST_POINTS, MOST_POINTS))
+    ends = np.column_stack([np.hypot(state.H_anchor, state.V_anchor), np.hypot(state.H, state.V)])
+    return {
+        "seabed": None if depth is None else -depth,
+        "nodes": [{"kind": node.kind, "r": r} for node, r in zip(network.nodes, state.r, strict=True)],
+        "elements": [
+            profile(element, state.r, depth, count) | {"ends": pair}
+            for element, pair in zip(network.elements, ends, strict=True)
+        ],
+        "residual_norm": state.residual_norm,
+    }
+
+
+def profile(element, r, depth, count: int) -> dict:
+    """x, y, z (m) and tension (N), arrays (count,), of one element between the nodes at r (n, 3)."""
+    anchor, fairlead = (r[end] for end in element.ends)
+    across = fairlead[:2] - anchor[:2]
+    l = float(np.hypot(*across))
+    seabed = depth is not None and element.w >= 0  # a buoyant line never lies on it
+    clearance = float(anchor[2] + depth) if seabed else 0.0
+    friction = element.friction if seabed and clearance == 0 else 0.0  # as in a network: where the anchor end lies
+    rise = float(fairlead[2] - anchor[2])
+    span = Span(element.w, element.EA, element.L, l, rise, seabed, friction, clearance)
+    along, height, tension = solve_span(span).profile(np.linspace(0.0, element.L, count))
+    direction = across / l if l > 0 else np.zeros(2)
+    x, y = anchor[:2, None] + along * direction[:, None]
+    return {"x": x, "y": y, "z": anchor[2] + height, "tension": tension}
