@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg.lapack import dgbtrf, dgbtrs
+from scipy.linalg.lapack import dgbtrf, dgbtrs, zgbtrf, zgbtrs
 
 from .outcome import Status
 
@@ -104,14 +104,22 @@ def stack(start: Rows, cells: Rows, end: Rows) -> np.ndarray:
     return np.concatenate([start.value, middle, end.value])
 
 
+def product(parts, x) -> np.ndarray:
+    """A combination of tangents (start, cells, end) of one instant times x (n_f, N), rows as in ``stack``."""
+    start, cells, end = parts
+    between = np.einsum("ijn,jn->in", cells[0], x[:, :-1]) + np.einsum("ijn,jn->in", cells[1], x[:, 1:])
+    return stack(Rows(start @ x[:, 0]), Rows(between), Rows(end @ x[:, -1]))
+
+
 class BandedJacobian:
     """A combination of dF/dy and dF/dydot of a chain in LAPACK's band storage, and its LU factors; one instant."""
 
-    def __init__(self, fields: int, nodes: int, start_rows: int):
+    def __init__(self, fields: int, nodes: int, start_rows: int, dtype=float):
         n, first = fields * nodes, start_rows
         self.kl = max(first + fields - 1, fields - 1)
         self.ku = max(2 * fields - 1 - first, fields - 1)
-        self.storage = np.zeros((2 * self.kl + self.ku + 1, n), order="F")
+        self.storage = np.zeros((2 * self.kl + self.ku + 1, n), dtype, order="F")
+        self._trf, self._trs = (zgbtrf, zgbtrs) if dtype is complex else (dgbtrf, dgbtrs)
         cell = np.arange(nodes - 1)
         side, row, column = np.ogrid[:2, :fields, :fields]
         i = first + fields * cell + row[..., None]
@@ -134,9 +142,9 @@ class BandedJacobian:
         flat = self.storage.ravel(order="K")
         for where, part in ((self._start, start), (self._cells, cells), (self._end, end)):
             flat[where] = part.ravel()
-        self._lu, self._pivots, info = dgbtrf(self.storage, self.kl, self.ku)
+        self._lu, self._pivots, info = self._trf(self.storage, self.kl, self.ku)
         return info == 0 and bool(np.isfinite(self._lu[self.kl + self.ku]).all())
 
     def solve(self, right) -> np.ndarray:
         """Solution x of matrix x = right, (N n_f,) or (N n_f, k)."""
-        return dgbtrs(self._lu, self.kl, self.ku, right, self._pivots)[0]
+        return self._trs(self._lu, self.kl, self.ku, right, self._pivots)[0]
