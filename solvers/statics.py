@@ -7,7 +7,8 @@ met. The start is the catenary; a current, where Newton's method alone does not 
 from __future__ import annotations
 
 import copy
-from dataclasses import dataclass, field
+import math
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -16,7 +17,8 @@ from .cable import CableSystem
 from .catenary import Span, solve_span
 from .chain import BandedJacobian, Rows, stack
 from .newton import Step, damped_newton
-from .outcome import Outcome, Status
+from .outcome import InputError, Outcome, Status
+from .shooting import shoot
 
 TOLERANCE = 1e-11  # mean change of (eps, angles in rad, positions in chords): a hundred roundings of a position
 _SMALLEST_RISE = 2.0**-10  # of the load parameter, in the continuation
@@ -24,10 +26,14 @@ _SMALLEST_RISE = 2.0**-10  # of the load parameter, in the continuation
 
 @dataclass(frozen=True)
 class StaticState(Outcome):
-    """Discrete equilibrium: y (n_f, N) as in ``fields``; forces in N, public frame; residual_norm in N/m."""
+    """Equilibrium: y (n_f, N) as in ``fields``; r (3, N): places of the nodes in m; forces in N, public frame.
+
+    residual_norm: of the rows in N/m ("box"), or the largest jump between shots in tensions and chords ("shooting").
+    """
 
     system: CableSystem = field(repr=False)
     y: np.ndarray = field(repr=False)
+    r: np.ndarray = field(repr=False)
     status: Status
     iterations: int
     residual_norm: float
@@ -37,11 +43,6 @@ class StaticState(Outcome):
     def tension(self) -> np.ndarray:
         """(N,) N."""
         return self.system.tension(self.y)
-
-    @cached_property
-    def r(self) -> np.ndarray:
-        """Places of the nodes, (3, N), m."""
-        return self.system.positions(self.y)
 
     @property
     def fairlead_force(self) -> np.ndarray:
@@ -54,11 +55,18 @@ class StaticState(Outcome):
         return self.tension[0] * self.system.direction(self.y)[:, 0]
 
 
-def solve_static(system: CableSystem, *, tolerance=TOLERANCE, throw=True) -> StaticState:
-    """Equilibrium of the cable between its ends, on the box scheme HB (39) with (13)-(15).
+def solve_static(system: CableSystem, *, method="box", tolerance=TOLERANCE, throw=True) -> StaticState:
+    """Equilibrium of the cable between its ends, HB (13)-(15).
 
+    method: "box", the scheme (39) that the dynamic solvers use, or "shooting", the differential equations themselves
+    from node to node, started from the former: its error is that of the integration, ten digits and more.
     Raises ConvergenceError when none is found (``throw=False``: a state whose status says so).
     """
+    if method not in ("box", "shooting"):
+        raise InputError(f"method: {method!r} must be 'box' or 'shooting'")
+    if method == "shooting" and (pieces := _pieces(system)) > 1:
+        fine = solve_static(_refined(system, pieces), method=method, tolerance=tolerance, throw=throw)
+        return replace(fine, system=system, y=fine.y[:, ::pieces], r=fine.r[:, ::pieces])
     x, iterations, steps = _Statics(system).catenary(), 0, ()
     reached, rise = 0.0, 1.0
     while reached < 1.0 and rise >= _SMALLEST_RISE:
@@ -69,17 +77,29 @@ def solve_static(system: CableSystem, *, tolerance=TOLERANCE, throw=True) -> Sta
             x, reached, rise = trial, share, 2 * rise
         else:
             rise /= 2
-    statics = _Statics(system)
-    y, F = statics.full(x), statics.residual(x)
-    state = StaticState(
-        system,
-        y,
-        Status.SUCCESS if reached == 1.0 else Status.NO_EQUILIBRIUM_FOUND,
-        iterations,
-        float(abs(F.reshape(-1)).max()),
-        tuple(steps),
-    )
+    statics, left = _Statics(system), None
+    if method == "shooting" and reached == 1.0:
+        x, left, steps, converged = shoot(system, statics.full(x), tolerance)
+        iterations += len(steps)
+    left = abs(statics.residual(x)).max() if left is None else left
+    status = Status.SUCCESS if reached == 1.0 and converged else Status.NO_EQUILIBRIUM_FOUND
+    place = system.axes.T @ x[system.dimension :] + system.anchor[:, None]
+    state = StaticState(system, statics.full(x), place, status, iterations, float(left), tuple(steps))
     return state.or_throw(system.scene.name) if throw else state
+
+
+def _pieces(system) -> int:
+    """Into how many shots a cell is cut, so that none passes more than two boundary layers sqrt(T/k) of the seabed."""
+    if not system.has_seabed or not system.seabed_stiffness:
+        return 1
+    slack = system.EA * _Statics(system).catenary()[0].min()
+    return math.ceil(system.ds.max() / (2 * math.sqrt(max(slack, 0.0) / system.seabed_stiffness) or math.inf))
+
+
+def _refined(system, pieces) -> CableSystem:
+    inner = np.arange(pieces) / pieces
+    s = np.append((system.s[:-1, None] + system.ds[:, None] * inner).ravel(), system.s[-1])
+    return CableSystem(system.scene, s, system.planar, system.motion, system.source)
 
 
 def _eased(system, x, share) -> CableSystem:
