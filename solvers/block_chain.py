@@ -15,18 +15,19 @@ from scipy.linalg.lapack import dgetrf, dlaswp
 class BlockChain:
     """Factors of start (p, n), cells (2, N - 1, n, n), end (n - p - k, n) and full rows border (k, N, n).
 
-    cells[0] multiplies the left node of a cell, cells[1] the right one. ``singular``: no use to solve.
+    cells[0] multiplies the left node of a cell, cells[1] the right one; long chains may give ``cells`` as an iterator
+    over parts (2, m, n, n), from left to right, which then never exist all at once. ``singular``: no use to solve.
     """
 
     def __init__(self, start, cells, end, border):
         n, p = start.shape[1], start.shape[0]
-        left, right = cells
+        parts = (cells,) if isinstance(cells, np.ndarray) else cells
         self.steps, border, opened = [], border.copy(), start
         panel, beside = np.empty((p + n, n), order="F"), np.empty((p + n, n), order="F")
         self.singular = False
-        for i in range(len(left)):
-            panel[:p], panel[p:] = opened, left[i]
-            beside[:p], beside[p:] = 0.0, right[i]
+        for i, (left, right) in enumerate(cell for part in parts for cell in zip(*part, strict=True)):
+            panel[:p], panel[p:] = opened, left
+            beside[:p], beside[p:] = 0.0, right
             lu, pivots, info = dgetrf(panel)
             moved = dlaswp(beside, pivots)
             lower = np.asfortranarray(lu[:n])

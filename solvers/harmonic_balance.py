@@ -30,7 +30,7 @@ class PeriodicResponse(Response, Outcome):
     """Periodic state: coefficients z (n_f, N, C) about ``system.rest()`` in the order of ``basis.harmonic``.
 
     time (Nt,) s; y, ydot (n_f, N, Nt): the samples. iterations: Newton steps with these harmonics, at all amplitudes;
-    coarse_iterations: those with three harmonics before; steps: error (76) and relaxation of those of the last solve.
+    coarse_iterations: those with fewer harmonics before; steps: error (76) and relaxation of those of the last solve.
     residual_norm: largest coefficient of the rows.
     amplitude: share of the motion that was reached, 1 on success. event: (time, node) of an invalid state, or None.
     mean: False marks the paper's variant without constant term: its mean forces are not in balance.
@@ -91,6 +91,7 @@ def solve_periodic(
     globalisation="damped",
     multilevel=True,
     symmetry=True,
+    linear_solver="direct",
     throw=True,
 ) -> PeriodicResponse:
     """The periodic response to the periodic driving of a chain.
@@ -100,7 +101,9 @@ def solve_periodic(
     start: a PeriodicResponse of the same nodes and fields, or coefficients z (n_f, N, C), in place of rest.
     tolerance: error (76), the mean |dz| of the last Newton step. globalisation: "damped" (error-oriented damping, old
     Jacobians kept while they serve) or "relaxation" (the paper's factor, a new Jacobian at every step).
-    multilevel: start from a solution with three harmonics.
+    multilevel: start from a solution with three harmonics, then twelve, and so on.
+    linear_solver: "direct" (blocks, storage N Nh^2, work N Nh^3) or "iterative" (GMRES preconditioned by the harmonics
+    of the averaged chain, storage N Nh; for motions that change the tension by less than about a third of its mean).
     symmetry: use a mirror symmetry of the chain where its rows show it.
     When Newton's method fails, the driving is raised in steps. Raises InputError for bad input, ConvergenceError when
     no response is found (``throw=False``: the largest amplitude reached, with its status).
@@ -113,34 +116,38 @@ def solve_periodic(
     tolerance = positive_number("tolerance", tolerance, "(mean change of a coefficient)")
     if globalisation not in _NEWTON:
         raise InputError(f"globalisation: {globalisation!r} must be 'damped' or 'relaxation'")
+    if linear_solver not in ("direct", "iterative"):
+        raise InputError(f"linear_solver: {linear_solver!r} must be 'direct' or 'iterative'")
     if system.period is None:
         raise InputError("motion: the chain has no periodic driving, and its periodic response takes one")
     basis = Basis(Nh, Nt, 2 * math.pi / (nu * system.period), bool(mean))
-    newton = _NEWTON[globalisation]
+    how = _NEWTON[globalisation], symmetry, linear_solver == "iterative"
     z, spent = _start(system, basis, start), 0
     with one_blas_thread(), np.errstate(all="ignore"):  # a diverging step is found by its size
-        if multilevel and start is None and Nh > _COARSE * nu:
-            coarse = Basis(_COARSE * nu, 4 * _COARSE * nu, basis.omega, basis.mean)
-            z, spent, *_ = _continued(system, coarse, _resized(z, basis, coarse), _START, newton, symmetry)
-            z = _resized(z, coarse, basis)
-        z, iterations, steps, reached, balance = _continued(system, basis, z, tolerance, newton, symmetry)
+        few = _COARSE * nu if multilevel and start is None else Nh
+        while few < Nh:
+            coarse = Basis(few, 4 * few, basis.omega, basis.mean)
+            z, steps, *_ = _continued(system, coarse, _resized(z, basis, coarse), _START, *how)
+            z, spent = _resized(z, coarse, basis), spent + steps
+            few = 4 * few if 8 * few < Nh else Nh
+        z, iterations, steps, reached, balance = _continued(system, basis, z, tolerance, *how)
         response = _response(system, basis, z, nu, iterations, spent, steps, reached, balance)
     return response.or_throw(f"{Nh} harmonics, {Nt} samples, amplitude reached: {reached:.4g}") if throw else response
 
 
-def _continued(system, basis, z, tolerance, newton, symmetry):
+def _continued(system, basis, z, tolerance, newton, symmetry, iterative):
     """Newton at the full driving, or from rest by steps in its amplitude: (z, iterations, steps, reached, balance)."""
     reached, rise, iterations, before = 0.0, 1.0, 0, None
     while True:
         share = min(1.0, reached + rise)
-        balance = Balance(system if share == 1.0 else system.scaled(share), basis, symmetry)
+        balance = Balance(system if share == 1.0 else system.scaled(share), basis, symmetry, iterative)
         guess = z
         if before is not None:  # along the secant
             guess = z + (share - reached) / (reached - before[0]) * (z - before[1])
         x, steps, converged = newton(balance.linearise, balance.residual, balance.pack(guess), tolerance, _error)
         iterations += len(steps)
         if converged and balance.symmetric and not balance.holds(x):
-            return _continued(system, basis, z, tolerance, newton, False)
+            return _continued(system, basis, z, tolerance, newton, False, iterative)
         if converged:
             if reached > 0:
                 before = (reached, z)

@@ -12,7 +12,9 @@ import math
 import numpy as np
 
 from .block_chain import BlockChain
+from .harmonic_krylov import HarmonicKrylov
 
+_PART = 64  # cells whose blocks exist at once, beside the factors
 _SYMMETRIC = 1e-9  # share of the rows that may be left where a symmetry says zero
 
 
@@ -23,7 +25,8 @@ class Balance:
     period later, fields that it keeps have even harmonics and fields that it turns have odd ones.
     """
 
-    def __init__(self, system, basis, symmetry=True):
+    def __init__(self, system, basis, symmetry=True, iterative=False):
+        self.iterative = iterative
         self.system, self.basis, self.rest = system, basis, system.rest()
         mirror = system.mirror() if symmetry else None
         self.symmetric = mirror is not None and self._mirrored(mirror)
@@ -32,8 +35,9 @@ class Balance:
         self.columns = self._active(fields, n_f)
         self.start_rows, self.cell_rows = self._active(start, first), self._active(cells, n_f)
         self.end_rows = self._active(end, n_f - first)
-        self.closed = []  # components of the drift whose mean is in place of that of an end row
         drift = system.drift(self.rest, 0.0) if basis.mean else None
+        self.drifting = 0 if drift is None else len(drift)
+        self.closed = []  # components of the drift whose mean is in place of that of an end row
         if drift is not None:
             offset = n_f - first - len(drift)
             self.closed = [d for d in range(len(drift)) if 0 in self.end_rows[offset + d]]
@@ -97,36 +101,66 @@ class Balance:
 
     def residual(self, x) -> np.ndarray:
         """All rows as one vector."""
-        return self._vector(*self.rows(x, False))
+        return self._sampled(*self.rows(x, False))
 
-    def _vector(self, rows, state):
-        start, cells, end = (part.value @ self.basis.P for part in rows)
+    def _sampled(self, rows, state):
+        drift = self.system.drift(state[0], state[2]) if self.closed else None
+        return self.vector(*(part.value for part in rows), drift)
+
+    def vector(self, start, cells, end, drift) -> np.ndarray:
+        """Active coefficients of sampled rows (n_r, *, Nt) and of the drift as one vector."""
+        start, cells, end = start @ self.basis.P, cells @ self.basis.P, end @ self.basis.P
         middle = np.concatenate([cells[f][:, c] for f, c in enumerate(self.cell_rows)], axis=1)
         parts = [start[f, c] for f, c in enumerate(self.start_rows)]
         parts += [middle.ravel()]
         parts += [end[f, c] for f, c in enumerate(self.end_rows)]
         if self.closed:
-            parts += [(self.system.drift(state[0], state[2]) @ self.basis.P)[self.closed, 0]]
+            parts += [drift[self.closed] @ self.basis.P[:, 0]]
         return np.concatenate(parts)
+
+    def coefficients(self, F):
+        """The way back from ``vector``: start, cells and end rows (n_r, *, C) and the drift's means; elsewhere zeros."""
+        start, cells, end, means = self._split(F)
+        C, drift = self.basis.harmonic.size, np.zeros(self.drifting)
+        drift[self.closed] = means
+        parts = []
+        for part, active, shape in (
+            (start, self.start_rows, ()),
+            (cells, self.cell_rows, (len(cells),)),
+            (end, self.end_rows, ()),
+        ):
+            full, at = np.zeros((len(active), *shape, C)), 0
+            for f, c in enumerate(active):
+                full[f][..., c] = part[..., at : at + c.size]
+                at += c.size
+            parts.append(full)
+        return *parts, drift
 
     def linearise(self, x):
         """The residual and a function that solves with the Jacobian, None where it is singular."""
         rows, state = self.rows(x, True)
-        F = self._vector(rows, state)
+        F = self._sampled(rows, state)
         if not np.isfinite(F).all():
             return F, None
-        factors = BlockChain(*self.jacobian(rows, state))
+        if self.iterative:
+            factors = HarmonicKrylov(self, rows, state)
+            return F, None if factors.singular else factors.solve
+        factors = BlockChain(*self.jacobian(rows, state, _PART))
         return F, None if factors.singular else lambda F: factors.solve(*self._split(F))
 
-    def jacobian(self, rows, state):
-        """Blocks of BlockChain: start (p, n), cells (2, N - 1, n, n), end (e, n), border (k, N, n)."""
+    def jacobian(self, rows, state, part=None):
+        """Blocks of BlockChain: start (p, n), cells (2, N - 1, n, n), end (e, n), border (k, N, n).
+
+        part: cells come as an iterator over parts of so many.
+        """
         start, cells, end = rows
+        nodes = self.rest.shape[1]
+        some = lambda at: self._blocks(cells.y[..., at, :], cells.ydot[..., at, :], self.cell_rows)
         blocks = (
             self._blocks(start.y[:, :, None], start.ydot[:, :, None], self.start_rows)[0],
-            self._blocks(cells.y, cells.ydot, self.cell_rows),
+            some(slice(None)) if part is None else (some(slice(i, i + part)) for i in range(0, nodes - 1, part)),
             self._blocks(end.y[:, :, None], end.ydot[:, :, None], self.end_rows)[0],
         )
-        nodes = self.rest.shape[1]
         if not self.closed:
             return *blocks, np.zeros((0, nodes, self.n))
         slope = self.system.drift_tangent(state[0])[self.closed]

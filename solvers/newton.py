@@ -108,6 +108,7 @@ def damped_newton(linearise, residual, x, tolerance, norm, limit=50):
     """
     steps, relaxation, last = [], 1.0, None
     while len(steps) < limit:
+        solve = None  # the old factors go before the new ones come
         F, solve = linearise(x)
         if solve is None or not np.isfinite(F).all():
             return x, steps, False
