@@ -119,7 +119,7 @@ class Balance:
         return np.concatenate(parts)
 
     def coefficients(self, F):
-        """The way back from ``vector``: start, cells and end rows (n_r, *, C) and the drift's means; elsewhere zeros."""
+        """The way back from ``vector``: start, cells, end rows (n_r, *, C) and the drift's means; elsewhere zeros."""
         start, cells, end, means = self._split(F)
         C, drift = self.basis.harmonic.size, np.zeros(self.drifting)
         drift[self.closed] = means

@@ -546,7 +546,7 @@ REFUSED = {
     ),
     "NaN position": (r"r\[1\]: nan m must be finite", lambda: Node("free", (0, float("nan"), 0))),
     "infinite force": (r"force\[2\]: inf N must be finite", lambda: Node("free", (0, 0, 0), force=(0, 0, 1e400))),
-    "two coordinates": (r"r: \(0, 0\) must be three numbers \(m\)", lambda: Node("free", (0, 0))),
+    "two coordinates": (r"r: \(0, 0\) must be three numbers \[x, y, z\] \(m\)", lambda: Node("free", (0, 0))),
     "negative mass": (r"mass: -1 kg must be >= 0", lambda: Node("free", (0, 0, 0), mass=-1)),
     "negative volume": (r"volume: -1 m\^3 must be >= 0", lambda: Node("free", (0, 0, 0), volume=-1)),
     "unknown kind": (r"kind: 'loose' must be one of fixed, free, coupled", lambda: Node("loose", (0, 0, 0))),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 from dataclasses import dataclass
@@ -70,6 +71,28 @@ def broken_anchors(page: Page) -> list[str]:
     return [target for target in targets if target not in ids]
 
 
+def misaligned(text: str) -> list[str]:
+    """Cells of tables whose alignment is not that of the heading of their column."""
+    found = []
+    for table in re.findall(r"<table>(.*?)</table>", text, re.DOTALL):
+        head, _, body = table.partition("</thead>")
+        columns = [is_number(tag) for tag in re.findall(r"<th[ >][^>]*>?", head.rpartition("<tr>")[2])]
+        for row in re.findall(r"<tr>(.*?)</tr>", body, re.DOTALL):
+            cells = re.findall(r"(<td[^>]*>)(.*?)</td>", row, re.DOTALL)
+            found += [cell for (tag, cell), column in zip(cells, columns, strict=True) if is_number(tag) != column]
+    return found
+
+
+def is_number(tag: str) -> bool:
+    """A cell or heading of the class of numbers, which stand at the right."""
+    return 'class="n"' in tag
+
+
+def section(text: str, name: str) -> str:
+    """What stands under the heading with that id, up to the next of the same rank."""
+    return text.partition(f'<h2 id="{name}">')[2].partition("<h2 ")[0]
+
+
 def report(*arguments) -> subprocess.CompletedProcess:
     return subprocess.run(
         [sys.executable, "-m", "reports", *map(str, arguments)], cwd=ROOT, capture_output=True, text=True, timeout=60
@@ -132,6 +155,59 @@ def test_second_run_measures_nothing_again(built):
     pytest.fail("the second and the third run measured again what had not changed")
 
 
+SOME_NETWORKS = """
+import sys
+from benchmarks import networks
+
+CHOSEN = {"pictures": slice(1), "table2": slice(0, 84, 3), "work": slice(1), "speed": slice(4), "growth": slice(0, 15, 5),
+          "peers": slice(1)}
+some = lambda name, tasks: lambda quick: tasks(True)[CHOSEN[name]]
+networks.PARTS = {name: some(name, tasks) for name, tasks in networks.PARTS.items()}
+networks.main(["--quick", "--out", sys.argv[1]])
+"""
+"""A few of the tasks of every part of the benchmark of networks: what it writes, in seconds."""
+
+NETWORK_HEADINGS = ("What is solved", "The paper's two-line example", "Error against run time",
+                    "Monolithic and nested, side by side", "Growth with size")  # fmt: skip
+NETWORK_FIGURES = ("two_lines", "work_two-lines-226.61-n-m", "gain", "growth")
+
+
+@pytest.fixture(scope="module")
+def whole_pages(tmp_path_factory):
+    """(folder, text) of the whole page without any result, and of the same with some networks."""
+    pages = []
+    for measured in (False, True):
+        out = tmp_path_factory.mktemp("whole")
+        if measured:
+            command = [sys.executable, "-c", SOME_NETWORKS, str(out / "results")]
+            subprocess.run(command, cwd=ROOT, check=True, capture_output=True, timeout=60)
+        run = report("--only", "machine", "--out", out)
+        assert run.returncode == 0, run.stderr
+        pages.append((out, (out / "index.html").read_text(encoding="utf-8")))
+    return pages
+
+
+def test_networks_are_on_the_page(whole_pages):
+    """With results there are all parts of the section, figures, tables and verdicts; without, a note that says so."""
+    (_, without), (folder, text) = whole_pages
+    assert "Not run yet" in section(without, "networks") and "<h3>" not in section(without, "networks")
+    found = section(text, "networks")
+    headings = [heading for heading in re.findall(r"<h3>(.*?)</h3>", found) if heading != "Beside MoorPy"]
+    assert [heading.replace("&#39;", "'") for heading in headings] == list(NETWORK_HEADINGS)
+    for name in NETWORK_FIGURES:
+        assert f'href="figures/networks_{name}.png"' in found
+    strip = text.partition('<ul class="strip">')[2].partition("</ul>")[0]
+    assert 'href="#networks"' in strip and "over monolithic analytic" in strip
+    assert missing_files(Page(text), folder) == [] and undescribed(Page(text)) == []
+    assert "None" not in re.sub(r"<svg.*?</svg>", "", found, flags=re.DOTALL)
+
+
+def test_cells_stand_as_their_headings(whole_pages):
+    """In every table numbers and the dashes among them stand at the right like their heading, words at the left."""
+    (_, _), (_, text) = whole_pages
+    assert "<td" in text and misaligned(text) == []
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -175,3 +251,6 @@ def test_the_checks_of_the_page_can_fail(tmp_path):
     assert len(undescribed(bad)) == 2
     assert missing_files(bad, tmp_path) == ["x.png"]
     assert broken_anchors(bad) == ["y"]
+    table = '<table><thead>\n<tr><th class="n">a</th><th>b</th></tr></thead><tr>{}<td class="text">c</td></tr></table>'
+    assert misaligned(table.format('<td class="text short">–</td>')) == ["–"]
+    assert misaligned(table.format('<td class="n">–</td>')) == []

@@ -59,7 +59,7 @@ class CableParameters:
 
 @dataclass(frozen=True)
 class Fields:
-    """Seven closed-form fields of (s, t), written with `sin` and `cos` of this module so that jets can pass."""
+    """Seven closed-form fields of (s, t), written with `sin`, `cos`, `exp` of this module so that jets can pass."""
 
     eps: Callable
     u: Callable
@@ -152,6 +152,14 @@ def cos(x):
         f, g = cos(x.a), sin(x.a)
         return x.of(f, -g, -f)
     return _library(x).cos(x)
+
+
+def exp(x):
+    """Exponential, likewise."""
+    if isinstance(x, Jet):
+        f = exp(x.a)
+        return x.of(f, f, f)
+    return _library(x).exp(x)
 
 
 def _frame(phi, theta):

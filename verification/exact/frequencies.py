@@ -1,12 +1,13 @@
-"""Natural frequencies of cables, and free waves: closed forms, and any sagging elastic line by a Galerkin method.
+"""Natural frequencies of cables and their response to a small motion of the fairlead, in closed form and for any line.
 
-`frequencies` linearises the line in Cartesian displacements about its static shape, not in strain and angles: with
-q(s, t) the small displacement of the particle s (unstretched arc length), t the static unit tangent, T the static
-tension, eps = T/EA,
+`frequencies` and `fairlead_response` linearise the line about its static shape in Cartesian displacements, not in
+strain and angles: with q(s, t) the small displacement of the particle s (unstretched arc length), t the static unit
+tangent, T the static tension, eps = T/EA,
 
     [m I + ma (I - t t')] q_tt = d/ds { [EA t t' + T/(1 + eps) (I - t t')] q_s },    q = 0 at both ends,
 
-because d(T t) = EA t (t . q_s) + T/(1 + eps) (I - t t') q_s and because added mass ma acts across the line only.
+because d(T t) = EA t (t . q_s) + T/(1 + eps) (I - t t') q_s and because added mass ma acts across the line only. With
+Kelvin-Voigt damping EA becomes EA (1 + i omega beta).
 In the plane of the line this couples two components; out of the plane it is T/(1 + eps) and m + ma alone.
 SI units; frequencies in Hz unless said otherwise.
 """
@@ -104,8 +105,8 @@ def irvine_line(lambda2, sag, L=100.0, m=10.0, w0=50.0):
     slope = 8 * sag
     H = w0 * L / slope
     EA = H * (1 + slope**2 / 8) * lambda2 / slope**2
-    x, z = catenary_mp.excursion(H, w0 * L / 2, w0, EA, L, seabed=False)
-    return EA, m, w0, L, (float(x), float(z)), H
+    x, _ = catenary_mp.excursion(H, w0 * L / 2, w0, EA, L, seabed=False)  # half the weight at either end: level
+    return EA, m, w0, L, (float(x), 0.0), H
 
 
 # --- any line ---------------------------------------------------------------------------------------------------------
@@ -137,22 +138,85 @@ def frequencies(EA, m, ma, w0, L, span, *, degree=80):
     Integrated Legendre polynomials up to `degree` + 1 and the static shape of `catenary_mp`: the error falls faster
     than any power of the degree for modes well below it (about a third of the degree is resolved).
     """
-    H, V0 = _anchor_force(EA, w0, L, span)
-    nodes, weights = legendre.leggauss(2 * degree + EXTRA_POINTS)
-    s, weights = (nodes + 1) * L / 2, weights * L / 2
-    phi, slope = _basis(nodes, degree, L)
-    T = np.hypot(H, V0 + w0 * s)
-    t = np.array([np.full_like(T, H), V0 + w0 * s]) / T
-    across = T / (1 + T / EA)
-    along_line = t[:, None] * t[None]
-    across_line = np.eye(2)[:, :, None] - along_line
-    K = _gram(slope, weights, EA * along_line + across * across_line)
-    M = _gram(phi, weights, m * along_line + (m + ma) * across_line)
-    in_plane, shapes = _modes(K, M)
-    along = np.einsum("aq,qi,ain->qn", t, phi, shapes.reshape(2, degree, -1))
-    share = m * (weights @ along**2) / np.einsum("in,ij,jn->n", shapes, M, shapes, optimize=True)
-    out_of_plane, _ = _modes(*(_gram(f, weights, c[None, None]) for f, c in ((slope, across), (phi, 0 * T + m + ma))))
-    return LineModes(in_plane, out_of_plane, share, (float(np.hypot(H, V0)), float(np.hypot(H, V0 + w0 * L))))
+    line = _Line(EA, m, ma, w0, L, span, degree)
+    phi, slope = line.basis()
+    M = _gram(phi, line.weights, m * line.along + (m + ma) * line.across)
+    in_plane, shapes = _modes(_gram(slope, line.weights, EA * line.along + line.string * line.across), M)
+    along = np.einsum("aq,qi,ain->qn", line.t, phi, shapes.reshape(2, degree, -1))
+    share = m * (line.weights @ along**2) / np.einsum("in,ij,jn->n", shapes, M, shapes, optimize=True)
+    out_of_plane, _ = _modes(
+        _gram(slope, line.weights, line.string[None, None]),
+        _gram(phi, line.weights, 0 * line.string[None, None] + m + ma),
+    )
+    return LineModes(in_plane, out_of_plane, share, line.ends)
+
+
+@dataclass(frozen=True)
+class FairleadResponse:
+    """Complex amplitudes per metre of motion, motion = Re e^(i omega t).
+
+    tension (n,) N/m at the places asked for;  force (3,) N/m, x, y, z: on the line, at the fairlead.
+    """
+
+    tension: np.ndarray
+    force: np.ndarray
+
+
+def fairlead_response(EA, m, ma, w0, L, span, frequency, direction, *, beta=0.0, places=None, degree=80):
+    """`FairleadResponse` of the line of `frequencies` whose fairlead moves by a unit vector times cos(omega t).
+
+    frequency Hz; direction (x, y, z): (1, 0, 0) surge, (0, 1, 0) sway, (0, 0, 1) heave; beta s, Kelvin-Voigt;
+    places (n,) m, arc lengths for the tension, the fairlead by default. Linear: sway changes no tension. At a natural
+    frequency without damping there is no response: it is then large and meaningless.
+    """
+    line, omega = _Line(EA, m, ma, w0, L, span, degree), 2 * np.pi * frequency
+    stiff = EA * (1 + 1j * omega * beta)
+    x, y, z = direction
+    K, M = stiff * line.along + line.string * line.across, m * line.along + (m + ma) * line.across
+    places = np.array([L] if places is None else places, float)
+    at = np.append(places, L)
+    q_s = line.driven(K, M, omega, np.array([x, z]), at)
+    H, V = line.H, line.V0 + w0 * at
+    t = np.array([H + 0 * V, V]) / np.hypot(H, V)
+    stretch = (t * q_s).sum(axis=0)
+    T = np.hypot(H, V)
+    change = stiff * stretch * t + T / (1 + T / EA) * (q_s - stretch * t)
+    sway = line.driven(line.string[None, None], 0 * line.string[None, None] + m + ma, omega, np.array([y]), at)
+    across = (T / (1 + T / EA) * sway[0])[-1]
+    return FairleadResponse(stiff * stretch[:-1], np.array([change[0, -1], across, change[1, -1]]))
+
+
+class _Line:
+    """Static shape at the quadrature points: t (2, q), along = t t' and across (2, 2, q), string = T/(1 + eps) (q,)."""
+
+    def __init__(self, EA, m, ma, w0, L, span, degree):
+        self.nodes, weights = legendre.leggauss(2 * degree + EXTRA_POINTS)
+        self.s, self.weights, self.L, self.degree = (self.nodes + 1) * L / 2, weights * L / 2, L, degree
+        self.H, self.V0 = _anchor_force(EA, w0, L, span)
+        V = self.V0 + w0 * self.s
+        T = np.hypot(self.H, V)
+        self.t, self.string = np.array([np.full_like(T, self.H), V]) / T, T / (1 + T / EA)
+        self.along = self.t[:, None] * self.t[None]
+        self.across = np.eye(2)[:, :, None] - self.along
+        self.ends = float(np.hypot(self.H, self.V0)), float(np.hypot(self.H, self.V0 + w0 * L))
+
+    def basis(self):
+        return _basis(self.nodes, self.degree, self.L)
+
+    def driven(self, K, M, omega, motion, at):
+        """q_s (c, n) at arc lengths `at` for motions (c,) of the end s = L: s/L times the motion plus the basis."""
+        phi, slope = self.basis()
+        lift, lift_slope = (self.s / self.L)[:, None], np.full((self.s.size, 1), 1 / self.L)
+        phi, slope = np.hstack([phi, lift]), np.hstack([slope, lift_slope])
+        n, c = self.degree + 1, len(motion)
+        stiffness = _gram(slope, self.weights, K) - omega**2 * _gram(phi, self.weights, M)
+        held = np.arange(c) * n + n - 1
+        free = np.setdiff1d(np.arange(c * n), held)
+        a = np.zeros(c * n, complex)
+        a[held] = motion
+        a[free] = np.linalg.solve(stiffness[np.ix_(free, free)], -stiffness[np.ix_(free, held)] @ motion)
+        _, slope = _basis(2 * at / self.L - 1, self.degree, self.L)
+        return a.reshape(c, n) @ np.hstack([slope, np.full((at.size, 1), 1 / self.L)]).T
 
 
 def _anchor_force(EA, w0, L, span):
@@ -184,41 +248,3 @@ def _modes(K, M):
     seen = np.linalg.solve(factor, half.T)
     values, vectors = np.linalg.eigh((seen + seen.T) / 2)
     return 1 / np.sqrt(values[::-1]) / (2 * np.pi), np.linalg.solve(factor.T, vectors)[:, ::-1]
-
-
-# --- free waves -------------------------------------------------------------------------------------------------------
-
-
-def string_speed(tension, EA, mass):
-    """Speed of a small transverse wave along the unstretched arc length, m/s: sqrt(T / ((1 + T/EA) mass))."""
-    return np.sqrt(tension / ((1 + tension / EA) * mass))
-
-
-def plucked_string(shape, speed, L, s, t):
-    """Displacement at (s, t) of a string held at 0 and L, released from rest with shape(s), by d'Alembert's formula.
-
-    The shape is continued oddly about both ends and halved into two waves; shape is called on [0, L] only.
-    """
-    s, t = np.asarray(s, float), np.asarray(t, float)
-    return (_odd(shape, L, s - speed * t) + _odd(shape, L, s + speed * t)) / 2
-
-
-def plucked_string_velocity(slope, speed, L, s, t):
-    """Velocity of `plucked_string` from slope(s), the derivative of the shape on [0, L]."""
-    s, t = np.asarray(s, float), np.asarray(t, float)
-    return speed / 2 * (_even(slope, L, s + speed * t) - _even(slope, L, s - speed * t))
-
-
-def _folded(L, s):
-    """(place in [0, L], whether on a mirrored stretch) of s in the continuation with period 2 L."""
-    s = np.mod(s, 2 * L)
-    return np.where(s > L, 2 * L - s, s), s > L
-
-
-def _odd(f, L, s):
-    place, mirrored = _folded(L, s)
-    return np.where(mirrored, -1, 1) * f(place)
-
-
-def _even(f, L, s):
-    return f(_folded(L, s)[0])

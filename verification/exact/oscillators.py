@@ -13,6 +13,7 @@ Fourier series enters: harmonics are integrals over the finished orbit. Any cons
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cache
 
 import numpy as np
 from mpmath import mp, mpf
@@ -22,6 +23,7 @@ DOUBLE = 15  # digits that doubles are asked for
 GUARD_DIGITS = 6
 DIFFERENCE = 1e-7  # step of the differenced monodromy matrix over the size of the orbit: Newton gains 6 digits a step
 MOST_NEWTON = 30
+FARTHEST = 10.0  # sizes of the first run that a Newton step may take
 LOOKS = 24  # places of a step where the sign of a velocity is looked at
 GAUSS_POINTS = 40
 
@@ -341,6 +343,8 @@ def _closed(march, y, period, scale):
         error = np.abs(step / scale).max()
         if error < 1e-9 and error >= best / 2:  # round-off is reached: the step no longer shrinks
             return monodromy, y, min(error, best), segments
+        if error > FARTHEST:  # far from every orbit the steps of the series shrink without end
+            break
         best, y = error, y + step
     raise ArithmeticError(
         f"the orbit does not close: last step {error:.3g}, multipliers {np.linalg.eigvals(monodromy)}"
@@ -363,3 +367,48 @@ def _polished(march, y, periods, monodromy, scale, digits):
         if error < mpf(10) ** -digits:
             return y, error, segments, period
     raise ArithmeticError(f"the orbit does not close to {digits} digits: last step {mp.nstr(error, 3)}")
+
+
+# --- chosen cases -----------------------------------------------------------------------------------------------------
+
+_KRACK = {"d": 0.05, "a": 1.0, "b": 0.1, "F": 0.18}  # Krack and Gross, Harmonic Balance for Nonlinear Vibration, 2019
+_UEDA = duffing(0.08, 0.0, 1.0, 0.2, 1.0)  # Ueda, Chaos, Solitons & Fractals 1 (1991) 199: five attractors at once
+_PAIR = {"n": 2, "omega": 1.2, "force": (1.0, 0.0), "damping": 0.1, "stiffness": 1.0, "cubic": 0.5}
+
+CASES = {
+    "duffing below resonance": (duffing(**_KRACK, omega=0.9), {"start": ([0.75], [0.13])}),
+    "duffing near resonance": (duffing(**_KRACK, omega=1.1), {"start": ([1.55], [1.33])}),
+    "duffing small branch": (duffing(**_KRACK, omega=1.2), {"start": ([-0.41], [0.07])}),
+    "duffing unstable branch": (duffing(**_KRACK, omega=1.2), {"start": ([-1.46], [2.09])}),
+    "duffing large branch": (duffing(**_KRACK, omega=1.2), {"start": ([1.33], [2.54])}),
+    "duffing third harmonic": (duffing(0.05, 1.0, 1.0, 1.0, 0.3), {"start": ([0.59], [0.01])}),
+    "duffing softening": (duffing(0.1, 1.0, -0.35, 0.1, 0.6), {"start": ([0.16], [0.01])}),
+    # RadiiPolynomial.jl proves a solution near: x'' + x'/10 + 4 x - x^2 = cos t
+    "square": (duffing(0.1, 4.0, 0.0, 1.0, 1.0, square=-1.0), {"start": ([0.27], [0.51])}),
+    "duffing biased": (duffing(0.1, 1.0, 0.5, 0.4, 0.8, constant=0.3), {"start": ([0.6], [0.1])}),
+    "ueda small": (_UEDA, {"start": ([-0.21], [0.02])}),
+    "ueda large": (_UEDA, {"start": ([1.05], [0.79])}),
+    "ueda half a": (_UEDA, {"start": ([-0.67], [0.02]), "periods": 2}),
+    "ueda half b": (_UEDA, {"start": ([-0.45], [0.29]), "periods": 2}),
+    "ueda third": (_UEDA, {"start": ([-0.43], [0.12]), "periods": 3}),
+    "quadratic at resonance": (quadratically_damped(1.0, 0.5, 1.0, 1.0, 1.0), {"start": ([-0.02], [1.52])}),
+    "quadratic below": (quadratically_damped(1.0, 0.1, 1.0, 1.0, 0.5), {"start": ([1.33], [0.03])}),
+    "quadratic strong": (quadratically_damped(1.0, 2.0, 1.0, 1.0, 1.0), {"start": ([-0.02], [0.74])}),
+    "two masses": (Chain(**_PAIR), {"start": ([1.47, 1.18], [0.71, 0.70])}),
+    "two masses, uneven": (
+        Chain(**_PAIR | {"mass": (1.0, 2.0), "stiffness": (1.0, 0.5, 0.2), "cubic": (0.5, 0.3, 0.1), "square": 0.1}),
+        {"start": ([0.87, -0.49], [0.16, -0.04])},
+    ),
+    "three masses, quadratic": (
+        Chain(3, 1.2, (1.0, 0.0, 0.0), damping=0.1, quadratic=0.2, stiffness=1.0, cubic=0.5),
+        {"start": ([0.24, -0.59, -0.73], [0.35, 0.17, -0.08])},
+    ),
+}
+"""name -> (`Chain`, keywords of `periodic`): one branch each, "half" and "third" of two and three drive periods."""
+
+
+@cache
+def case(name, digits=DOUBLE):
+    """`Orbit` of a row of `CASES`."""
+    chain, options = CASES[name]
+    return periodic(chain, **options, digits=digits)
