@@ -8,8 +8,8 @@ line, as for single lines. Its system is built anew before each solve, outside t
 from __future__ import annotations
 
 import importlib.util
-from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache, partial
 
 import numpy as np
 
@@ -17,12 +17,13 @@ from solvers import solve_network
 from verification.reference import WRONG, exact_network, tension_error
 
 from . import harness
-from .network_systems import WEIGHTS, scene, two_lines, without_friction
+from .network_systems import WEIGHTS, cpu_seconds, scene, two_lines, without_friction
 
-TOLERANCES = tuple(10.0**-k for k in range(1, 13))
+TOLERANCES, QUICK_TOLERANCES = (1e-1, 1e-3, 1e-5, 1e-7, 1e-9, 1e-11), (1e-1, 1e-5, 1e-9)
 """Relative: of the residual norm, and times the longest line for a peer; the smallest that doubles can carry there."""
 
-REPEATS = 5  # of a peer, whose system is built anew for each
+REPEATS = 3
+QUICK_FROM = 1  # the quick run leaves out the first system
 
 
 @dataclass(frozen=True)
@@ -50,29 +51,40 @@ def systems() -> dict:
     return lines | {"three lines with bridles": without_friction(scene("three_bridles"))}
 
 
-def work():
-    """Yield once a system and method; the last value is the part "work" of the file."""
-    peer = importlib.util.find_spec("moorpy") is not None
-    rows = []
-    for title, network in systems().items():
-        truth = exact_network(network, solve_network(network).r)
-        for method in METHODS:
-            rows += [
-                point(title, method, tolerance, *ours(network, method, tolerance), truth) for tolerance in TOLERANCES
-            ]
-            yield None
-        if peer:
-            rows += [point(title, PEER, t, *moorpy(network, t), truth) for t in TOLERANCES]
-        yield None
-    yield rows
+def tasks(quick: bool) -> list:
+    """Calls, each giving rows of the part "work": one system and method."""
+    methods = [*METHODS, PEER] if importlib.util.find_spec("moorpy") else METHODS
+    tolerances = QUICK_TOLERANCES if quick else TOLERANCES
+    titles = list(systems())[QUICK_FROM if quick else 0 :]
+    return [partial(ladder, title, method, tolerances) for title in titles for method in methods]
 
 
-STEPS = 3 * (len(METHODS) + 1) + 1
-"""Values that ``work`` yields."""
+@cache
+def truth(title: str):
+    """40 digits, and the network."""
+    network = systems()[title]
+    return exact_network(network, solve_network(network).r), network
+
+
+def ladder(title: str, method: Method, tolerances) -> list[dict]:
+    """Points of one method; a tolerance that does not change the answer is not timed again."""
+    exact, network = truth(title)
+    found, before = [], {"error": None}
+    for tolerance in tolerances:
+        tension, message, clock = (moorpy if method is PEER else ours)(network, method, tolerance)
+        error = None if tension is None else tension_error(tension, exact)
+        same = error is not None and error == before["error"]
+        with harness.quiet():
+            seconds = None if error is None else before["seconds"] if same else min(clock() for _ in range(REPEATS))
+        verdict = "refused" if error is None else "wrong" if error > WRONG else "right"
+        before = {"solver": method.name, "label": method.label, "case": title, "tolerance": tolerance}
+        before |= {"verdict": verdict, "message": message[:200], "error": error, "seconds": seconds}
+        found.append(before)
+    return found
 
 
 def ours(network, method: Method, tolerance: float) -> tuple:
-    """(end tensions (e, 2) or None where it did not converge, message, call to be timed)."""
+    """(end tensions (e, 2) or None where it did not converge, message, call that times one solve, s)."""
 
     def solve():
         return solve_network(network, **method.options, tolerance=tolerance, start="nodes", fallback=False, throw=False)
@@ -80,11 +92,11 @@ def ours(network, method: Method, tolerance: float) -> tuple:
     with harness.quiet():
         state = solve()
     tension = np.column_stack([np.hypot(state.H_anchor, state.V_anchor), np.hypot(state.H, state.V)])
-    seconds: Callable[[], float] = lambda: harness.seconds_per_call(solve)
-    return (tension, "", seconds) if state.success else (None, state.status.value, seconds)
+    clock = partial(cpu_seconds, solve)
+    return (tension, "", clock) if state.success else (None, state.status.value, clock)
 
 
-def moorpy(network, tolerance: float) -> tuple:
+def moorpy(network, _, tolerance: float) -> tuple:
     """The same of MoorPy."""
     from .peers import moorpy_networks as adapter
 
@@ -92,24 +104,12 @@ def moorpy(network, tolerance: float) -> tuple:
 
     def once() -> tuple:
         system = adapter.build(network)
-        return harness.clock(lambda: adapter.solve(system, metres), 1), adapter.tensions(system)
-
-    def seconds() -> float:
-        with harness.quiet():
-            return min(once()[0] for _ in range(REPEATS))
+        return cpu_seconds(lambda: adapter.solve(system, metres)), adapter.tensions(system)
 
     try:
         with harness.quiet():
             tension = once()[1]
     except Exception as error:  # whatever it raises is its way of refusing
-        return None, f"{type(error).__name__}: {error}", seconds
-    return (tension, "", seconds) if np.isfinite(tension).all() else (None, "tensions that are not finite", seconds)
-
-
-def point(title: str, method: Method, tolerance: float, tension, message: str, seconds, truth) -> dict:
-    """A row of the file; without error and seconds where there is no answer."""
-    row = {"solver": method.name, "label": method.label, "case": title, "tolerance": tolerance}
-    if tension is None:
-        return row | {"verdict": "refused", "message": message[:200], "error": None, "seconds": None}
-    error = tension_error(tension, truth)
-    return row | {"verdict": "wrong" if error > WRONG else "right", "error": error, "seconds": seconds()}
+        return None, f"{type(error).__name__}: {error}", None
+    clock = lambda: once()[0]
+    return (tension, "", clock) if np.isfinite(tension).all() else (None, "tensions that are not finite", clock)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from solvers import Network, Span, solve_network, solve_span
 
-from .network_systems import chain, map_example, net, scene, tree, two_lines
+from .network_systems import chain, net, scene, tree, two_lines
 
 POINTS = 240  # of a whole picture, shared by its elements
 LEAST_POINTS, MOST_POINTS = 4, 60  # of one element: few where many short ones make the shape
@@ -17,18 +18,19 @@ LEAST_POINTS, MOST_POINTS = 4, 60  # of one element: few where many short ones m
 
 @dataclass(frozen=True)
 class Picture:
-    """A network to be drawn: name for files, title, how to make it."""
+    """A network to be drawn: name for files, title, how to make it; near: only so far around the coupled nodes, m."""
 
     name: str
     title: str
     make: Callable[[], Network]
+    near: float | None = None
 
 
 PICTURES = (
     Picture("two_lines", "Two lines and a buoyant joint (MSQS, section 5)", lambda: two_lines(59.1)),
     Picture("three_bridles", "Three lines with bridles", lambda: scene("three_bridles")),
+    Picture("bridles_near", "The same, 60 m around the spar", lambda: scene("three_bridles"), near=60.0),
     Picture("oc3_three_lines", "Three lines of a spar (OC3)", lambda: scene("oc3_three_lines")),
-    Picture("map_file", "A MAP++ file: bridles, repeated twice", map_example),
     Picture("chain_wire_chain", "Chain, wire, chain: a joint on the seabed", lambda: scene("chain_wire_chain")),
     Picture("chain", "Chain", lambda: chain(10)),
     Picture("tree", "Tree", lambda: tree(30)),
@@ -36,17 +38,18 @@ PICTURES = (
 )
 
 
-def pictures():
-    """Yield once a network; the last value is the part "pictures" of the file."""
-    rows = []
-    for picture in PICTURES:
-        network = picture.make()
-        rows.append({"name": picture.name, "title": picture.title} | drawn(network))
-        yield None
-    yield rows
+def tasks(quick: bool) -> list:
+    """Calls, each giving the row of one network of the part "pictures"; the quick run draws all of them too."""
+    return [partial(rows, picture) for picture in PICTURES]
 
 
-def drawn(network: Network) -> dict:
+def rows(picture: Picture) -> list[dict]:
+    """One network, solved."""
+    named = {"name": picture.name, "title": picture.title, "near": picture.near}
+    return [named | drawn(picture.make(), picture.near)]
+
+
+def drawn(network: Network, near: float | None = None) -> dict:
     """Nodes, elements and seabed of a solved network: lengths in m, tensions in N.
 
     nodes : kind and r (3,);  elements : x, y, z, tension along each, from its anchor, and its tension at either end as
@@ -56,19 +59,30 @@ def drawn(network: Network) -> dict:
     depth = network.environment.depth
     count = int(np.clip(POINTS // len(network.elements), LEAST_POINTS, MOST_POINTS))
     ends = np.column_stack([np.hypot(state.H_anchor, state.V_anchor), np.hypot(state.H, state.V)])
-    return {
-        "seabed": None if depth is None else -depth,
-        "nodes": [{"kind": node.kind, "r": r} for node, r in zip(network.nodes, state.r, strict=True)],
-        "elements": [
-            profile(element, state.r, depth, count) | {"ends": pair}
-            for element, pair in zip(network.elements, ends, strict=True)
-        ],
-        "residual_norm": state.residual_norm,
-    }
+    centre, reach = state.r[state.coupled].mean(axis=0) if near else np.zeros(3), near or np.inf
+    seen = np.linalg.norm(state.r - centre, axis=1) <= reach
+    lines = [
+        profile(element, state.r, depth, np.linspace(*part, count)) | {"ends": pair}
+        for element, pair in zip(network.elements, ends, strict=True)
+        for part in _parts(element, seen, reach)
+    ]
+    nodes = [{"kind": node.kind, "r": r} for node, r, yes in zip(network.nodes, state.r, seen, strict=True) if yes]
+    seabed = None if depth is None or near else -depth
+    return {"seabed": seabed, "nodes": nodes, "elements": lines, "residual_norm": state.residual_norm}
 
 
-def profile(element, r, depth, count: int) -> dict:
-    """x, y, z (m) and tension (N), arrays (count,), of one element between the nodes at r (n, 3)."""
+def _parts(element, seen, reach: float):
+    """(s from, s to), m, of what is drawn of an element: all, a piece at an end that is seen, or nothing."""
+    first, last = (bool(seen[end]) for end in element.ends)
+    if first and last:
+        yield 0.0, element.L
+    elif first or last:
+        piece = min(reach / 2, element.L)
+        yield (0.0, piece) if first else (element.L - piece, element.L)
+
+
+def profile(element, r, depth, s) -> dict:
+    """x, y, z (m) and tension (N), arrays (k,), at s (k,), m, of one element between the nodes at r (n, 3)."""
     anchor, fairlead = (r[end] for end in element.ends)
     across = fairlead[:2] - anchor[:2]
     l = float(np.hypot(*across))
@@ -77,7 +91,7 @@ def profile(element, r, depth, count: int) -> dict:
     friction = element.friction if seabed and clearance == 0 else 0.0  # as in a network: where the anchor end lies
     rise = float(fairlead[2] - anchor[2])
     span = Span(element.w, element.EA, element.L, l, rise, seabed, friction, clearance)
-    along, height, tension = solve_span(span).profile(np.linspace(0.0, element.L, count))
+    along, height, tension = solve_span(span).profile(s)
     direction = across / l if l > 0 else np.zeros(2)
     x, y = anchor[:2, None] + along * direction[:, None]
     return {"x": x, "y": y, "z": anchor[2] + height, "tension": tension}

@@ -1,23 +1,23 @@
-"""The networks that are measured: the paper's two lines, families of any size, and the files of reference_data."""
+"""The networks that are measured: the paper's two lines, families of any size, scene files; and the clock."""
 
 from __future__ import annotations
 
+import time
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from solvers import Element, Environment, Network, Node
-from solvers.map_file import read_map_file
 from solvers.network_scene import load_network
 
-SCENES = Path(__file__).parents[1] / "reference_data" / "scenes"
+SCENES = Path(__file__).parents[1] / "reference_data" / "scenes" / "networks"
 
 WEIGHTS = (59.1, 226.61)
 """N/m: the one that reproduces the paper's solution, and the one that it prints (see the errata of MSQS)."""
 
 JOINT_GUESS = (-26.0, 0.0, -65.0)  # m, (5.2)
-MAP_DEPTH = 320.0  # m: a MAP++ file leaves it to the program that reads it
 
 
 def two_lines(w: float) -> Network:
@@ -70,14 +70,16 @@ FAMILIES = {"chain": chain, "net": net, "tree": tree}
 
 def scene(name: str) -> Network:
     """A network file of reference_data/scenes/networks."""
-    return load_network(SCENES / "networks" / f"{name}.toml")
-
-
-def map_example() -> Network:
-    """The MAP++ file of reference_data/scenes."""
-    return read_map_file(SCENES / "bridle.map", depth=MAP_DEPTH)
+    return load_network(SCENES / f"{name}.toml")
 
 
 def without_friction(network: Network) -> Network:
     """The same network on a smooth seabed, as MoorPy has it: it loses seabed friction at system level."""
     return replace(network, elements=tuple(replace(element, friction=0.0) for element in network.elements))
+
+
+def cpu_seconds(call: Callable[[], object]) -> float:
+    """CPU time of one call: what else the machine does is not counted, and all solvers here run in one thread."""
+    start = time.process_time()
+    call()
+    return time.process_time() - start

@@ -13,7 +13,7 @@ from solvers import ConvergenceError, InputError, Scene, solve_span
 from verification.cases.spans import SpanCase
 from verification.reference import SpanTruth, force_error
 
-from . import console, harness, results, truth, work_precision
+from . import console, harness, results, scene_dynamics, truth, work_precision
 
 PROFILE_POINTS = 201
 BAD_SCENE = 2  # exit status
@@ -143,10 +143,18 @@ def _sensitive(exact: SpanTruth, sensitivity: dict, tolerance: float):
         )
 
 
-def report(path: Path, scene: Scene, lines: list[dict]) -> dict:
-    """The file."""
+def _work(scene: Scene, spans, known: truth.TruthCache):
+    """Yield the part of the file for each friction coefficient, then the steps of the moving line, its part last."""
+    for span in spans:
+        yield line(span, scene, known)
+    if scene.motion is not None:
+        yield from scene_dynamics.study(scene)
+
+
+def report(path: Path, scene: Scene, lines: list[dict], dynamics: dict | None) -> dict:
+    """The file; ``dynamics`` is absent from that of a line at rest."""
     about = {"file": path.name, "name": scene.name, "description": scene.description, "tolerance": scene.tolerance}
-    return about | {"lines": lines}
+    return about | {"lines": lines} | ({"dynamics": dynamics} if dynamics else {})
 
 
 def main(argv=None) -> int:
@@ -157,12 +165,13 @@ def main(argv=None) -> int:
     try:
         scene = Scene.load(arguments.file)
         spans, known = scene.spans(), truth.TruthCache(arguments.out)
-        steps = console.progress((line(span, scene, known) for span in spans), len(spans), arguments.file.stem)
-        lines = list(steps)
+        total = len(spans) + (scene_dynamics.steps(scene) if scene.motion else 0)
+        done = list(console.progress(_work(scene, spans, known), total, arguments.file.stem))
+        lines, dynamics = done[: len(spans)], done[-1] if scene.motion else None
     except (InputError, ConvergenceError) as error:
         print(error, file=sys.stderr)
         return BAD_SCENE
-    results.write(arguments.out / f"scene_{arguments.file.stem}.json", report(arguments.file, scene, lines))
+    results.write(arguments.out / f"scene_{arguments.file.stem}.json", report(arguments.file, scene, lines, dynamics))
     for found in lines:
         print(f"{found['label']}: H {found['H']:.7g} N, V {found['V']:.7g} N, error {found['error']:.1e}")
     return 0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import math
 import os
@@ -13,12 +14,25 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solvers import solve_spans
+from solvers import solve_network, solve_spans
 from verification.cases.spans import NAMED, SpanCase, random_arrays
-from verification.reference import exact_span
+from verification.reference import WRONG, exact_span
 from verification.registry import SpanAnswer
 
-from . import accuracy, console, harness, peers, results, truth
+from . import (
+    accuracy,
+    console,
+    harness,
+    network_accuracy,
+    network_growth,
+    network_pictures,
+    network_table2,
+    network_turns,
+    peers,
+    results,
+    truth,
+)
+from .network_systems import FAMILIES, WEIGHTS, scene, two_lines, without_friction
 
 LINE = {"w": 700.0, "EA": 4e8, "L": 900.0}
 ORDINARY = (
@@ -203,3 +217,134 @@ def test_mixed_lines_are_valid_repeatable_and_cover_every_regime():
     assert batch.success.all()
     assert {regime.name for regime in batch.regime} == set(type(batch.regime[0]).__members__)
     assert all(np.array_equal(lines[key], column) for key, column in random_arrays(20_000).items())
+
+
+# ---------------------------------------------------------------- networks
+SEEN = 1e-9  # of the largest length or force: what a picture may differ by from the state that it shows
+
+
+def picture_misses(network, row) -> list[int]:
+    """Elements whose drawn ends are not at their nodes, or not of the tension that the state has there."""
+    state = solve_network(network)
+    length = np.abs(state.r).max() + max(element.L for element in network.elements)
+    force = max(np.abs(line["tension"]).max() for line in row["elements"])
+    found = []
+    for e, (element, line) in enumerate(zip(network.elements, row["elements"], strict=True)):
+        drawn = np.array([line[axis] for axis in "xyz"])[:, [0, -1]].T
+        apart = np.abs(drawn - state.r[list(element.ends)]).max() / length
+        other = np.abs(line["tension"][[0, -1]] - line["ends"]).max() / force
+        if not max(apart, other) < SEEN:
+            found.append(e)
+    return found
+
+
+@pytest.mark.parametrize(
+    "picture", [p for p in network_pictures.PICTURES if p.near is None], ids=lambda picture: picture.name
+)
+def test_a_picture_shows_the_solved_network(picture):
+    """Every drawn line ends at its nodes, with the tension that the state of the network has there."""
+    row = network_pictures.rows(picture)[0]
+    assert picture_misses(picture.make(), row) == []
+    row["elements"][0]["z"] += 1e-3
+    row["elements"][-1]["tension"] *= 1.001
+    assert picture_misses(picture.make(), row) == sorted({0, len(row["elements"]) - 1})
+
+
+@pytest.mark.parametrize("w", WEIGHTS)
+def test_table_2_is_right_where_it_says_so(monkeypatch, w):
+    """Analytic settings in kN from both starts: the exact force; another force is seen; N is badly conditioned."""
+    chosen = [o for o in network_table2.methods() if o["jacobian"] == "analytic" and o.get("units") in (None, "kN")]
+    for start in ("printed", "sound"):
+        for options in chosen:
+            (row,) = network_table2.rows(w, start, options, 1)
+            assert (row["status"], row["error"] < 1e-9) == ("SUCCESS", True)
+            assert (row["inner_iterations"] or 0) > 0 or options["method"] == "monolithic"
+    monkeypatch.setitem(network_table2.EXACT_H, w, 1.001 * network_table2.EXACT_H[w])
+    (row,) = network_table2.rows(w, "sound", chosen[0], 1)
+    assert row["error"] == pytest.approx(1e-3, rel=1e-2)
+    assert network_table2.condition_number(w, "N") > 1e4 * network_table2.condition_number(w, "kN")
+
+
+def test_a_method_that_is_wrong_or_gives_up_has_that_verdict(monkeypatch):
+    """A tension off by 1 % is wrong, no convergence is refused, and an answer that stays the same is timed once."""
+    title, method = "two lines, 59.1 N/m", network_accuracy.METHODS[0]
+    tolerances = (1e-1, 1e-9, 1e-10)
+    right = network_accuracy.ladder(title, method, tolerances)
+    assert [row["verdict"] for row in right][1:] == ["right", "right"]
+    assert right[1]["error"] > 0 and (
+        right[1]["error"] != right[2]["error"] or right[1]["seconds"] == right[2]["seconds"]
+    )
+
+    def asked(change):
+        def solve(*args, **kwargs):
+            return change(solve_network(*args, **kwargs))
+
+        monkeypatch.setattr(network_accuracy, "solve_network", solve)
+        return network_accuracy.ladder(title, method, (1e-9,))[0]
+
+    heavier = asked(lambda state: replace(state, H=1.01 * state.H))
+    assert heavier["verdict"] == "wrong" and heavier["error"] > WRONG
+    stopped = asked(lambda state: replace(state, status=type(state.status).NOT_CONVERGED))
+    assert (stopped["verdict"], stopped["error"], stopped["seconds"]) == ("refused", None, None)
+
+
+def test_the_power_of_growth_is_that_of_the_times():
+    """Planted times C n^p give p; small, failed and too few sizes give none of their own."""
+    row = lambda n, p, status="SUCCESS": {"family": "net", "elements": n, "seconds": 3e-5 * n**p, "status": status}
+    large = [row(n, 1.17) for n in (1000, 3000, 10000)]
+    noise = [row(10, 5.0), row(2000, 5.0, "NOT_CONVERGED"), row(5000, 5.0) | {"family": "tree"}]
+    assert network_growth.exponent([*large, *noise], "net") == pytest.approx(1.17)
+    assert network_growth.exponent(large[:2], "net") is None
+
+
+@pytest.mark.skipif(network_growth.peak_MB() is None, reason="this system does not tell the peak of its memory")
+def test_the_memory_of_a_large_solve_holds_all_that_it_allocates(monkeypatch):
+    """40 MB more inside a solve are 40 MB more in the row."""
+    plain = network_growth.alone("chain", 300)["memory_MB"]
+
+    def greedy(network, **options):
+        held = np.ones(5_000_000 if len(network.elements) > network_growth.WARM_UP else 1)
+        return solve_network(network, **options) if held.any() else None
+
+    monkeypatch.setattr(network_growth, "solve_network", greedy)
+    more = network_growth.alone("chain", 300)["memory_MB"]
+    assert 30 < more - plain < 50
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("size", [30, 1000, 10000])
+def test_a_family_has_about_as_many_elements_as_asked(family, size):
+    """Between half and twice the number, with free nodes."""
+    network = FAMILIES[family](size)
+    assert size / 2 <= len(network.elements) <= 2 * size
+    assert any(node.kind == "free" for node in network.nodes)
+
+
+def test_ratios_are_those_of_one_turn():
+    """Load that falls on both solvers of a turn does not change the ratio; one interrupted turn hardly."""
+    load = np.array([1.0, 5.0, 1.0, 2.0, 1.0])
+    times = {"slow": 3e-3 * load, "fast": 1e-3 * load}
+    assert network_turns.against(times, "slow", "fast")["ratio"] == pytest.approx(3.0)
+    times["slow"][0] *= 50
+    assert network_turns.against(times, "slow", "fast")["ratio"] == pytest.approx(3.0)
+
+
+@pytest.mark.skipif(importlib.util.find_spec("moorpy") is None, reason="MoorPy is not installed")
+def test_moorpy_is_asked_about_the_same_network():
+    """At its tight tolerance its tensions are those of this project; on another network they are not."""
+    from .peers import moorpy_networks as moorpy
+
+    network = without_friction(scene("three_bridles"))
+    assert network_turns.warm(network, moorpy, moorpy.TIGHT, 1)["peer_tension_difference"] < 1e-6
+    build = moorpy.build
+    heavier = replace(network, elements=(replace(network.elements[0], w=710.0), *network.elements[1:]))
+    other = type("other", (), {**vars(moorpy), "build": staticmethod(lambda _: build(heavier))})
+    assert network_turns.warm(network, other, moorpy.TIGHT, 1)["peer_tension_difference"] > 1e-4
+
+
+def test_the_two_lines_are_those_of_the_paper():
+    """Anchors, lengths, stiffness and buoyancy as printed in MSQS, section 5."""
+    network = two_lines(59.1)
+    assert [node.r for node in network.nodes[:2]] == [(-1200.0, 0.0, -350.0), (0.0, 0.0, -350.0)]
+    assert [(line.L, line.EA) for line in network.elements] == [(1175.0, 2.34e8), (300.0, 2.34e8)]
+    assert network.nodes[2].force == (0.0, 0.0, 637650.0)

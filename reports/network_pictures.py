@@ -14,19 +14,22 @@ from . import style
 from .scene_figures import COLOURS, SEABED
 from .words import number, plural
 
-SIZE = (4.7, 4.5)  # inches
+SIZE = (4.7, 3.9)  # inches
 ELEVATION, AZIMUTH, BROADSIDE = 26, -38, -64  # degrees, of the view; broadside: on a network that is all but plane
 FLAT, THIN = 0.32, 0.25  # least height and width of the box over its length; a flatter one is enlarged or widened
-ROOM = 0.87  # of the axes for the box: the rest holds the labels
+ROOM = 0.93  # of the box over its natural size in the axes
 KINDS = {"fixed": "s", "free": "o", "coupled": "^"}
+LABEL_ROOM = 7  # points between the ends of the tick labels and the name of an axis
 CROWD = 20  # nodes beyond which markers are small
 
 
 def pictures(rows: list[dict], folder: Path) -> style.Group:
     """One picture a network, each with its own scale of tension."""
-    said = "Colour is the tension, in a scale of its own for each network; all three axes have one scale unless z says"
-    told = "; ".join(f"{row['title']}: {_told(row)}" for row in rows)
-    return style.Group(f"{said} that it is enlarged. {told}.", [_picture(row, folder) for row in rows])
+    told = "; ".join(f"{row['title']}: {_told(row)}" for row in rows if not row.get("near"))
+    with plt.rc_context({"figure.constrained_layout.use": False}):  # it does not know boxes in space
+        figures = [_picture(row, folder) for row in rows]
+    said = "Colour is the tension, each picture in a scale of its own; the axes have one scale unless z is enlarged."
+    return style.Group(f"{said} {told}.", figures)
 
 
 def _told(row: dict) -> str:
@@ -41,9 +44,8 @@ def _tensions(row: dict) -> tuple[float, float]:
 
 
 def _picture(row: dict, folder: Path) -> style.Figure:
-    with plt.rc_context({"figure.constrained_layout.use": False}):  # it does not know boxes in space
-        figure = plt.figure(figsize=SIZE)
-    axes = figure.add_axes((0.0, 0.14, 0.94, 0.8), projection="3d")
+    figure = plt.figure(figsize=SIZE)
+    axes = figure.add_axes((-0.1, 0.13, 1.16, 0.79), projection="3d")  # its edge would cut lines
     lines = _lines(axes, row, _tensions(row)[1])
     size = _box(axes, row)
     handles = _nodes(axes, row["nodes"])
@@ -54,7 +56,10 @@ def _picture(row: dict, folder: Path) -> style.Figure:
         axis.set_label_text(label)
         axis.set_major_locator(MaxNLocator(4 if width > FLAT * max(size) or axis is axes.zaxis else 2))
         axis.set_pane_color((0, 0, 0, 0))
-        axis.labelpad = 3
+        axis.labelpad = LABEL_ROOM
+    axes.zaxis.labelpad = 1
+    axes.zaxis.set_rotate_label(False)
+    axes.zaxis.label.set_rotation(90)
     axes.tick_params(pad=0)
     plane = min(size[:2]) <= 1.01 * THIN * max(size)
     axes.view_init(elev=ELEVATION, azim=BROADSIDE if plane else AZIMUTH)
@@ -62,7 +67,6 @@ def _picture(row: dict, folder: Path) -> style.Figure:
     figure.suptitle(row["title"], x=0.03, y=0.985, ha="left", fontsize=10.5, fontweight="bold")
     bar = figure.colorbar(lines, cax=figure.add_axes((0.12, 0.115, 0.76, 0.022)), orientation="horizontal")
     bar.set_label("tension, kN", labelpad=1)
-    low, high = _tensions(row)
     kinds = ", ".join(f"{len(_of(row['nodes'], kind))} {kind}" for kind in KINDS)
     alt = f"{row['title']} in space: {_told(row)}; nodes: {kinds}."
     return style.save(figure, folder, f"networks_{row['name']}", row["title"], alt)
@@ -113,7 +117,7 @@ def _nodes(axes, nodes: list[dict]) -> list:
         if places := _of(nodes, kind):
             look = {"marker": marker, "color": style.INK, "depthshade": False, "zorder": 5}
             if kind == "free":
-                look |= {"facecolor": "white", "edgecolor": style.INK}
+                look |= {"facecolor": "none", "edgecolor": style.INK}
                 look.pop("color")
             handles.append(axes.scatter(*np.array(places).T, s=size, label=kind, **look))
     return handles

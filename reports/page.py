@@ -9,11 +9,24 @@ from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-from . import analysis, figures, networks, published, scene_figures, scene_tables, style, tables, verdicts, words
+from . import (
+    analysis,
+    dynamics,
+    figures,
+    networks,
+    published,
+    scene_dynamics,
+    scene_figures,
+    scene_tables,
+    style,
+    tables,
+    verdicts,
+    words,
+)
 from .claims import OUTCOMES, questions
 from .ledger import Ledger, write_atomically
 from .runner import Ended
-from .stages import GROUPS, ROOT, Stage
+from .stages import DYNAMICS, GROUPS, ROOT, Stage
 
 TEMPLATES = Path(__file__).parent / "templates"
 _SINGLE = {"accuracy": "accuracy", "benchmarks": "benchmark", "work_precision": "work_precision", "speed": "speed"}
@@ -69,8 +82,18 @@ def build(out: Path, name: str, stages: list[Stage], ended: list[Ended], whole: 
     if whole:
         context |= _whole(results, context["looks"], *folders)
     template = _templates().get_template("index.html.j2" if whole else "scenes.html.j2")
-    write_atomically(out / name, template.render(context))
+    text = template.render(context)
+    write_atomically(out / name, _with_dynamics(text, context) if whole else text)
     return out / name
+
+
+def _with_dynamics(text: str, context: dict) -> str:
+    """The page with the sections on moving cables, before that on misprints, and links to them."""
+    sections = _templates().get_template("dynamics.html.j2").render(context)
+    links = '<a href="#dynamics">Moving cable</a><a href="#harmonic">Harmonic balance</a>'
+    for mark, new in (('<a href="#errata">', links), ('<h2 id="errata">', sections)):
+        text = text.replace(mark, new + mark, 1)
+    return text
 
 
 def _templates() -> Environment:
@@ -127,6 +150,7 @@ def _scene(scene: dict, stem: str, looks: dict, figure_folder: Path, table_folde
         "ladder": scene_figures.ladder(scene, place, looks, figure_folder),
         "tables": scene_tables.scene_tables(scene, stem, table_folder),
         "warnings": list(dict.fromkeys(text for line in scene["lines"] for text in line["warnings"])),
+        "dynamics": scene_dynamics.section(scene, stem, figure_folder, table_folder),
     }
     return {"stem": stem, "data": scene, **shown}
 
@@ -155,6 +179,7 @@ def _whole(results: Results, looks: dict, figure_folder: Path, table_folder: Pat
     xml = results.folder / "tests.xml"
     found = questions(ROOT / "verification", xml if xml.exists() else None)
     errata = tomllib.loads((ROOT / "reference_data" / "errata.toml").read_text(encoding="utf-8"))
+    moving = dynamics.section({name: results.json(name) for name in DYNAMICS}, figure_folder, table_folder)
     made = {
         "totals": tables.totals(accuracy) if accuracy else None,
         "regimes": tables.regimes(accuracy) if accuracy else None,
@@ -167,10 +192,10 @@ def _whole(results: Results, looks: dict, figure_folder: Path, table_folder: Pat
     for table in made.values():
         if table:
             table.write(table_folder)
-    return made | {
+    return made | moving | {
         "questions": found,
         "counts": {outcome: sum(question.total(outcome) for question in found) for outcome in OUTCOMES},
-        "verdicts": verdicts.strip(accuracy, speed, found, xml.exists()),
+        "verdicts": [*verdicts.strip(accuracy, speed, found, xml.exists()), *moving["dynamics_verdicts"]],
         "accuracy": accuracy,
         "finding": verdicts.sentence(accuracy) if accuracy else None,
         "examples": _examples(accuracy) if accuracy else [],

@@ -81,6 +81,22 @@ def _machine() -> Stage:
     )
 
 
+DYNAMICS = {"dynamics": ("moving cable", "benchmarks.cable_dynamics", 60, 15),
+            "harmonic_balance": ("harmonic balance", "benchmarks.harmonic_balance", 110, 30)}  # fmt: skip
+"""Stage -> title, program, expected seconds of the whole and of the quick run."""
+
+
+def _dynamics(quick: bool) -> list[Stage]:
+    """The moving cable; the quick run measures fewer sizes, and a whole one serves as well."""
+    stages = []
+    for name, (title, program, long, short) in DYNAMICS.items():
+        whole = (program, "--out", "{results}")
+        arguments, better = ((*whole, "--quick"), whole) if quick else (whole, ())
+        expected = short if quick else long
+        stages.append(Stage(name, name, title, arguments, f"{name}.json", MEASURED, True, expected, better=better))
+    return stages
+
+
 def scene_stage(path: Path, group: str = "scenes") -> Stage:
     """The stage of one scene file; its result is named after the stem."""
     title = f"{'scene' if group == 'scenes' else 'published value'} {path.stem}"
@@ -107,6 +123,7 @@ def plan(quick: bool, published: list[Path]) -> list[Stage]:
               ("benchmarks.speed", "--out", "{results}"), "speed.json", MEASURED, True, 15),
         Stage("networks", "networks", "networks of lines",
               ("benchmarks.networks", "--out", "{results}"), "networks.json", MEASURED, True, 75),
+        *_dynamics(quick),
         *(scene_stage(path) for path in sorted(SCENES.glob("*.toml"))),
         *(scene_stage(path, "published") for path in published),
     ]  # fmt: skip
@@ -117,4 +134,5 @@ def scene_plan(paths: list[Path]) -> list[Stage]:
     return [_machine(), *(scene_stage(path) for path in paths)]
 
 
-GROUPS = ("tests", "machine", "accuracy", "benchmarks", "work_precision", "speed", "networks", "scenes", "published")
+GROUPS = ("tests", "machine", "accuracy", "benchmarks", "work_precision", "speed", "networks", *DYNAMICS, "scenes",
+          "published")  # fmt: skip

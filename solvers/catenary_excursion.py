@@ -1,7 +1,7 @@
 """The catenary forwards: excursion (l, h) of spans from their fairlead forces, (2.4) and (2.23), with all derivatives.
 
 The monolithic network iterates on forces, so it needs the equations themselves and the blocks C of (4.13)-(4.16), as
-corrected by the errata. Arrays (n,), m and N; H > 0.
+corrected by the errata. Arrays (n,), m and N; H > 0, or H = 0 of a line that hangs vertically.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from .catenary_regimes import friction_stretch, hanging_force
 from .elementary import ARRAY
 
 
-@dataclass(frozen=True)
+@dataclass(slots=True)
 class Excursion:
     """l, h : (n,), m. H_anchor, V_anchor : (n,), N.
 
@@ -30,76 +30,114 @@ class Excursion:
     anchor: np.ndarray
     raised: np.ndarray
 
+    def put(self, rows, other: Excursion):
+        """Results of some rows from another excursion."""
+        for name in self.__slots__:
+            getattr(self, name)[rows] = getattr(other, name)
+
 
 def excursion(H, V, w, EA, L, rests, friction, clearance) -> Excursion:
     """Where a span ends when its fairlead is pulled with (H, V) N; arrays (n,), ``rests`` bool: above a seabed.
 
     Contact is decided by the forces: it touches when V and the hanging anchor end carry less than the weight w L.
     """
-    weight, on_floor = w * L, rests & (clearance > 0)
-    unit = np.where(rests, weight, 1.0)
-    lift = np.where(
-        on_floor, unit * hanging_force(ARRAY, H / unit, np.where(on_floor, clearance, 0.0) / L, unit / EA), 0.0
-    )
-    touching = rests & (V >= 0) & (V + lift < weight)
-    free = _free(H, V, w, EA, L)
-    if touching.any():
-        free = _pick(touching, _touching(H, V, w, EA, L, friction, clearance, lift), free)
-    return _pick(w == 0, _spring(H, V, EA, L), free) if (w == 0).any() else free
-
-
-def _pick(rows, a, b) -> Excursion:
-    return Excursion(**{name: _where(rows, getattr(a, name), getattr(b, name)) for name in Excursion.__annotations__})
-
-
-def _where(rows, a, b):
-    return np.where(rows.reshape(-1, *(1,) * (a.ndim - 1)), a, b)
+    out = _free(H, V, w, EA, L)
+    heavy = np.flatnonzero(rests & (V >= 0) & (V < w * L))
+    if heavy.size:
+        line = [a[heavy] for a in (H, V, w, EA, L, friction, clearance)]
+        lift = _hanging_end(*line)
+        touching = np.flatnonzero(line[1] + lift < line[2] * line[4])
+        out.put(heavy[touching], _touching(*(a[touching] for a in (*line, lift))))
+    for rows, law, line in ((H == 0, _upright, (V, w, EA, L)), (w == 0, _spring, (H, V, EA, L))):
+        rows = np.flatnonzero(rows)
+        if rows.size:
+            out.put(rows, law(*(a[rows] for a in line)))
+    return out
 
 
 def _free(H, V, w, EA, L) -> Excursion:
     """(2.4) and (4.15) with the differences between the ends resolved, see catenary_profile."""
-    b = V - w * L
-    Ta, Tb = np.sqrt(H * H + V * V), np.sqrt(H * H + b * b)
+    weight = w * L
+    b = V - weight
+    HH, both = H * H, V + b
+    Ta, Tb = np.sqrt(HH + V * V), np.sqrt(HH + b * b)
     same = V * b > 0
-    spread = np.where(
-        same,
-        np.arcsinh(w * L * (V + b) / np.where(same, V * Tb + b * Ta, 1.0)),
-        np.arcsinh(V / H) - np.arcsinh(b / H),
-    )
-    l = H / w * spread + H * L / EA
-    h = L * (V + b) / (Ta + Tb) + L * (V - w * L / 2) / EA
+    spread = np.arcsinh(weight * both / np.where(same, V * Tb + b * Ta, 1.0))
+    if not same.all():
+        spread = np.where(same, spread, np.arcsinh(V / H) - np.arcsinh(b / H))
+    slope, stretch = L * both / (Ta + Tb), L / EA
     sine = (V / Ta - b / Tb) / w
-    C12 = -H * L * (V + b) / (Ta * Tb * (Ta + Tb))  # H (1/Ta - 1/Tb)/w
-    C = np.stack([spread / w - sine + L / EA, C12, C12, sine + L / EA], axis=-1).reshape(-1, 2, 2)
-    return Excursion(l, h, H, b, C, np.broadcast_to(np.eye(2), C.shape), np.zeros((H.size, 3)))
+    C12 = -H * slope / (Ta * Tb)  # H (1/Ta - 1/Tb)/w
+    spread = spread / w + stretch
+    zero = np.zeros_like(H)
+    return Excursion(
+        *(H * spread, slope + stretch * (V - weight / 2), H.copy(), b),
+        *(_block(spread - sine, C12, C12, sine + stretch), _block(zero + 1, zero, zero, zero + 1), _columns(*[zero] * 3)),
+    )
+
+
+def _upright(V, w, EA, L) -> Excursion:
+    """The limit H = 0: taut all along, or folded over below its ends; then l does not follow H, and C11 is infinite."""
+    b, zero = V - w * L, np.zeros_like(V)
+    up, down = np.abs(V), np.abs(b)
+    taut, stretch = V * b > 0, L / EA
+    C11 = np.where(taut, np.abs(np.log(up / down) / w) + stretch, np.inf)
+    C = _block(C11, zero, zero, np.where(taut, 0.0, 2 / np.abs(w)) + stretch)
+    h = L * (V + b) / (up + down) + stretch * (V + b) / 2
+    return Excursion(zero, h, zero, b, C, _block(zero + 1, zero, zero, zero + 1), _columns(*[zero] * 3))
 
 
 def _spring(H, V, EA, L) -> Excursion:
     """A weightless line: straight along the force, stretched to L (1 + T/EA)."""
-    T = np.sqrt(H * H + V * V)
+    T, zero = np.sqrt(H * H + V * V), np.zeros_like(H)
     long, turn = L * (1 / T + 1 / EA), L / (T * T * T)
-    C = np.stack([long - turn * H * H, -turn * H * V, -turn * H * V, long - turn * V * V], axis=-1).reshape(-1, 2, 2)
-    return Excursion(long * H, long * V, H, V, C, np.broadcast_to(np.eye(2), C.shape), np.zeros((H.size, 3)))
+    C = _block(long - turn * H * H, -turn * H * V, -turn * H * V, long - turn * V * V)
+    return Excursion(long * H, long * V, H, V, C, _block(zero + 1, zero, zero, zero + 1), _columns(*[zero] * 3))
+
+
+def _hanging_end(H, V, w, EA, L, friction, clearance):
+    """Downward force of the anchor end, 0 where it lies on the seabed."""
+    raised = clearance > 0
+    if not raised.any():
+        return np.zeros_like(H)
+    weight = w * L
+    force = weight * hanging_force(ARRAY, H / weight, np.where(raised, clearance, 0.0) / L, weight / EA)
+    return np.where(raised, force, 0.0)
 
 
 def _touching(H, V, w, EA, L, friction, clearance, lift) -> Excursion:
     """(2.23) and (4.16) corrected; ``lift`` is the downward force of a raised anchor end, 0 on the seabed."""
-    grounded = L - (V + lift) / w
+    grounded, zero = L - (V + lift) / w, np.zeros_like(H)
     X, Y, X_H, Y_H, Y_V = _hanging(H, V, w, EA)
-    Xa, _, Xa_H, Ya_H, Ya_V = _hanging(H, lift, w, EA)
-    stretch, S_H, lost = friction_stretch(ARRAY, H, grounded, friction * w)
-    softness = np.where(lift > 0, 1 / np.where(lift > 0, Ya_V, 1.0), 0.0)  # d(lift)/dc; d(lift)/dH = -Ya_H softness
-    C11 = X_H + Xa_H + S_H / EA - Ya_H * Ya_H * softness
-    C = np.stack([C11, Y_H + lost / (w * EA), Y_H, Y_V], axis=-1).reshape(-1, 2, 2)
-    H_anchor = np.maximum(H - friction * w * grounded, 0.0)
-    pulled, zero = H_anchor > 0, 0 * H
-    anchor = np.stack([pulled * 1.0, pulled * friction, Ya_H * softness, zero], axis=-1).reshape(-1, 2, 2)
-    raised = np.stack([Ya_H * softness, zero - 1, -softness], axis=-1)
-    return Excursion(grounded + X + Xa + stretch / EA, Y - clearance, H_anchor, zero - lift, C, anchor, raised)
+    stretch, S_H, lost, H_anchor, pulled, turn, softness = H * grounded, grounded, zero, H.copy(), zero + 1, zero, zero
+    if friction.any():
+        stretch, S_H, lost = friction_stretch(ARRAY, H, grounded, friction * w)
+        H_anchor = np.maximum(H - friction * w * grounded, 0.0)
+        pulled = (H_anchor > 0) + zero
+    l, C11 = grounded + X + stretch / EA, X_H + S_H / EA
+    if lift.any():
+        Xa, _, Xa_H, Ya_H, Ya_V = _hanging(H, lift, w, EA)
+        softness = np.where(lift > 0, 1 / np.where(lift > 0, Ya_V, 1.0), 0.0)  # d(lift)/dc
+        turn = Ya_H * softness  # -d(lift)/dH
+        l, C11 = l + Xa, C11 + Xa_H - Ya_H * turn
+    C = _block(C11, Y_H + lost / (w * EA), Y_H, Y_V)
+    anchor = _block(pulled, pulled * friction, turn, zero)
+    return Excursion(l, Y - clearance, H_anchor, zero - lift, C, anchor, _columns(turn, zero - 1, -softness))
 
 
 def _hanging(H, V, w, EA):
     """Reach X and height Y above its level point of an end pulled with (H, V): X, Y, dX/dH, dY/dH, dY/dV."""
-    T = np.sqrt(H * H + V * V)
-    X, Y = H / w * np.arcsinh(V / H) + H * V / (w * EA), V / w * (V / (T + H)) + V * V / (2 * w * EA)
-    return X, Y, (np.arcsinh(V / H) - V / T) / w + V / (w * EA), -V / T * (V / (T + H)) / w, V / (w * T) + V / (w * EA)
+    T, e, angle = np.sqrt(H * H + V * V), w * EA, np.arcsinh(V / H)
+    sine, drop, stretch = V / T, V / (T + H), V / e
+    X, Y = H * (angle / w + stretch), V * (drop / w + stretch / 2)
+    return X, Y, (angle - sine) / w + stretch, -sine * drop / w, sine / w + stretch
+
+
+def _block(*entries):
+    """(n, 2, 2) of four arrays (n,)."""
+    return _columns(*entries).reshape(-1, 2, 2)
+
+
+def _columns(*entries):
+    """(n, k) of k arrays (n,)."""
+    return np.array(entries).T.copy()

@@ -22,7 +22,8 @@ from .response import Response
 from .threads import one_blas_thread
 
 _COARSE, _START = 3, 1e-3  # harmonics of the driving for a start, and the error (76) that is good enough there
-_SMALLEST_RISE = 2.0**-8  # of the amplitude, in the continuation
+_SMALLEST_RISE = 2.0**-5  # of the amplitude, in the continuation
+_PATIENCE = 200  # Newton steps of a continuation; the hardest that ever succeeded took fifty
 
 
 @dataclass(frozen=True)
@@ -158,7 +159,7 @@ def _continued(system, basis, z, tolerance, newton, symmetry, iterative):
             if reached == 0:
                 z = np.zeros_like(z)
             rise /= 2
-            if rise < _SMALLEST_RISE:
+            if rise < _SMALLEST_RISE or iterations > _PATIENCE:
                 return z, iterations, steps, reached, balance
 
 

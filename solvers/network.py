@@ -7,7 +7,7 @@ forces together, ``network_monolithic``). Lengths in m, forces in N, z up; the s
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -26,7 +26,7 @@ from .network_nested import (
     robust_start,
 )
 from .outcome import InputError, Outcome, Status
-from .properties import real_number
+from .properties import real_number, vector
 
 
 @dataclass(frozen=True)
@@ -66,9 +66,9 @@ class NetworkState(Outcome):
         """(6, 6) stiffness of a rigid body that carries the coupled nodes, about ``reference`` (3,), m.
 
         -d(force, moment)/d(translation, rotation), N/m, N, N m, the moment about the moved reference point; unsymmetric
-        where the moment is not zero.
+        where the moment is not zero. Raises InputError for a reference that is not three finite numbers.
         """
-        arms = self.r[self.coupled] - np.asarray(reference, dtype=float)
+        arms = self.r[self.coupled] - vector("reference", reference, "m", "numbers")
         forces = -self.stiffness
         motion = np.vstack([np.hstack([np.eye(3), -_cross(arm)]) for arm in arms])
         to_body = np.vstack([np.hstack([np.eye(3), -_cross(arm)]) for arm in arms]).T
@@ -83,6 +83,7 @@ def _cross(a) -> np.ndarray:
     return np.array([[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]])
 
 
+FEW = 25  # lines up to which solving them one by one is faster
 METHODS = {
     "method": ("monolithic", "nested"),
     "jacobian": ("analytic", "finite-difference"),
@@ -109,8 +110,9 @@ def solve_network(
     jacobian : "analytic", or "finite-difference" as in the conventional method
     globalisation : "line-search" or "trust-region", and units "scaled", "N" or "kN" of the forces: monolithic only
     start : None (no guess needed), "nodes" (the free nodes' own r), a NetworkState, or arrays (r (n, 3), H, V (e,))
-    fallback : when the method stops short, go on with the regularised nested solver, from no guess if need be
-    tolerance : of residual_norm; where node positions as doubles cannot resolve it, what they can is accepted
+    fallback : when the method stops short, go on from there by the monolithic one, then from no guess
+    tolerance : of residual_norm; where exact spans between positions as doubles cannot resolve it (nested), what they
+        can is accepted
     Raises InputError for unknown options, ConvergenceError when no equilibrium was found unless throw is False.
     """
     given = {"method": method, "jacobian": jacobian, "globalisation": globalisation, "units": units}
@@ -122,51 +124,59 @@ def solve_network(
     if not 0 < real_number("tolerance", tolerance, "dimensionless") < 1:
         raise InputError(f"tolerance: {tolerance!r} (dimensionless) must lie in (0, 1)")
     balance, count = network.balance, Count()
-    first, H, V = _start(network, balance, start, count)
-    if method == "monolithic" and balance.size > 0:
-        last, solved = monolithic(balance, first, H, V, count, units, jacobian, globalisation, tolerance)
+    first = _start(balance, start, count)
+    if balance.size == 0:
+        count.function_evaluations = 1
+        lines = balance.single_spans if balance.w.size <= FEW else balance.spans
+        state = _state(balance, balance.position, count, tolerance, lines(balance.position))
+    elif method == "monolithic":
+        last, solved = monolithic(balance, *first, count, units, jacobian, globalisation, tolerance)
         state = _state(balance, last.r, count, tolerance, last.elements if solved else None)
     else:
-        r, _ = nested(balance, first, jacobian, tolerance, count)
+        r, _ = nested(balance, first[0], jacobian, tolerance, count)
         state = _state(balance, r, count, tolerance)
-    if not state.success and fallback:
-        state = _from_no_guess(balance, count, tolerance)
+    if fallback and balance.size and not state.residual_norm <= tolerance:
+        state = _settled(balance, state, count, tolerance)
     return state.or_throw(f"{len(network.elements)} elements, {len(network.nodes)} nodes, {method}") if throw else state
 
 
-def _from_no_guess(balance, count, tolerance) -> NetworkState:
-    """Each way of leading to a start, then the nested solver, and from where it stops the monolithic one."""
-    for contact in (True, False) if balance.w.size <= SHORT else (False, True):
-        r, _ = nested(balance, robust_start(balance, count, contact), "analytic", tolerance, count)
-        state = _state(balance, r, count, tolerance)
+def _settled(balance, best, count, tolerance) -> NetworkState:
+    """The best found from where a method stopped, then from each way of leading to a start, ending monolithic.
+
+    The state itself where all else ends worse: exact spans may not resolve the tolerance, nor anything solve it.
+    """
+    ways = (None, True, False) if balance.w.size <= SHORT else (None, False, True)
+    for contact in ways if balance.any_rests else ways[:2]:
+        state = best
+        if contact is not None:
+            r, _ = nested(balance, robust_start(balance, count, contact), "analytic", tolerance, count)
+            state = _state(balance, r, count, tolerance)
         if not state.residual_norm <= tolerance:
-            last, solved = monolithic(balance, r, state.H, state.V, count, tolerance=tolerance)
-            if solved or not state.success:
-                state = _state(balance, last.r, count, tolerance, last.elements if solved else None)
-        if state.success or not balance.rests.any():
+            last, solved = monolithic(balance, state.r, state.H, state.V, count, tolerance=tolerance)
+            state = _state(balance, last.r, count, tolerance, last.elements) if solved else state
+        best = state if not best.residual_norm <= state.residual_norm else best
+        if best.residual_norm <= tolerance:
             break
-    return state
+    return replace(best, **vars(count))
 
 
-def _start(network, balance, start, count):
-    r, H, V = balance.position, None, None
+def _start(balance, start, count):
+    """(r, H, V) to start from; H and V of exact spans where they are not given."""
+    r, H, V = balance.position.copy(), None, None
     if start is None:
-        r = robust_start(balance, count, balance.w.size <= SHORT)
-    elif isinstance(start, NetworkState):
-        r = np.where(balance.free[:, None], start.r, balance.position)
-        H, V = start.H, start.V
+        r = robust_start(balance, count, balance.w.size <= SHORT) if balance.size else r
     elif not (isinstance(start, str) and start == "nodes"):
+        parts = (start.r, start.H, start.V) if isinstance(start, NetworkState) else start
         try:
-            r, H, V = (np.array(part, dtype=float) for part in start)
+            given, H, V = (np.array(part, dtype=float) for part in parts)
         except (TypeError, ValueError):
             raise InputError("start: must be None, 'nodes', a NetworkState or arrays (r, H, V)") from None
-        e = balance.w.size
-        if r.shape != balance.position.shape or H.shape != (e,) or V.shape != (e,) or not np.isfinite(r).all():
-            given, wanted = (r.shape, H.shape, V.shape), (balance.position.shape, (e,), (e,))
-            raise InputError(f"start: shapes {given} of (r, H, V) must be {wanted}, positions finite")
-        r = np.where(balance.free[:, None], r, balance.position)
-    r[balance.free, 2] = np.maximum(r[balance.free, 2], balance.floor)
-    if H is None:
+        shapes, wanted = (given.shape, H.shape, V.shape), (r.shape, balance.w.shape, balance.w.shape)
+        if shapes != wanted or not np.isfinite(given).all():
+            raise InputError(f"start: shapes {shapes} of (r, H, V) must be {wanted}, positions finite")
+        r[balance.free] = given[balance.free]
+    r = balance.on_floor(r)
+    if H is None and balance.size:
         elements, _ = evaluate(balance, r, count)
         H, V = elements.H, elements.V
     return r, H, V
@@ -179,10 +189,8 @@ def _state(balance, r, count, tolerance, elements=None) -> NetworkState:
     """
     elements = balance.spans(r) if elements is None else elements
     force = balance.unbalanced(elements)
-    resting = balance.free & (r[:, 2] <= balance.floor) & (force[:, 2] <= 0)
-    unbalanced = np.where(balance.free[:, None], force, 0.0)
-    unbalanced[resting, 2] = 0.0
-    largest = largest_force(balance, elements) or 1.0
+    unbalanced = np.where(balance.moving(r, force), force, 0.0)
+    largest = largest_force(elements) or 1.0
     residual = float(np.abs(unbalanced).max()) / largest
     solved = residual <= max(tolerance, attainable(balance) / largest)
     return NetworkState(
@@ -191,10 +199,7 @@ def _state(balance, r, count, tolerance, elements=None) -> NetworkState:
         reaction=force - unbalanced,
         coupled=balance.coupled,
         status=Status.SUCCESS if solved else Status.NOT_CONVERGED,
-        iterations=count.iterations,
-        function_evaluations=count.evaluations,
-        inner_iterations=count.inner,
-        operations=count.operations,
         residual_norm=residual,
         balance=balance,
+        **vars(count),
     )

@@ -8,14 +8,17 @@ span; a seabed makes them depend on both heights, not on the difference alone. T
 from __future__ import annotations
 
 from copy import copy
+from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sparse
 
-from .catenary import REGIMES, Regime, span_arrays
+from .catenary import REGIMES, TOLERANCE, Regime, span_arrays
+from .catenary_solve import one, solve
+from .elementary import SCALAR
 
-_PLANE = np.eye(2)
 DENSE = 90  # unknowns up to which dense matrices are faster
+ROUNDING = 4 * np.finfo(float).eps  # of coordinates and lengths
 GROUNDED, LYING, SAGGING, SLACK = (
     REGIMES.index(regime) for regime in (Regime.GROUNDED, Regime.LYING, Regime.SAGGING, Regime.SLACK)
 )
@@ -36,74 +39,131 @@ class Balance:
         lift = [(environment.rho * node.volume - node.mass) * environment.g for node in network.nodes]
         self.load = np.array([node.force for node in network.nodes], dtype=float)
         self.load[:, 2] += lift
-        self.anchor, self.fairlead = np.array([element.ends for element in network.elements]).T
-        for name in ("w", "EA", "L", "friction"):
-            setattr(self, name, np.array([getattr(element, name) for element in network.elements]))
+        self.anchor, self.fairlead = np.array([element.ends for element in network.elements]).T.copy()
+        columns = [(line.w, line.EA, line.L, line.friction) for line in network.elements]
+        self.w, EA, self.L, self.friction = np.array(columns).T.copy()
         self.floor = -np.inf if environment.depth is None else -environment.depth
         self.rests = (self.w >= 0) & np.isfinite(self.floor)  # a buoyant element never lies on the seabed
+        self.any_rests, self.any_massless = bool(self.rests.any()), bool((self.w == 0).any())
+        self.made_of(EA)
         self.pattern(self.free)
+
+    def made_of(self, EA):
+        """Set the stiffnesses EA (e,), N, and what follows from them."""
+        self.EA, self.hanging = EA, self.L + np.abs(self.w) * self.L**2 / (2 * EA)  # length of a line hung by one end
+        # N/m, what holds a node hardly at all: a line's own weight, or soft springs, shared by all nodes
+        self.soft_stiffness = float(np.mean(np.abs(self.w)) or np.mean(EA / self.L) * 1e-6) / self.w.size
 
     def pattern(self, unknown):
         """Number the unknown nodes and find the place of every entry of the 6 x 6 element tangents."""
+        self.unknown = unknown[:, None] & np.array([True, True, True])
+        self.size = int(np.count_nonzero(self.unknown))
         self.dof = np.full((unknown.size, 3), -1)
-        self.dof[unknown] = np.arange(3 * np.count_nonzero(unknown)).reshape(-1, 3)
-        self.size = 3 * int(np.count_nonzero(unknown))
-        of_element = np.concatenate([self.dof[self.anchor], self.dof[self.fairlead]], axis=1)
+        self.dof[unknown] = np.arange(self.size).reshape(-1, 3)
+        ends = np.stack([self.anchor, self.fairlead], axis=1)
+        self.coordinates = (3 * ends[:, :, None] + np.arange(3)).reshape(-1, 6)  # of the ends, of 3n
+        of_element = self.dof.ravel()[self.coordinates]
         rows, columns = np.broadcast_arrays(of_element[:, :, None], of_element[:, None, :])
-        self.used = ((rows >= 0) & (columns >= 0)).ravel()
+        self.used = np.flatnonzero((rows >= 0) & (columns >= 0))
         self.rows, self.columns = rows.ravel()[self.used], columns.ravel()[self.used]
+        if self.size > DENSE:  # entries by column, then row, as sparse.csc_matrix stores them
+            places, self.place = np.unique(self.columns * self.size + self.rows, return_inverse=True)
+            starts = np.searchsorted(places, self.size * np.arange(self.size + 1))
+            self.stored = (places % self.size).astype(np.int32), starts.astype(np.int32)
+        else:
+            self.place = self.rows * self.size + self.columns
 
-    def moved(self, network):
-        """The same equations for the same network with its nodes elsewhere."""
+    def moved(self, positions):
+        """The same equations with the coupled nodes at positions (c, 3)."""
         other = copy(self)
-        other.position = np.array([node.r for node in network.nodes])
+        other.position = self.position.copy()
+        other.position[self.coupled] = positions
         return other
 
-    def geometry(self, r):
-        """Horizontal extent, direction, rise and clearance of every element between the nodes at r (n, 3)."""
-        return Geometry(self, r)
+    def moving(self, r, force):
+        """(n, 3) bool: unknown coordinates, but for heights of nodes that the force presses onto the seabed."""
+        if self.floor == -np.inf:
+            return self.unknown
+        moving = self.unknown.copy()
+        moving[:, 2] &= (r[:, 2] > self.floor) | (force[:, 2] > 0)
+        return moving
+
+    def on_floor(self, r):
+        """r (n, 3) with its free nodes lifted to the seabed where they sank below, in place."""
+        if self.floor > -np.inf:
+            r[self.free, 2] = np.maximum(r[self.free, 2], self.floor)
+        return r
 
     def spans(self, r):
         """Every element solved exactly between the nodes at r (n, 3)."""
-        geometry = self.geometry(r)
+        geometry = Geometry(self, r)
         return Elements(geometry, *exact_forces(self, geometry))
 
-    def unbalanced(self, elements):
-        """(n, 3): sum of all forces on each node, N."""
-        force = self.load.copy()
-        np.add.at(force, self.fairlead, -elements.pull(elements.H, elements.V))
-        np.add.at(force, self.anchor, elements.pull(elements.H_anchor, elements.V_anchor))
-        return force
+    def single_spans(self, r):
+        """The same one by one, without derivatives: faster for a few elements."""
+        g, rests = Geometry(self, r), self.rests.tolist()
+        numbers = (self.w, self.EA, self.L, g.l, g.rise), (g.friction, g.clearance)
+        lines = zip(*(a.tolist() for a in numbers[0]), rests, *(a.tolist() for a in numbers[1]), strict=True)
+        return Elements(g, np.array([solve(SCALAR, one, *line, TOLERANCE)[:4] for line in lines]).T, None)
+
+    def unbalanced(self, elements, Q=None):
+        """(n, 3): sum of all forces on each node, N; ``Q`` instead of the elements' own forces if given."""
+        H, V, H_anchor, V_anchor = elements.Q if Q is None else Q
+        pull, direction = np.empty((H.size, 6)), elements.geometry.direction
+        pull[:, 0:2], pull[:, 2] = H_anchor[:, None] * direction, V_anchor
+        pull[:, 3:5], pull[:, 5] = -H[:, None] * direction, -V
+        return self.load + np.bincount(self.coordinates.ravel(), pull.ravel(), self.load.size).reshape(-1, 3)
 
     def tangent(self, elements):
         """-d(unbalanced)/dr of the unknown nodes, (3m, 3m), dense up to DENSE unknowns, else sparse (csc).
 
         Positive semidefinite without friction: the second derivative of the potential energy.
         """
-        values = elements.tangents().ravel()[self.used]
-        if self.size > DENSE:
-            return sparse.csc_matrix((values, (self.rows, self.columns)), shape=(self.size, self.size))
-        return np.bincount(self.rows * self.size + self.columns, values, self.size**2).reshape(self.size, self.size)
+        values, n = elements.tangents().ravel()[self.used], self.size
+        if n > DENSE:
+            indices, starts = self.stored
+            return sparse.csc_matrix((np.bincount(self.place, values, indices.size), indices, starts), shape=(n, n))
+        return np.bincount(self.place, values, n * n).reshape(n, n)
 
 
 class Geometry:
-    """l (e,), direction (e, 2) of the vertical planes, rise (e,), clearance (e,) of the anchor ends, friction (e,)."""
+    """l (e,), direction (e, 2) of the vertical planes, rise (e,), clearance (e,) of the anchor ends, friction (e,).
+
+    rounding : (e,) m, to which distances are known; vertical : (e,) bool, l = 0: any azimuth will do, H/l has a limit
+    """
 
     def __init__(self, balance, r):
-        self.r = r
         reach = r[balance.fairlead] - r[balance.anchor]
-        self.l, self.rise = np.sqrt(reach[:, 0] ** 2 + reach[:, 1] ** 2), reach[:, 2]
-        self.vertical = self.l == 0  # no azimuth: any will do, H/l has a limit
-        self.reach = np.where(self.vertical, 1.0, self.l)
-        self.direction = np.where(self.vertical[:, None], [1.0, 0.0], reach[:, :2] / self.reach[:, None])
-        self.clearance = np.zeros_like(self.l)
-        if balance.rests.any():
+        across = reach[:, :2]
+        self.r, self.rise = r, reach[:, 2]
+        self.l = self.reach = np.sqrt((across * across).sum(axis=1))
+        self.rounding, self.vertical = ROUNDING * (np.abs(r).max() + balance.L), self.l == 0
+        if self.vertical.any():
+            self.reach = np.where(self.vertical, 1.0, self.l)
+            across = np.where(self.vertical[:, None], [1.0, 0.0], across)
+        self.direction = across / self.reach[:, None]
+        self.clearance, self.friction = np.zeros_like(self.l), balance.friction
+        if balance.any_rests:  # friction acts where the anchor end lies on the seabed
             self.clearance = np.where(balance.rests, r[balance.anchor, 2] - balance.floor, 0.0)
-        self.friction = np.where(self.clearance > 0, 0.0, balance.friction)  # where the anchor end lies on the seabed
+            self.friction = np.where(self.clearance > 0, 0.0, balance.friction)
+
+    @cached_property
+    def frame(self):
+        """(e, 4, 6): d(l, z_a, z_f, t)/d(r_a, r_f), t across the vertical plane;
+        (e, 6, 6): (pull on r_a, pull on r_f) from (H, V, H_anchor, V_anchor) and the two forces across, sign reversed.
+        """
+        along = self.direction
+        across = np.stack([-along[:, 1], along[:, 0]], axis=1)
+        motion, pulls = np.zeros((self.l.size, 4, 6)), np.zeros((self.l.size, 6, 6))
+        motion[:, 0, 0:2], motion[:, 0, 3:5], motion[:, 1, 2], motion[:, 2, 5] = -along, along, 1.0, 1.0
+        motion[:, 3, 0:2], motion[:, 3, 3:5] = -across, across
+        pulls[:, 3:5, 0], pulls[:, 5, 1], pulls[:, 0:2, 2], pulls[:, 2, 3] = along, 1.0, -along, -1.0
+        pulls[:, 3:5, 4], pulls[:, 0:2, 5] = across, -across
+        return motion, pulls
 
 
 def exact_forces(balance, geometry, rows=slice(None)):
-    """(H, V, H_anchor, V_anchor) (k,), their D (k, 4, 3) of the given elements, and the sum of span iterations."""
+    """(H, V, H_anchor, V_anchor) (4, k), their D (k, 4, 3) of the given elements, and the sum of span iterations."""
     w, EA, friction = balance.w[rows], balance.EA[rows], geometry.friction[rows]
     H, V, H_anchor, V_anchor, _, K, regime, _, iterations = span_arrays(
         *(w, EA, balance.L[rows]),
@@ -125,7 +185,7 @@ def exact_forces(balance, geometry, rows=slice(None)):
     sagging = regime == SAGGING
     if sagging.any():
         D[sagging] = _sagging(*(k[sagging] for k in K), H[sagging], -V_anchor[sagging], w[sagging], EA[sagging])
-    return H, V, H_anchor, V_anchor, D, int(np.sum(iterations))
+    return np.array([H, V, H_anchor, V_anchor]), D, int(np.sum(iterations))
 
 
 def _sagging(K11, K12, K21, K22, H, lift, w, EA):
@@ -141,30 +201,23 @@ def _sagging(K11, K12, K21, K22, H, lift, w, EA):
 
 
 class Elements:
-    """Forces (e,) of all elements and their derivatives D (e, 4, 3) with (l, z_a, z_f), in their geometry."""
+    """Forces Q (4, e) = (H, V, H_anchor, V_anchor), and their derivatives D (e, 4, 3) with (l, z_a, z_f)."""
 
-    def __init__(self, geometry, H, V, H_anchor, V_anchor, D, inner_iterations=0):
-        self.geometry = geometry
-        self.H, self.V, self.H_anchor, self.V_anchor, self.D = H, V, H_anchor, V_anchor, D
+    def __init__(self, geometry, Q, D, inner_iterations=0):
+        self.geometry, self.Q, self.D = geometry, Q, D
+        self.H, self.V, self.H_anchor, self.V_anchor = Q
         self.inner_iterations = inner_iterations
 
-    def pull(self, H, V):
-        """(e, 3) force vectors with the horizontal component H along each element."""
-        force = np.empty((H.size, 3))
-        force[:, :2], force[:, 2] = H[:, None] * self.geometry.direction, V
-        return force
+    def tangents(self, within=None):
+        """(e, 6, 6): -d(force on anchor node, force on fairlead node)/d(r_a, r_f); the limit H/l = K11 where l = 0.
 
-    def tangents(self):
-        """(e, 6, 6): -d(force on anchor node, force on fairlead node)/d(r_a, r_f); the limit H/l = K11 where l = 0."""
-        T = np.zeros((self.H.size, 6, 6))
-        along = self.geometry.direction[:, :, None] * self.geometry.direction[:, None, :]
-        for place, sign, H, (h, v) in ((0, -1.0, self.H_anchor, (2, 3)), (3, 1.0, self.H, (0, 1))):
-            swing = np.where(self.geometry.vertical, self.D[:, h, 0], H / self.geometry.reach)
-            turn = sign * (self.D[:, h, 0, None, None] * along + swing[:, None, None] * (_PLANE - along))
-            lift = sign * self.D[:, v, 0, None] * self.geometry.direction
-            T[:, place : place + 2, 0:2], T[:, place : place + 2, 3:5] = -turn, turn
-            T[:, place + 2, 0:2], T[:, place + 2, 3:5] = -lift, lift
-            for column, z in ((2, 1), (5, 2)):
-                T[:, place : place + 2, column] = sign * self.D[:, h, z, None] * self.geometry.direction
-                T[:, place + 2, column] = sign * self.D[:, v, z]
-        return T
+        within : derivatives in the plane of each element instead of D
+        """
+        g = self.geometry
+        motion, pulls = g.frame
+        D = np.zeros((self.H.size, 6, 4))
+        D[:, :4, :3] = self.D if within is None else within
+        D[:, 4, 3], D[:, 5, 3] = self.H / g.reach, self.H_anchor / g.reach
+        if g.vertical.any():
+            D[g.vertical, 4, 3], D[g.vertical, 5, 3] = self.D[g.vertical, 0, 0], self.D[g.vertical, 2, 0]
+        return pulls @ D @ motion

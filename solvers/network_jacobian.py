@@ -1,7 +1,7 @@
 """The monolithic Jacobian (3.7) as one dense matrix: for small networks, trust region, differences, condition numbers.
 
-Rows [F of the moving coordinates / force unit, (l, h) gaps of the open elements / length unit]; columns [moving
-coordinates / length unit, (H, V) of the open elements / force unit].
+Rows [F of the moving coordinates / force unit, (l, h) gaps of the elements / length unit]; columns [moving coordinates
+/ length unit, (H, V) of the elements / force unit]; without those that are no unknowns.
 """
 
 from __future__ import annotations
@@ -9,59 +9,49 @@ from __future__ import annotations
 import numpy as np
 
 from .network_balance import Elements
-from .network_nested import dense
 
 DIFFERENCE = 1e-7  # relative step of forward differences, about the square root of eps
 SHRINK, GROW = 0.5, 3.0  # of the trust region's radius
 
 
 def analytic_jacobian(now):
-    """J = [[A, B], [-G, C]] by the blocks of (4.8)-(4.16), scaled; shape (m + 2k, m + 2k)."""
-    b, e, rows, g = now.monolith.balance, now.elements, now.rows, now.elements.geometry
-    force, length = now.monolith.force_unit, now.monolith.length_unit
-    unknown, k = b.dof[now.moving], rows.size
-    place = np.full(b.size, -1)
-    place[unknown] = np.arange(unknown.size)
-    D = e.D.copy()
-    D[rows] = 0.0
-    D[rows, 3, 1] = now.raised[:, 2]
-    A = -dense(b.tangent(Elements(g, e.H, e.V, e.H_anchor, e.V_anchor, D)))[np.ix_(unknown, unknown)]
-    B, minus_G = np.zeros((b.size + 1, 2 * k)), np.zeros((2 * k, b.size + 1))
-    for i, row in enumerate(rows):
-        for node, sign, P in ((b.fairlead[row], -1.0, now.P[i, :2]), (b.anchor[row], 1.0, now.P[i, 2:])):
-            dof = b.dof[node]  # -1, the last row, where the node does not move
-            B[dof[:2], 2 * i : 2 * i + 2] += sign * np.outer(g.direction[row], P[0])
-            B[dof[2], 2 * i : 2 * i + 2] += sign * P[1]
-            minus_G[2 * i : 2 * i + 2, dof[:2]] += sign * np.outer(now.G[i, :, 0], g.direction[row])
-        minus_G[2 * i : 2 * i + 2, b.dof[b.anchor[row], 2]] -= now.G[i, :, 1]
-        minus_G[2 * i : 2 * i + 2, b.dof[b.fairlead[row], 2]] -= now.G[i, :, 2]
-    C = np.zeros((2 * k, 2 * k))
-    for i in range(k):
-        C[2 * i : 2 * i + 2, 2 * i : 2 * i + 2] = now.C[i]
-    return np.block(
-        [
-            [A * (length / force), B[unknown]],
-            [minus_G[:, unknown], C * (force / length)],
-        ]
-    )
+    """J = [[A, B], [-G, C]] by the blocks of (4.8)-(4.16), scaled; shape (m + k, m + k)."""
+    b, x, n = now.monolith.balance, now.x, now.r.size
+    motion, pulls = now.geometry.frame
+    _, G, D = now.blocks
+    fixed_forces = np.where(now.closed[:, None, None], D, 0.0)
+    fixed_forces[:, 3, 1] = np.where(now.closed, D[:, 3, 1], x.raised[:, 2])
+    A = Elements(now.geometry, now.elements.Q, D).tangents(fixed_forces)
+    B = pulls[:, :, :4] @ np.concatenate([np.broadcast_to(np.eye(2), x.C.shape), x.anchor], axis=1)
+    J = np.zeros((n + 2 * b.w.size,) * 2)
+    for i, ends in enumerate(b.coordinates):
+        own = [n + 2 * i, n + 2 * i + 1]
+        J[np.ix_(ends, ends)] -= A[i]
+        J[np.ix_(ends, own)] -= B[i]
+        J[np.ix_(own, ends)] -= G[i] @ motion[i, :3]
+        J[np.ix_(own, own)] = x.C[i]
+    kept = np.flatnonzero(np.concatenate([now.moving.ravel(), now.unknown.ravel()]))
+    units = _units(now)
+    residual_units = np.where(kept < n, now.monolith.force_unit, now.monolith.length_unit)
+    return J[np.ix_(kept, kept)] * units / residual_units[:, None]
 
 
 def difference_jacobian(now):
     """The same by forward differences of the residual: one evaluation a column."""
-    base, columns = now.residual, []
-    units, b = _units(now), now.monolith.balance
-    typical = np.full(base.size, np.median(np.abs(b.w) * b.L))
-    typical[: np.count_nonzero(now.moving)] = np.median(b.L)
-    scale = np.concatenate([np.abs(now.r[now.moving]), np.abs(_open_forces(now))])
-    for i in range(base.size):
+    columns, b, m = [], now.monolith.balance, now.monolith
+    units, forces, n = _units(now), now.elements.Q[:2].T[now.unknown], np.count_nonzero(now.moving)
+    typical = np.full(units.size, np.median(np.abs(b.w) * b.L))
+    typical[:n] = np.median(b.L)
+    scale = np.concatenate([np.abs(now.r[now.moving]), np.abs(forces)])
+    for i in range(units.size):
         step = DIFFERENCE * max(scale[i], typical[i], units[i] * 1e-3)
-        change = np.zeros(base.size)
+        change = np.zeros(units.size)
         change[i] = step
         moved = _moved(now, change)
         difference = np.concatenate(
             [
-                (moved.force - now.force)[now.moving] / now.monolith.force_unit,
-                ((moved.gap - now.gap)[now.rows] / now.monolith.length_unit).ravel(),
+                (moved.force - now.force)[now.moving] / m.force_unit,
+                (moved.gap - now.gap)[now.unknown] / m.length_unit,
             ]
         )
         columns.append(difference / step * units[i])
@@ -70,31 +60,22 @@ def difference_jacobian(now):
 
 def _units(now):
     m = now.monolith
-    return np.concatenate(
-        [np.full(np.count_nonzero(now.moving), m.length_unit), np.full(2 * now.rows.size, m.force_unit)]
-    )
-
-
-def _open_forces(now):
-    return np.column_stack([now.elements.H, now.elements.V])[now.rows].ravel()
+    return np.repeat([m.length_unit, m.force_unit], [np.count_nonzero(now.moving), np.count_nonzero(now.unknown)])
 
 
 def _moved(now, change):
     """The iterate with z + change (unscaled), no safeguards."""
-    n = np.count_nonzero(now.moving)
-    r, q = now.r.copy(), np.column_stack([now.elements.H, now.elements.V])
-    r[now.moving] += change[:n]
-    q[now.rows] += change[n:].reshape(-1, 2)
-    return now.monolith.at(r, *q.T)
+    dr, *forces = _as_step(now, change / _units(now))
+    return now.monolith.at(now.r + dr, *(now.elements.Q[:2] + forces))
 
 
 def _as_step(now, scaled):
     """(dr, dH, dV) from a scaled vector of unknowns."""
     change = scaled * _units(now)
     n = np.count_nonzero(now.moving)
-    dr, dq = np.zeros_like(now.r), np.zeros((now.elements.H.size, 2))
+    dr, dq = np.zeros_like(now.r), np.zeros((now.kind.size, 2))
     dr[now.moving] = change[:n]
-    dq[now.rows] = change[n:].reshape(-1, 2)
+    dq[now.unknown] = change[n:]
     return dr, dq[:, 0], dq[:, 1]
 
 

@@ -5,15 +5,17 @@ Lengths in m, forces in N, z up; the seabed is at z = -environment.depth.
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
+from operator import index
 
 import numpy as np
 
 from .catenary import Span
 from .network_balance import Balance
 from .outcome import InputError
-from .properties import Environment, real_number
+from .properties import Environment, non_negative_number, vector
 
 KINDS = ("fixed", "free", "coupled")
 
@@ -37,19 +39,17 @@ class Node:
     def __post_init__(self):
         if self.kind not in KINDS:
             raise InputError(f"kind: {self.kind!r} must be one of {', '.join(KINDS)}")
-        object.__setattr__(self, "r", _vector("r", self.r, "m"))
-        object.__setattr__(self, "force", _vector("force", self.force, "N"))
+        for name, unit in (("r", "m"), ("force", "N")):
+            object.__setattr__(self, name, vector(name, getattr(self, name), unit, "numbers"))
         for name, unit in (("mass", "kg"), ("volume", "m^3")):
-            value = real_number(name, getattr(self, name), unit)
-            if value < 0:
-                raise InputError(f"{name}: {value:g} {unit} must be >= 0")
-            object.__setattr__(self, name, value)
+            object.__setattr__(self, name, non_negative_number(name, getattr(self, name), unit))
 
 
 @dataclass(frozen=True)
 class Element:
     """A cable between two nodes: w N/m, EA N, L m as in Span; ends = (anchor node, fairlead node), indices.
 
+    w < 0: buoyant; such a line never touches the seabed, and hangs as if there were none, below it too.
     friction : coefficient of the seabed where the anchor end lies on it (MSQS 2.15); a raised anchor end has none.
     """
 
@@ -64,7 +64,7 @@ class Element:
         for name in ("w", "EA", "L", "friction"):
             object.__setattr__(self, name, getattr(line, name))
         try:
-            first, last = (int(end) for end in self.ends if not isinstance(end, bool))
+            first, last = (index(end) for end in self.ends if not isinstance(end, (bool, np.bool_)))
         except (TypeError, ValueError):
             raise InputError(f"ends: {self.ends!r} must be two node indices") from None
         object.__setattr__(self, "ends", (first, last))
@@ -115,17 +115,29 @@ class Network:
         return reached
 
     def moved(self, positions) -> Network:
-        """The same network, its coupled nodes at positions (c, 3), m, in their order: the inputs u of section 1.3."""
-        positions = np.asarray(positions, dtype=float)
-        coupled = [i for i, node in enumerate(self.nodes) if node.kind == "coupled"]
-        if positions.shape != (len(coupled), 3):
-            raise InputError(f"positions: shape {positions.shape} must be ({len(coupled)}, 3), one row a coupled node")
-        nodes = list(self.nodes)
-        for i, r in zip(coupled, positions, strict=True):
-            old = nodes[i]
-            nodes[i] = Node("coupled", tuple(r), old.mass, old.volume, old.force)
-        moved = Network(tuple(nodes), self.elements, self.environment)
-        moved.__dict__["balance"] = self.balance.moved(moved)  # the assembly pattern is found once
+        """The same network, its coupled nodes at positions (c, 3), m, in their order: the inputs u of section 1.3.
+
+        Raises InputError for another shape, for what is not finite, and for a place below the seabed.
+        """
+        coupled = np.flatnonzero(self.balance.coupled)
+        try:
+            positions = np.array(positions, dtype=float)
+        except (TypeError, ValueError):
+            raise InputError(f"positions: {positions!r} must be ({coupled.size}, 3) real numbers (m)") from None
+        if positions.shape != (coupled.size, 3):
+            raise InputError(f"positions: shape {positions.shape} must be ({coupled.size}, 3), one row a coupled node")
+        if not np.isfinite(positions).all():
+            raise InputError(f"positions: {positions.tolist()} m must be finite")
+        if (positions[:, 2] < self.balance.floor).any():
+            raise InputError(
+                f"positions: z = {positions[:, 2].min():g} m lies below the seabed at {self.balance.floor:g} m"
+            )
+        nodes, moved = list(self.nodes), copy(self)
+        for i, r in zip(coupled.tolist(), positions.tolist(), strict=True):
+            nodes[i] = copy(nodes[i])
+            object.__setattr__(nodes[i], "r", tuple(r))
+        object.__setattr__(moved, "nodes", tuple(nodes))
+        moved.__dict__["balance"] = self.balance.moved(positions)  # the assembly pattern is found once
         return moved
 
     @cached_property
@@ -133,10 +145,3 @@ class Network:
         """The equations, assembled when first needed."""
         return Balance(self)
 
-
-def _vector(name, value, unit) -> tuple[float, float, float]:
-    try:
-        x, y, z = value
-    except (TypeError, ValueError):
-        raise InputError(f"{name}: {value!r} must be three numbers ({unit})") from None
-    return tuple(real_number(f"{name}[{i}]", number, unit) for i, number in enumerate((x, y, z)))

@@ -30,8 +30,8 @@ class Count:
     """Work done: outer iterations, residuals, span iterations, factorization operations (2/3) n^3 as in (5.6)."""
 
     iterations: int = 0
-    evaluations: int = 0
-    inner: int = 0
+    function_evaluations: int = 0
+    inner_iterations: int = 0
     operations: float = 0.0
 
 
@@ -47,22 +47,30 @@ class SoftFloor:
             self.balance.rests = np.zeros_like(balance.rests)
         weight = np.abs(balance.w) * balance.L
         total = weight.sum() + np.abs(balance.load).sum()
-        self.balance.EA = 1 / (1 / balance.EA + softness / total) if total > 0 else balance.EA
+        if total > 0:
+            self.balance.made_of(1 / (1 / balance.EA + softness / total))
         node = np.abs(balance.load).sum(axis=1)
         np.add.at(node, balance.anchor, weight / 2)
         np.add.at(node, balance.fairlead, weight / 2)
         self.load = node[balance.free].max(initial=0.0)
         self.spring = np.where(balance.free, node, 0.0) / (softness * balance.L.sum())
-        self.height, self.floor = balance.floor, -np.inf
-        self.free, self.dof, self.size = balance.free, balance.dof, balance.size
+        self.height = balance.floor
+        self.dof, self.size, self.soft_stiffness = balance.dof, balance.size, self.balance.soft_stiffness
 
     def spans(self, r):
         """The softened elements between nodes at r (n, 3), and how far each node has sunk."""
-        held = r.copy()
-        held[self.free, 2] = np.maximum(held[self.free, 2], self.height)
+        held = self.balance.on_floor(r.copy())
         elements = self.balance.spans(held if self.contact else r)
         elements.sunk = held[:, 2] - r[:, 2]
         return elements
+
+    def moving(self, r, force):
+        """Every unknown coordinate: nodes sink in."""
+        return self.balance.unknown
+
+    def on_floor(self, r):
+        """Nodes stay where they sank."""
+        return r
 
     def unbalanced(self, elements):
         """As Balance.unbalanced, with the springs of the floor."""
@@ -118,13 +126,12 @@ def robust_start(balance, count, contact):
         stage = SoftFloor(balance, softness, contact)
         r, _, _ = newton(stage, r, lambda _, stage=stage: STAGE_TOLERANCE * stage.load, count, 60)
         softness *= HARDER
-    r[balance.free, 2] = np.maximum(r[balance.free, 2], balance.floor)
-    return r
+    return balance.on_floor(r)
 
 
-def largest_force(balance, elements):
-    """The force that residuals are measured by: of the elements and loads, N."""
-    return max(np.abs(v).max() for v in (elements.H, elements.V, elements.H_anchor, elements.V_anchor, balance.load))
+def largest_force(elements):
+    """The force that residuals are measured by, N: of the elements, for what a support carries says nothing of them."""
+    return float(np.abs(elements.Q).max())
 
 
 def attainable(balance):
@@ -137,12 +144,10 @@ def newton(balance, r, bound, count, limit=MAX_ITERATIONS, rounding=0.0):
 
     bound : function of the elements, N; a force below ``rounding`` (N) that no longer falls is accepted too.
     """
-    free, damping, least, stalled = balance.free, 1e-2, np.inf, 0
-    unit = soft_stiffness(getattr(balance, "balance", balance))
+    damping, least, stalled = 1e-2, np.inf, 0
     elements, force = evaluate(balance, r, count)
     for _ in range(limit):
-        moving = free[:, None] & np.array([True, True, True])
-        moving[:, 2] &= ~((r[:, 2] <= balance.floor) & (force[:, 2] <= 0))
+        moving = balance.moving(r, force)
         worst = np.abs(force[moving]).max(initial=0.0)
         least, stalled = min(least, worst), 0 if worst < least / 2 else stalled + 1
         if worst <= bound(elements) or (worst <= rounding and stalled >= STALLS):
@@ -153,7 +158,7 @@ def newton(balance, r, bound, count, limit=MAX_ITERATIONS, rounding=0.0):
         tangent = tangent if unknown.size == balance.size else tangent[unknown][:, unknown]
         while True:
             found, step = None, np.zeros_like(r)
-            change = solve_sparse(tangent, damping * unit, force[moving], count)
+            change = solve_sparse(tangent, damping * balance.soft_stiffness, force[moving], count)
             if change is not None:
                 step[moving] = change
                 found = _search(balance, r, step, float((force * step)[moving].sum()), count)
@@ -173,7 +178,7 @@ def nested(balance, r, jacobian, tolerance, count):
     rounding = attainable(balance)
 
     def bound(elements):
-        return tolerance * largest_force(balance, elements)
+        return tolerance * largest_force(elements)
 
     r, _, converged = newton(equations, r, bound, count, rounding=rounding)
     return r, converged
@@ -186,20 +191,22 @@ class Differences:
 
     def __init__(self, balance, count):
         self.balance, self.count = balance, count
-        self.free, self.dof, self.size, self.floor = balance.free, balance.dof, balance.size, balance.floor
+        self.dof, self.size, self.soft_stiffness = balance.dof, balance.size, balance.soft_stiffness
         self.spans, self.unbalanced = balance.spans, balance.unbalanced
+        self.moving, self.on_floor = balance.moving, balance.on_floor
 
     def tangent(self, elements):
         """As Balance.tangent, one column a coordinate."""
         r = elements.geometry.r
         step = self.STEP * float(self.balance.L.mean())
-        base, columns = self.unbalanced(elements)[self.free].ravel(), []
-        for node in np.flatnonzero(self.free):
+        free, columns = self.balance.free, []
+        base = self.unbalanced(elements)[free].ravel()
+        for node in np.flatnonzero(free):
             for axis in range(3):
                 moved = r.copy()
                 moved[node, axis] += step
                 _, force = evaluate(self.balance, moved, self.count)
-                columns.append((base - force[self.free].ravel()) / step)
+                columns.append((base - force[free].ravel()) / step)
         return np.column_stack(columns)
 
 
@@ -224,16 +231,11 @@ def dense(matrix):
     return matrix if isinstance(matrix, np.ndarray) else matrix.toarray()
 
 
-def soft_stiffness(balance):
-    """N/m that hardly holds a node: of a line under its own weight, or of soft springs, shared by all nodes."""
-    return float(np.mean(np.abs(balance.w)) or np.mean(balance.EA / balance.L) * 1e-6) / balance.w.size
-
-
 def evaluate(balance, r, count):
     """Elements and unbalanced force at r, counted."""
     elements = balance.spans(r)
-    count.evaluations += 1
-    count.inner += elements.inner_iterations
+    count.function_evaluations += 1
+    count.inner_iterations += elements.inner_iterations
     return elements, balance.unbalanced(elements)
 
 
@@ -241,10 +243,9 @@ def _search(balance, r, step, slope, count):
     """Along the step (cut at the floor): accept while the energy still falls, or its slope is down to nine tenths."""
     length = 1.0
     for _ in range(12):
-        trial = r + length * step
-        trial[balance.free, 2] = np.maximum(trial[balance.free, 2], balance.floor)
+        trial = balance.on_floor(r + length * step)
         elements, force = evaluate(balance, trial, count)
-        new = float((force * (trial - r))[balance.free].sum()) / length
+        new = float((force * (trial - r)).sum()) / length
         if np.isfinite(new) and (new > 0 or -new <= 0.9 * slope):
             return length == 1.0, trial, elements, force
         length *= min(max(slope / (slope - new), 0.1), 0.7) if np.isfinite(new) else 0.3
@@ -257,7 +258,9 @@ def solve_sparse(matrix, shift, right, count):
     count.operations += 2 / 3 * n**3
     try:
         if isinstance(matrix, np.ndarray):
-            return np.linalg.solve(matrix + shift * np.eye(n), right)
+            shifted = matrix.copy()
+            shifted.flat[:: n + 1] += shift
+            return np.linalg.solve(shifted, right)
         shifted = (matrix + shift * sparse.identity(n, format="csc")).tocsc()
         options = {"SymmetricMode": True}
         return splu(shifted, permc_spec="MMD_AT_PLUS_A", options=options, diag_pivot_thresh=0.0).solve(right)

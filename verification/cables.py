@@ -181,7 +181,8 @@ class Manufactured:
             self.system, dt=dt, duration=duration, start=(y, ydot), hold=None, **options
         )
         exact = self.state(duration)[0]
-        return abs(history.y[..., -1] - exact).max(axis=1) / abs(exact).max(axis=1)
+        size = abs(exact).max(axis=1)
+        return abs(history.y[..., -1] - exact).max(axis=1) / np.where(size > 0, size, 1.0)
 
 
 class _Known:

@@ -157,7 +157,7 @@ REVERSED = 1e-9  # of 1 m/s: 200 Newton tolerances; measured 1e-12
 
 @FIELDS
 def test_time_reversal_without_damping(fields):
-    """Without drag, velocities turned, the box method retraces 100 steps to rounding; drag and rho_inf < 1 forbid it."""
+    """Without drag, velocities turned, the box method retraces 100 steps to rounding; not with drag or rho_inf < 1."""
     undamped = system(replace(OC3, Cdn=0.0), 20, fields=fields)
     assert there_and_back(undamped, Scheme.from_spectral_radius(1.0)) <= REVERSED
     assert there_and_back(undamped, Scheme.from_spectral_radius(0.5)) > 1e3 * REVERSED
@@ -231,7 +231,7 @@ def test_a_wrong_term_spoils_the_balance(module, old, new):
 
 # ---------------------------------------------------------------- modes of the mesh
 def sawtooth(q) -> np.ndarray:
-    """Odd-even content of a quantity at the nodes, (N, K) -> (K,): mean of (-1)^n times its second difference over 4."""
+    """Odd-even content of a quantity at the nodes, (N, K) -> (K,): mean of (-1)^n times second difference over 4."""
     bend = (q[:-2] - 2 * q[1:-1] + q[2:]) / 4
     return abs(((-1.0) ** np.arange(len(bend)) @ bend) / len(bend))
 

@@ -17,6 +17,7 @@ import pytest
 from solvers import Environment, Motion, Scene
 from solvers.cable import cable_system
 from solvers.fourier import Basis
+from solvers.harmonic_krylov import HarmonicKrylov
 from solvers.harmonic_rows import Balance
 
 from .cases.oscillators import cubic_chain, duffing, towed_chain
@@ -316,6 +317,35 @@ def test_newton_steps_solve_the_complex_step_jacobian(name):
     assert backward_error(chain, solve(F).ravel()) <= allowed
 
 
+@each_setting
+@each_chain
+def test_products_agree_with_complex_step(name, setting):
+    """What the iterative solver multiplies with, without making blocks, is the same matrix."""
+    balance, x = random_balance(name, setting)
+    d = np.random.default_rng(8).uniform(-1, 1, x.shape)
+    wanted, _ = truth(balance, setting, x)
+    got = HarmonicKrylov(balance, *balance.rows(x, True)).product(d)
+    error = abs(got - wanted @ d.ravel()) / (abs(wanted) @ abs(d.ravel()))
+    assert error.max() <= RESIDUAL
+
+
+@pytest.mark.parametrize("name", [name for name in CHAINS if "loads" not in name and "seabed" not in name])
+def test_harmonics_of_the_averaged_chain_are_the_inverse_at_rest(name):
+    """At rest tangents do not change in time: the preconditioner of the iterative solver then is the exact inverse.
+
+    Not over a seabed: an anchor that just touches it is at a kink, where no derivative is the right one.
+    """
+    for setting in SETTINGS:
+        balance, x = random_balance(name, setting)
+        F = balance.residual(x)
+        krylov = HarmonicKrylov(balance, *balance.rows(0 * x, True))
+        wanted, _ = truth(balance, setting, 0 * x)
+        chain = _Dense(wanted, F)
+        allowed = max(NO_WORSE * backward_error(chain, np.linalg.solve(wanted, F)), BLOCK)
+        assert not krylov.singular
+        assert backward_error(chain, krylov.precondition(F).ravel()) <= allowed, f"{setting}"
+
+
 class _Dense:
     """A matrix and a right-hand side as ``backward_error`` takes a Chain."""
 
@@ -387,6 +417,19 @@ def test_one_per_cent_in_any_block_is_found(name):
             missed.append(plant)
         count += 1
     assert not missed and count >= 15, missed
+
+
+def test_one_per_cent_in_any_tangent_is_found_in_the_product():
+    """The same for the product of the iterative solver."""
+    setting = SETTINGS[2]
+    balance, x = random_balance("in its plane, all loads", setting)
+    d = np.random.default_rng(8).uniform(-1, 1, x.shape)
+    J, _ = truth(balance, setting, x)
+    for plant in plants(balance, x):
+        wrong = copy.copy(balance)
+        wrong.system = Planted(balance.system, *plant)
+        got = HarmonicKrylov(wrong, *wrong.rows(x, True)).product(d)
+        assert (abs(got - J @ d.ravel()) / (abs(J) @ abs(d.ravel()))).max() > RESIDUAL, plant
 
 
 @pytest.mark.parametrize("fault", [name for name in BASIS_FAULTS if "constant" not in name])

@@ -27,8 +27,8 @@ JUDGED = (
     0.2  # of the examples, at least: those whose forces are compared, mostly 0.5 to 0.7; the rest have a loose node
 )
 SPREAD = 1e8  # largest over least stiffness of the free nodes: beyond, a difference quotient cannot tell a loose node
-FEW = settings(max_examples=settings().max_examples // 12)  # some 60 ms each, one set for each way to draw it again
-MORE = settings(max_examples=settings().max_examples // 7)  # two or three such sets
+FEW = settings(max_examples=settings().max_examples // 20)  # some 60 ms each, one set for each way to draw it again
+MORE = settings(max_examples=settings().max_examples // 12)  # two or three such sets
 
 
 # ---------------------------------------------------------------- forces, summed by hand

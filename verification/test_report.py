@@ -159,8 +159,8 @@ SOME_NETWORKS = """
 import sys
 from benchmarks import networks
 
-CHOSEN = {"pictures": slice(1), "table2": slice(0, 84, 3), "work": slice(1), "speed": slice(4), "growth": slice(0, 15, 5),
-          "peers": slice(1)}
+CHOSEN = {"pictures": slice(1), "table2": slice(0, 84, 3), "work": slice(1), "speed": slice(4),
+          "growth": slice(0, 15, 5), "peers": slice(1)}
 some = lambda name, tasks: lambda quick: tasks(True)[CHOSEN[name]]
 networks.PARTS = {name: some(name, tasks) for name, tasks in networks.PARTS.items()}
 networks.main(["--quick", "--out", sys.argv[1]])
@@ -252,5 +252,5 @@ def test_the_checks_of_the_page_can_fail(tmp_path):
     assert missing_files(bad, tmp_path) == ["x.png"]
     assert broken_anchors(bad) == ["y"]
     table = '<table><thead>\n<tr><th class="n">a</th><th>b</th></tr></thead><tr>{}<td class="text">c</td></tr></table>'
-    assert misaligned(table.format('<td class="text short">–</td>')) == ["–"]
-    assert misaligned(table.format('<td class="n">–</td>')) == []
+    assert misaligned(table.format('<td class="text short">-</td>')) == ["-"]
+    assert misaligned(table.format('<td class="n">-</td>')) == []

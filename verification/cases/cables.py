@@ -148,6 +148,25 @@ LOAD_FAULTS = [
 ]
 """Loads, kinematics and their coefficients: each changes what a system is, not how it is solved."""
 
+TIME_FAULTS = [
+    ("generalized_alpha", "(3 - rho) / (2 + 2 * rho)", "(3 + rho) / (2 + 2 * rho)", "alpha_m"),
+    ("generalized_alpha", "0.5 + alpha_m - alpha_f", "0.5 - alpha_m + alpha_f", "gamma"),
+    ("generalized_alpha", "(y + f * (new - y), ydot", "(y + m * (new - y), ydot", "y at the level of ydot"),
+    ("generalized_alpha", "ydot + m * (new_dot - ydot), t", "ydot + f * (new_dot - ydot), t", "ydot at the level of y"),
+    ("generalized_alpha", "- ydot), t + f * h)", "- ydot), t + h)", "loads at the end of the step"),
+    ("generalized_alpha", "ahead = (new, new_dot, t + h)", "ahead = (new, new_dot, t)", "the end a step late"),
+    ("generalized_alpha", "(1 - g) / g * ydot", "(1 + g) / g * ydot", "the carried rate"),
+    ("generalized_alpha", "-self.rate - offset", "-self.rate + offset", "the hold pushes away"),
+    ("time_domain", "h * x * (1 - x) ** 2, h", "-h * x * (1 - x) ** 2, h", "Hermite's cubic"),
+    (
+        "time_domain",
+        "self.end * self.steps / self.count if",
+        "self.end * self.steps / (self.count + 1) if",
+        "the clock",
+    ),
+]
+"""The time integration: weights, levels of time, the hold, the interpolation."""
+
 SIGNS = {
     "cable_planar": ("_loads", "cells", "velocity", "stretched_tangent"),
     "cable_spatial": ("__init__", "cells", "velocity", "stretched_tangent"),

@@ -385,7 +385,7 @@ CASES = {
     "duffing softening": (duffing(0.1, 1.0, -0.35, 0.1, 0.6), {"start": ([0.16], [0.01])}),
     # RadiiPolynomial.jl proves a solution near: x'' + x'/10 + 4 x - x^2 = cos t
     "square": (duffing(0.1, 4.0, 0.0, 1.0, 1.0, square=-1.0), {"start": ([0.27], [0.51])}),
-    "duffing biased": (duffing(0.1, 1.0, 0.5, 0.4, 0.8, constant=0.3), {"start": ([0.6], [0.1])}),
+    "duffing biased": (duffing(0.1, 1.0, 0.5, 0.4, 0.8, constant=0.3), {"start": ([0.93], [0.09])}),
     "ueda small": (_UEDA, {"start": ([-0.21], [0.02])}),
     "ueda large": (_UEDA, {"start": ([1.05], [0.79])}),
     "ueda half a": (_UEDA, {"start": ([-0.67], [0.02]), "periods": 2}),

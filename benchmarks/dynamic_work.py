@@ -1,0 +1,112 @@
+"""Error against run time of the moving cables: harmonic balance, time domain, and MoorDyn where it is installed."""
+
+from __future__ import annotations
+
+import importlib.util
+import time
+
+import numpy as np
+
+from solvers.harmonic_balance import solve_periodic
+from solvers.motion import Ramped
+from solvers.time_domain import solve_time_domain
+
+from .dynamic_cases import PERIODS, on_mesh, system, wave
+from .harness import clock
+
+SETTINGS = {
+    "harmonic balance": ((13, 3), (13, 5), (25, 5), (25, 9), (35, 9), (50, 9), (50, 15), (70, 12), (100, 15), (140, 15),
+                         (200, 24)),
+    "harmonic balance, extrapolated": ((13, 5), (25, 5), (25, 9), (25, 15), (50, 15), (50, 20), (50, 30)),
+    "time domain": ((25, 0.4), (50, 0.4), (50, 0.2), (50, 0.1), (100, 0.2), (100, 0.1), (200, 0.1), (200, 0.05)),
+    "MoorDyn": ((12, 0.1), (24, 0.04), (49, 0.02), (98, 0.01), (196, 0.01)),
+}  # fmt: skip
+"""(nodes, harmonics), (nodes of the coarser of two meshes, harmonics), (nodes, dt in s), (segments, coupling step in
+s): pairs that grow together, for of two errors the larger hides the other."""
+QUICK = {
+    "harmonic balance": ((25, 5), (50, 9), (50, 15), (100, 15)),
+    "harmonic balance, extrapolated": ((25, 9), (50, 15)),
+    "time domain": ((25, 0.4), (50, 0.2), (50, 0.1), (100, 0.1)),
+    "MoorDyn": ((24, 0.04), (49, 0.02), (98, 0.01)),
+}
+COUPLING = 0.02  # s: of MoorDyn beside the paper's settings
+
+LONG, ENOUGH, REPEATS = 0.5, 0.6, 4  # s: of a call that is timed once; of all repeats of a shorter one; at most so many
+
+
+def methods() -> list[str]:
+    """Of this project, and the peer if it is there."""
+    return [name for name in SETTINGS if name != "MoorDyn" or has_moordyn()]
+
+
+def has_moordyn() -> bool:
+    """Whether the peer is installed."""
+    return importlib.util.find_spec("moordyn") is not None
+
+
+def call(name: str, method: str, size: int, other):
+    """A function of no argument that solves the case from rest; what it returns is for ``errors``."""
+    if method == "MoorDyn":
+        return _moordyn(system(name), size, other)
+    chain = system(name, size)
+    if method == "time domain":
+        return lambda: solve_time_domain(chain, dt=other, periods=PERIODS, throw=False)
+    if method == "harmonic balance":
+        return lambda: solve_periodic(chain, harmonics=other, throw=False)
+    finer = system(name, 2 * size - 1)
+    return lambda: extrapolated(chain, finer, other)
+
+
+def extrapolated(chain, finer, harmonics: int) -> np.ndarray:
+    """Tension of two meshes, the cells of the finer one half as long: its error of second order taken out."""
+    coarse = solve_periodic(chain, harmonics=harmonics)
+    fine = solve_periodic(finer, harmonics=harmonics, start=on_mesh(coarse, finer))
+    return wave(fine) + (wave(fine) - wave(coarse)) / 3
+
+
+def _moordyn(chain, segments, coupling):
+    from .peers import moordyn
+
+    scene, period = chain.scene, chain.period
+    moved = Ramped(scene.motion, period / 2)  # as solve_time_domain starts by default
+    options = {"segments": segments, "coupling": coupling}
+    return lambda: moordyn.simulate(scene, moved.displacement, PERIODS * period, **options)
+
+
+def last_period(found, period: float) -> np.ndarray:
+    """Tension of a peer, (time, tension), at equal times of the last period from its beginning."""
+    time, tension = found
+    return np.roll(tension[time > time[-1] - period + 1e-9], 1)  # its first value is one step into the period
+
+
+def errors(reference, found) -> dict:
+    """rms, error and status of what ``call`` returned."""
+    if isinstance(found, np.ndarray):
+        return reference.errors(found) | {"status": "SUCCESS"}
+    if not isinstance(found, tuple):
+        return reference.of(found) | {"status": found.status.name}
+    tension = last_period(found, reference.period)
+    if not np.isfinite(tension).all():
+        return {"rms": None, "error": None, "status": "NOT_FINITE"}
+    return reference.errors(tension) | {"status": "SUCCESS"}
+
+
+def least_seconds(run) -> tuple[float, object]:
+    """Least time of a few calls, and what the first returned."""
+    start = time.perf_counter()
+    found = run()
+    seconds, spent = [time.perf_counter() - start], 0.0
+    while seconds[0] < LONG and spent < ENOUGH and len(seconds) < REPEATS:
+        seconds.append(clock(run, 1))
+        spent += seconds[-1]
+    return min(seconds), found
+
+
+def points(name: str, reference, quick: bool):
+    """Yield each point of a case."""
+    for method in methods():
+        second = "harmonics" if method.startswith("harmonic") else "dt"
+        for size, other in (QUICK if quick else SETTINGS)[method]:
+            seconds, found = least_seconds(call(name, method, size, other))
+            point = {"case": name, "method": method, "size": size, second: other, "seconds": seconds}
+            yield point | errors(reference, found)

@@ -1,0 +1,273 @@
+"""Harmonic balance: the HB paper's figures and table remade, error against time, limits: harmonic_balance.json."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+
+from solvers.harmonic_balance import solve_periodic
+from solvers.time_domain import solve_time_domain
+
+from . import console, dynamic_work, harmonic_limits, results
+from .cable_dynamics import measured
+from .dynamic_cases import (
+    CASES,
+    DT,
+    HARMONICS,
+    NODES,
+    PAPER_CASES,
+    PERIODS,
+    SAMPLES,
+    References,
+    axial_ratio,
+    instants,
+    rms,
+    system,
+    wave,
+)
+from .harness import clock
+
+PRINTED = {
+    "case_1": {"time domain": 6.03, "harmonic balance": 1.40, "description": "motion in Y direction"},
+    "case_2": {"time domain": 6.07, "harmonic balance": 1.40, "description": "motion in X direction"},
+    "case_3": {"time domain": 6.47, "harmonic balance": 2.43, "description": "motion in Z direction"},
+    "case_4": {"time domain": 6.74, "harmonic balance": 3.01, "description": "motion in both Y and Z direction"},
+}
+"""HB Table 2, s: C++ on an Intel i7-8700; the time domain computes three periods."""
+
+INDEPENDENT = {"max": 1377.82, "min": 603.93, "harmonics": (970.68, 361.56, 39.84, 28.80, 8.41, 8.20), "within": 0.02}
+"""kN, case 1: greatest and least fairlead tension, its mean and harmonics 1 to 5, converged by two other programs with
+two other formulations (lumped masses, and a box scheme of its own), each extrapolated; they leave +-0.02 open."""
+
+CHOICES = ((1, 8), (3, 16), (9, 32), (15, 64))  # (Nh, Nt) of Figs. 3 and 4
+VARIANTS = {
+    "paper": {"mean": False, "globalisation": "relaxation", "multilevel": False},
+    "paper, constant kept": {"mean": True, "globalisation": "relaxation", "multilevel": False},
+    "default": {},
+}
+SHOWN = 200  # instants of a period that are drawn
+NODE = 25  # whose state the paper shows
+TURNS = 5
+LADDER, QUICK_LADDER, MOST, QUICK_MOST = (3, 5, 7, 9, 12, 15, 20, 25, 30), (3, 5, 9, 12), 45, 24
+LEVELS = (1e-2, 1e-3, 1e-4)  # of the range of the tension
+FINE = 30  # harmonics of the spectra
+CONSTANT = {
+    ("case_1", 9, 32, True): (1378.82, 603.22, 970.99),
+    ("case_1", 9, 32, False): (1368.85, 590.43, 961.79),
+    ("case_1", 30, 96, True): (1378.77, 603.42, 970.91),
+    ("case_1_large", 3, 16, True): None,
+    ("case_1_large", 3, 16, False): (2042.1, -0.1, 961.8),
+    ("case_1_large", 9, 32, True): (2093.4, 226.0, 1031.0),
+    ("case_1_large", 9, 32, False): None,
+    ("case_3", 9, 32, True): None,
+    ("case_3", 9, 32, False): None,
+}
+"""(case, harmonics, samples, whether the constant term is kept) -> greatest, least and mean fairlead tension, kN, on
+the same 50 nodes by two independent programs; their extremes are of a period sampled less finely (+-0.03)."""
+QUICK_CONSTANT = [key for key in CONSTANT if key[1] == HARMONICS and (key[3] or key[0] != "case_1_large")]
+EXTREMES = 4000  # instants for greatest and least values
+
+
+def newton(quick: bool, references):
+    """Fig. 3 and Fig. 4: error of every Newton step and the tension, by (Nh, Nt), for 5 m and 9 m."""
+    rows = []
+    for case in ("case_1", "case_1_large"):
+        for variant, options in VARIANTS.items():
+            few = case == "case_1_large" and variant == "paper"  # with more harmonics it takes minutes, or fails
+            most = 2 if quick and few else 3 if quick or few else len(CHOICES)
+            for Nh, Nt in CHOICES[:most]:
+                found = solve_periodic(system(case), harmonics=Nh, samples=Nt, throw=False, **options)
+                rows.append(
+                    {
+                        "case": case,
+                        "variant": variant,
+                        "harmonics": Nh,
+                        "samples": Nt,
+                        "errors": [step.error for step in found.steps],
+                        "iterations": found.iterations,
+                        "coarse_iterations": found.coarse_iterations,
+                        "status": found.status.name,
+                        "reached": found.amplitude,
+                        "tension": wave(found)[:: len(wave(found)) // SHOWN],
+                    }
+                )
+            yield None
+    yield rows
+
+
+def cases(quick: bool, references):
+    """Table 2 and Figs. 6-9: both methods with the paper's settings, and MoorDyn, turn and turn about."""
+    rows = []
+    for case in PAPER_CASES:
+        calls = _calls(case)
+        found, seconds = {}, {}
+        for name, call in calls.items():  # also the warm-up, but in the quick run
+            start = time.perf_counter()
+            found[name] = call()
+            seconds[name] = [time.perf_counter() - start] if quick else []
+        rng = np.random.default_rng(2026)
+        for _ in range(0 if quick else TURNS):
+            for name in rng.permutation(list(calls)).tolist():
+                seconds[name].append(clock(calls[name], 1))
+        reference = references.of(case)
+        for name, result in found.items():
+            rows.append({"case": case, "method": name, "seconds": seconds[name], "uncertainty": reference.uncertainty,
+                         "range": reference.range, "printed": PRINTED[case].get(name),
+                         "iterations": getattr(result, "iterations", None)}
+                        | dynamic_work.errors(reference, result) | _shape(result, reference.period))  # fmt: skip
+        rows.append(
+            {"case": case, "method": "reference", "tension": reference.tension[:: reference.tension.size // SHOWN]}
+        )
+        yield None
+    converged = references.of("case_1")
+    found = {"max": converged.tension.max() / 1e3, "min": converged.tension.min() / 1e3,
+             "harmonics": converged.harmonics(5) / 1e3}  # fmt: skip
+    yield {"node": NODE, "s": system("case_1").s[NODE - 1], "rows": rows, "converged": found,
+           "independent": INDEPENDENT}  # fmt: skip
+
+
+def _calls(case: str) -> dict:
+    """The methods of Table 2, MoorDyn where it is installed, as functions of no argument."""
+    chain = system(case)
+    calls = {
+        "time domain": lambda: solve_time_domain(chain, dt=DT, periods=PERIODS),
+        "harmonic balance": lambda: solve_periodic(chain, harmonics=HARMONICS, samples=SAMPLES),
+    }
+    if dynamic_work.has_moordyn():
+        calls["MoorDyn"] = dynamic_work.call(case, "MoorDyn", NODES - 1, dynamic_work.COUPLING)
+    return calls
+
+
+def _shape(found, period) -> dict:
+    """Fairlead tension and the state at NODE over the last period; of a peer the tension alone."""
+    if isinstance(found, tuple):
+        tension = dynamic_work.last_period(found, period)
+        return {"tension": tension[:: tension.size // SHOWN]}
+    first, _ = found.last_period
+    state = found.at(first + instants(period, SHOWN))[:, NODE - 1]
+    fields = dict(zip(found.system.fields, state, strict=True))
+    return {"tension": wave(found)[:: len(wave(found)) // SHOWN], "fields": fields}
+
+
+def constant(quick: bool, references):
+    """With and without the constant term: extremes, mean, harmonics, error, and the tension of the period."""
+    rows = []
+    for key in QUICK_CONSTANT if quick else CONSTANT:
+        case, Nh, Nt, mean = key
+        found = solve_periodic(system(case), harmonics=Nh, samples=Nt, mean=mean, throw=False)
+        tension = found.fairlead_tension(instants(system(case).period, EXTREMES))
+        harmonics = found.tension_harmonics(5)
+        rows.append(
+            {
+                "case": case,
+                "harmonics": Nh,
+                "samples": Nt,
+                "mean": mean,
+                "independent": CONSTANT[key],
+                "iterations": found.iterations,
+                "max": tension.max(),
+                "min": tension.min(),
+                "average": harmonics[0],
+                "amplitudes": harmonics[1:],
+                "least": found.tension.min(),
+                "status": found.status.name,
+                "tension": tension[:: EXTREMES // SHOWN],
+            }
+            | references.of(case).of(found)
+        )
+        yield None
+    yield rows
+
+
+def work(quick: bool, references):
+    """Error against run time: points of all methods, a case each; the uncertainty of the references."""
+    found, uncertainty = [], {}
+    for case in PAPER_CASES[:1] if quick else PAPER_CASES:
+        reference = references.of(case)
+        uncertainty[case] = reference.uncertainty
+        for point in dynamic_work.points(case, reference, quick):
+            found.append(point)
+            yield None
+    yield {"points": found, "uncertainty": uncertainty}
+
+
+def needed(quick: bool, references):
+    """Error in Nh alone, at N = 50 against many harmonics; the Nh that each level takes, and the rate of decay."""
+    rows, summary = [], []
+    most = QUICK_MOST if quick else MOST
+    for case in ("case_1", "case_4") if quick else PAPER_CASES:
+        waves, response = {}, None
+        for Nh in (*(QUICK_LADDER if quick else LADDER), most):
+            response = solve_periodic(system(case), harmonics=Nh, start=response)
+            waves[Nh] = wave(response)
+        best = waves.pop(most)
+        errors = {Nh: rms(values - best) / np.ptp(best) for Nh, values in waves.items()}
+        rows += [{"case": case, "harmonics": Nh, "rms": error} for Nh, error in errors.items()]
+        late = [(Nh, error) for Nh, error in errors.items() if HARMONICS <= Nh <= most / 2]
+        rate = -np.polyfit(*np.log(np.array(late, dtype=float).T), 1)[0]
+        summary.append({"case": case, "rate": float(rate)} | {
+            f"{level:g}": next((Nh for Nh, error in errors.items() if error <= level), None) for level in LEVELS
+        })  # fmt: skip
+        yield None
+    yield {"rows": rows, "summary": summary, "most": most, "nodes": NODES, "axial": axial_ratio("case_1")}
+
+
+def spectra(quick: bool, references):
+    """Harmonics of the fairlead tension, extremes of the tension along the line, and where it is least."""
+    rows = []
+    for case in CASES:
+        found = solve_periodic(system(case), harmonics=15 if quick else FINE)
+        t = instants(system(case).period)
+        tension = system(case).tension(found.at(t), found.rate_at(t))
+        node, k = np.unravel_index(tension.argmin(), tension.shape)
+        rows.append(
+            {
+                "case": case,
+                "amplitudes": found.tension_harmonics(found.basis.harmonics),
+                "s": system(case).s,
+                "rest": system(case).tension(system(case).rest()),
+                "min": tension.min(axis=1),
+                "mean": tension.mean(axis=1),
+                "max": tension.max(axis=1),
+                "least": tension[node, k],
+                "node": int(node) + 1,
+                "at": t[k],
+                "axial": axial_ratio(case),
+            }
+        )
+        yield None
+    yield rows
+
+
+PARTS = {
+    "newton": newton,
+    "cases": cases,
+    "constant": constant,
+    "work": work,
+    "needed": needed,
+    "spectra": spectra,
+    "limit": harmonic_limits.limit,
+    "growth": harmonic_limits.growth,
+    "fields": harmonic_limits.fields,
+    "oscillators": harmonic_limits.oscillators,
+}
+
+
+def main(argv=None) -> int:
+    """Command line."""
+    parser = console.parser("harmonic_balance", __doc__)
+    parser.add_argument("--parts", nargs="+", choices=PARTS, default=list(PARTS), help="measure only these")
+    parser.add_argument("--quick", action="store_true", help="fewer settings, coarser references")
+    arguments = parser.parse_args(argv)
+    references = References(arguments.out, arguments.quick)
+    file = measured(PARTS, arguments.parts, "harmonic balance", arguments.quick, references)
+    results.write(arguments.out / "harmonic_balance.json", file | {"quick": arguments.quick})
+    for row in file.get("cases", {"rows": []})["rows"]:
+        if "seconds" in row:
+            print(f"{row['case']}, {row['method']}: {min(row['seconds']):.3g} s, rms {row['rms']:.2g} of the range")
+    return 0
+
+
+if __name__ == "__main__":
+    console.run(main)

@@ -1,0 +1,82 @@
+"""Stability maps of the harmonic balance: harmonics, frequency, drag, amplitude; against twice as many harmonics."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from solvers import Status, solve_periodic
+
+from .stability_maps import Axis, Found, Map
+from .stability_time import DRAG, HERTZ, SMALL, line
+
+HARMONICS = 8
+SAMPLES = 16  # at which the claims are looked at, for each harmonic
+
+ROWS = 1e-9
+"""Largest Fourier coefficient of a row over the sum of the sizes of its terms at the samples."""
+MEAN = 1e-8  # m: the mean place of the fairlead over the period, of a chord of 885 m
+
+ORDERS = Axis("harmonics", (1, 2, 3, 5, 9, 15, 30, 60))
+AMPLITUDES = Axis("amplitude of the surge, m", (0.01, 0.1, 1.0, 3.0, 6.0, 9.0, 10.5, 12.0))
+
+
+def maps() -> list[Map]:
+    """All of the harmonic balance."""
+    error = "error of the fairlead tension over its range, against twice as many harmonics"
+    claim = (
+        f"the Fourier coefficients of the rows zero to {ROWS:g} of their terms, the fairlead's mean place kept to "
+        f"{MEAN:g} m, and no tension below zero at any instant"
+    )
+    why = (
+        "No response: Newton's method gets nowhere even with the amplitude raised in small steps. Tension lost: the "
+        "response solves the equations and is no motion of a cable, which carries no compression; its status says so."
+    )
+    make = lambda name, title, x, y, solve: Map(
+        f"harmonic_{name}", "harmonic balance", title, x, y, error, claim, solve, why
+    )
+    return [
+        make("orders", "Harmonics by amplitude", ORDERS, AMPLITUDES, lambda k, a: _solve(line(a), k)),
+        make("frequency", "Frequency by amplitude", HERTZ, SMALL, lambda f, a: _solve(line(a, f))),
+        make("drag", "Drag by amplitude", DRAG, AMPLITUDES, lambda c, a: _solve(line(a, Cdn=c))),
+    ]
+
+
+def _solve(system, harmonics=HARMONICS) -> Found:
+    response = solve_periodic(system, harmonics=harmonics, throw=False)
+    if response.status is not Status.SUCCESS:
+        return Found(response.status, values={"amplitude": response.amplitude, "iterations": response.iterations})
+    lost = list(broken(response))
+    finer = solve_periodic(system, harmonics=2 * harmonics, start=response, throw=False)
+    if not finer.success:
+        return Found(response.status, lost=lost, finer=finer.status)
+    t = system.period * np.arange(16 * harmonics) / (16 * harmonics)
+    tension, exact = response.fairlead_tension(t), finer.fairlead_tension(t)
+    return Found(response.status, float(abs(tension - exact).max() / np.ptp(exact)), lost)
+
+
+def broken(response):
+    """Claims of a response that do not hold, in words."""
+    system, basis = response.system, response.basis
+    y, ydot, t = response.y, response.ydot, response.time
+    if not (np.isfinite(y).all() and np.isfinite(ydot).all()):
+        yield "states that are not finite"
+        return
+    rows = system.cells(y, ydot, t)
+    size = sum(
+        np.einsum("ijns,jns->ins", abs(J[side]), abs(field)[:, at])
+        for J, field in ((rows.y, y), (rows.ydot, ydot))
+        for side, at in enumerate((slice(None, -1), slice(1, None)))
+    )
+    left = abs(np.fft.rfft(rows.value)[..., : basis.harmonics + 1]) / t.size
+    share = float((left / size.mean(axis=-1, keepdims=True)).max())
+    if share > ROWS:
+        yield f"rows {share:.3g}"
+    count = SAMPLES * basis.harmonics
+    fine = system.period * np.arange(count) / count
+    state = response.at(fine)
+    drift = float(abs(system.drift(state, fine).mean(axis=-1)).max())
+    if drift > MEAN:
+        yield f"mean place {drift:.3g} m"
+    tension = system.tension(state, response.rate_at(fine)).min()
+    if tension < 0:
+        yield f"tension {tension:.3g} N between the samples"

@@ -1,0 +1,184 @@
+"""The dynamics benchmarks' own checks: are errors, orders, references and the peer measured rightly?"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from solvers import solve_span
+from solvers.harmonic_balance import solve_periodic
+
+from . import cable_dynamics, dynamic_cases, dynamic_orders, dynamic_work, harmonic_limits
+from .dynamic_cases import TIMES, Reference, instants, rms, scene, system, wave
+
+PERIOD = 20.0
+SINE = np.sin(2 * np.pi * instants(PERIOD) / PERIOD)
+
+
+def reference(tension=SINE) -> Reference:
+    return Reference(PERIOD, tension, 0.0)
+
+
+# ---------------------------------------------------------------- errors
+@pytest.mark.parametrize("count", (TIMES // 5, TIMES // 2, TIMES, 2 * TIMES))
+def test_an_offset_is_measured_at_any_sampling(count):
+    """A wave 1 % of its range too high has rms and greatest error 0.01, however often it is sampled."""
+    given = np.sin(2 * np.pi * np.arange(count) / count) + 0.02
+    found = reference().errors(given)
+    assert found["rms"] == pytest.approx(0.01, rel=1e-12)
+    assert found["error"] == pytest.approx(0.01, rel=1e-12)
+
+
+def test_a_peer_is_compared_at_the_right_instants():
+    """A sine given at the ends of coupling steps has no error; taken one step late it would have 0.3 %."""
+    step = PERIOD / TIMES
+    time = step * np.arange(1, 3 * TIMES + 1)
+    tension = np.sin(2 * np.pi * time / PERIOD)
+    assert dynamic_work.errors(reference(), (time, tension))["error"] < 1e-12
+    late = dynamic_work.errors(reference(), (time, np.roll(tension, -1)))
+    assert late["error"] == pytest.approx(np.pi / TIMES, rel=1e-3)
+
+
+def test_a_peer_that_blows_up_has_no_error():
+    """A tension that is not finite gives no number."""
+    time = PERIOD / TIMES * np.arange(1, TIMES + 1)
+    found = dynamic_work.errors(reference(), (time, np.where(time > 3, np.nan, 1.0)))
+    assert (found["rms"], found["status"]) == (None, "NOT_FINITE")
+
+
+def test_harmonics_of_a_reference():
+    """Mean and amplitudes come from the samples."""
+    t = 2 * np.pi * instants(1.0)
+    found = reference(7 + 3 * np.sin(t) + 0.5 * np.cos(4 * t)).harmonics(4)
+    assert np.allclose(found, [7, 3, 0, 0, 0.5], atol=1e-12)
+
+
+# ---------------------------------------------------------------- orders, exponents, thresholds
+@pytest.mark.parametrize("p", (1.0, 2.0, 3.0))
+def test_planted_orders_and_exponents_are_found(p):
+    """Errors C h^p give the order p, times C n^p the exponent p, and only sizes from the bound on count."""
+    rows = [{"h": 2.0**-k, "e": 3 * 2.0 ** (-p * k)} for k in range(5)]
+    assert np.allclose(dynamic_orders.with_orders(rows, ("e",))["orders"]["e"], p, atol=1e-12)
+    times = [{"n": 1, "seconds": 1e9}, *({"n": n, "seconds": 2 * n**p} for n in (10, 20, 40))]
+    assert cable_dynamics.exponent(times, "n", 10) == pytest.approx(p, rel=1e-12)
+
+
+def test_a_limit_of_second_order_is_extrapolated():
+    """Waves 1 + C h^2 have their error against 1; an error of first order does not vanish from the last."""
+    h = 2.0 ** -np.arange(4)
+    waves = [SINE * (1 + 0.1 * step**2) for step in h]
+    found = dynamic_orders.against_extrapolation([{}] * 4, "e", waves)
+    assert np.allclose([row["e"] for row in found], rms(SINE) / 2 * 0.1 * h**2, rtol=1e-9)
+    first = dynamic_orders.against_extrapolation([{}] * 4, "e", [SINE * (1 + 0.1 * step) for step in h])
+    assert dynamic_orders.with_orders(first, ("e",))["orders"]["e"][0] < 1.5
+
+
+@pytest.mark.parametrize(
+    ("away", "first"), [([0.5, 0.2, 0.01, 0.0], 3), ([0.5, 0.01, 0.2, 0.01, 0.0], 4), ([0.5, 0.4, 0.3, 0.0], None)]
+)
+def test_settled_means_settled_for_good(away, first):
+    """The first period from which all later ones are within the level; the last one is no evidence for itself."""
+    assert cable_dynamics.first_within(away, 0.05) == first
+
+
+def test_amplitude_of_vanishing_tension_is_between_its_neighbours():
+    """Interpolated between converged responses of either sign; responses that were not reached do not count."""
+    found = (9.0, 30.0, 1.0), (10.0, 10.0, 1.0), (11.0, -10.0, 1.0), (12.0, -30.0, 0.9)
+    rows = [dict(zip(("amplitude", "least", "reached"), row, strict=True)) for row in found]
+    assert harmonic_limits.vanishing(rows) == pytest.approx(10.5)
+    assert harmonic_limits.vanishing(rows[:2]) is None
+
+
+# ---------------------------------------------------------------- references
+COARSE = ((13, 25, 49), 5, 7)
+
+
+def test_a_reference_is_better_than_its_finest_mesh():
+    """Extrapolated in N and corrected in Nh, three coarse meshes beat the finest of them five times over."""
+    found = dynamic_cases.converged("case_1", *COARSE)
+    finer = solve_periodic(system("case_1", 193), harmonics=COARSE[2])
+    plain = found.errors(wave(solve_periodic(system("case_1", 49), harmonics=COARSE[1])))
+    assert found.of(finer)["rms"] < 0.2 * plain["rms"]
+    assert found.uncertainty < 0.01
+
+
+def test_a_reference_is_computed_once_and_again_when_the_scene_changes(tmp_path, monkeypatch):
+    """Kept by content: a second run reads it, a changed scene file makes a new one, a finer one is preferred."""
+    made = []
+
+    def converged(name, *settings):
+        made.append((name, settings))
+        return Reference(PERIOD, SINE * len(made), 1e-5)
+
+    monkeypatch.setattr(dynamic_cases, "converged", converged)
+    quick = dynamic_cases.References(tmp_path, True)
+    assert np.array_equal(quick.of("case_1").tension, dynamic_cases.References(tmp_path, True).of("case_1").tension)
+    assert len(made) == 1
+    whole = dynamic_cases.References(tmp_path, False).of("case_1")
+    assert len(made) == 2 and np.array_equal(quick.of("case_1").tension, whole.tension)
+    changed = tmp_path / "scenes"
+    changed.mkdir()
+    text = (dynamic_cases.SCENES / "hb_case_1.toml").read_text(encoding="utf-8")
+    (changed / "hb_case_1.toml").write_text(text.replace("5.0", "5.1"), encoding="utf-8")
+    monkeypatch.setattr(dynamic_cases, "SCENES", changed)
+    quick.of("case_1")
+    assert len(made) == 3
+
+
+def test_two_meshes_extrapolated_are_better_than_the_finer_one():
+    """The method of that name takes the error of second order out."""
+    finer = system("case_1", 49)
+    exact = wave(solve_periodic(system("case_1", 193), harmonics=5))
+    both = dynamic_work.extrapolated(system("case_1", 25), finer, 5)
+    assert rms(both - exact) < 0.2 * rms(wave(solve_periodic(finer, harmonics=5)) - exact)
+
+
+# ---------------------------------------------------------------- the peer
+STATIC_ERROR = 2e-3  # of the tension: 49 straight segments with their masses at the nodes
+moordyn_installed = pytest.mark.skipif(not dynamic_work.has_moordyn(), reason="the optional peer is not installed")
+
+
+def still(t):
+    return np.zeros((3, np.size(t)))
+
+
+@moordyn_installed
+@pytest.mark.parametrize(("factor", "within"), [(1.0, True), (1.01, False)])
+def test_the_adapter_describes_the_line_that_was_meant(factor, within):
+    """At rest MoorDyn carries the tension of the catenary; a line 1 % heavier is told apart."""
+    from .peers import moordyn
+
+    case = scene("case_1")
+    heavier = replace(case, cable=replace(case.cable, mass_per_length=factor * case.cable.mass_per_length))
+    _, tension = moordyn.simulate(heavier, still, 60.0, coupling=0.1)
+    exact = solve_span(case.spans()[0]).tension
+    assert (abs(tension[-100:].mean() / exact - 1) < STATIC_ERROR) == within
+
+
+@moordyn_installed
+def test_the_adapter_refuses_what_it_does_not_describe():
+    """A current, a seabed or structural damping is named, not left out."""
+    from .peers import moordyn
+
+    case = scene("case_1")
+    assert moordyn.unsupported(case) == ""
+    for other in (
+        replace(case, environment=replace(case.environment, current=(1.0, 0.0, 0.0))),
+        replace(case, environment=replace(case.environment, depth=400.0, seabed_stiffness=1e4)),
+        replace(case, cable=replace(case.cable, damping=0.1)),
+    ):
+        assert moordyn.unsupported(other)
+
+
+# ---------------------------------------------------------------- the files
+def test_a_part_writes_its_file(tmp_path):
+    """The program measures the parts that are asked for and writes strict JSON."""
+    assert cable_dynamics.main(["--parts", "profile", "--quick", "--out", str(tmp_path)]) == 0
+    found = json.loads((tmp_path / "dynamics.json").read_text())
+    assert set(found) == {"profile", "quick"}
+    tensions = found["profile"]["fairlead"]
+    assert tensions["shooting"] == pytest.approx(tensions["catenary"], rel=1e-9)
+    assert tensions["box scheme"] != pytest.approx(tensions["catenary"], rel=1e-5)

@@ -1,0 +1,235 @@
+"""Runs checks on copies of the project, each with one defect planted; keeps every result as soon as it is there.
+
+A result belongs to the contents of solvers, tests, reference data and defect: when one of them changes it is not
+taken again. Results are lines of one file, appended whole, so a run that is stopped anywhere loses what it was just
+doing and nothing else.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.metadata
+import json
+import os
+import platform
+import queue
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from .defect import Defect, arguments
+
+ROOT = Path(__file__).parents[2]
+COPIED = ("solvers", "verification", "benchmarks", "reference_data", "pyproject.toml")
+SKIPPED = ("verification/defects", "verification/test_defects.py", "benchmarks")
+"""What no check of a solver depends on: results stay valid when it changes."""
+
+# The child ends itself a little after its time is up: nobody else would if this process were killed.
+_CHILD = (
+    "import faulthandler, sys, pytest; faulthandler.dump_traceback_later(float(sys.argv[1]), exit=True); "
+    "sys.exit(pytest.main(sys.argv[2:]))"
+)
+_GRACE = 20.0  # s
+_OPTIONS = ("-x", "--tb=no", "--no-header", "-p", "no:cacheprovider", "-p", "no:faulthandler", "-p", "no:xdist")
+_SUMMARY = re.compile(r"^(?:FAILED|ERROR) (\S+?\.py(?:::\w+)*)(\[.*?\])?(?: - (.*))?$", re.MULTILINE)
+_STOPPED = (-signal.SIGTERM, -signal.SIGINT, -9)
+
+
+class CheckError(RuntimeError):
+    """A check cannot be run: it does not exist, or pytest does not understand it."""
+
+
+@dataclass(frozen=True)
+class Result:
+    """How a check ended with a defect planted ("" for none).
+
+    outcome : "caught" (a test failed), "timeout" (it did not end), "crash" (the interpreter died) or "missed"
+    test, message : the first test that failed and what it said
+    """
+
+    defect: str
+    check: str
+    outcome: str
+    seconds: float
+    test: str = ""
+    message: str = ""
+
+    @property
+    def red(self) -> bool:
+        """The check has seen the defect."""
+        return self.outcome != "missed"
+
+
+# ---------------------------------------------------------------- one check
+def run_check(root: Path, check: str, timeout: float, children: set | None = None) -> tuple[str, float, str, str]:
+    """(outcome, seconds, test, message) of a check on the project at ``root``. Raises CheckError, KeyboardInterrupt."""
+    environment = {k: v for k, v in os.environ.items() if not k.startswith(("PYTEST_", "MOORING_", "COV_"))}
+    environment |= {"OPENBLAS_NUM_THREADS": "1", "COLUMNS": "240", "PYTHONPATH": str(root)}
+    command = [sys.executable, "-c", _CHILD, str(timeout + _GRACE), *arguments(check), *_OPTIONS]
+    began = time.perf_counter()
+    process = subprocess.Popen(
+        command,
+        cwd=root,
+        env=environment,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        encoding="utf-8",
+        errors="replace",
+    )
+    children = set() if children is None else children
+    children.add(process)
+    try:
+        output, late = process.communicate(timeout=timeout)[0], False
+    except subprocess.TimeoutExpired:
+        process.kill()
+        output, late = process.communicate()[0], True
+    finally:
+        children.discard(process)
+    seconds = time.perf_counter() - began
+    if late:
+        return "timeout", seconds, "", f"not ended after {timeout:g} s"
+    code = process.returncode
+    if code in _STOPPED or "KeyboardInterrupt" in output:
+        raise KeyboardInterrupt
+    if code in (3, 4, 5):
+        raise CheckError(f"{check}: pytest ended with status {code}:\n{output.strip()}")
+    if code == 0:
+        return "missed", seconds, "", ""
+    found = _SUMMARY.search(output)
+    test, message = (found[1].removeprefix("verification/"), found[3] or "") if found else ("", output[-300:])
+    return ("caught" if code in (1, 2) else "crash"), seconds, test, message[:300]
+
+
+# ---------------------------------------------------------------- copies of the project
+class Copies:
+    """Copies of the project, one for each worker, from one snapshot that a run does not see change."""
+
+    def __init__(self, folder: Path, project: Path, count: int):
+        self.source, self.free = folder / "source", queue.SimpleQueue()
+        self.stamp = 1_000_000_000  # a time of last change of its own for each patch: no stale bytecode is ever taken
+        self.lock = threading.Lock()
+        _copy(project, self.source)
+        for i in range(count):
+            _copy(self.source, folder / f"copy{i}")
+            self.free.put(folder / f"copy{i}")
+
+    def run(self, defect: Defect | None, check: str, timeout: float, children: set) -> Result:
+        """One check on a free copy with the defect planted, and removed again."""
+        root = self.free.get()
+        try:
+            if defect is not None:
+                self._plant(defect, root)
+            return Result(defect.name if defect else "", check, *run_check(root, check, timeout, children))
+        finally:
+            if defect is not None:
+                name = f"solvers/{defect.module}.py"
+                shutil.copy2(self.source / name, root / name)
+            self.free.put(root)
+
+    def _plant(self, defect, root):
+        defect.plant(root)
+        with self.lock:
+            self.stamp += 2
+            stamp = self.stamp
+        os.utime(root / "solvers" / f"{defect.module}.py", (stamp, stamp))
+
+
+def _copy(project: Path, to: Path):
+    to.mkdir()
+    for name in COPIED:
+        if (project / name).is_dir():
+            shutil.copytree(project / name, to / name, ignore=shutil.ignore_patterns("__pycache__", ".*"))
+        elif (project / name).exists():
+            shutil.copy2(project / name, to / name)
+
+
+def digest(project: Path) -> str:
+    """Digest of all that a result depends on, apart from defect and check."""
+    total = hashlib.sha256()
+    for name in COPIED:
+        path = project / name
+        for file in [path] if path.is_file() else sorted(p for p in path.rglob("*") if p.is_file()):
+            inside = file.relative_to(project).as_posix()
+            if not inside.startswith(SKIPPED) and "__pycache__" not in inside:
+                total.update(f"{inside}\0".encode() + hashlib.sha256(file.read_bytes()).digest())
+    for package in ("numpy", "scipy", "mpmath", "hypothesis", "pytest"):
+        total.update(f"{package} {importlib.metadata.version(package)}\0".encode())
+    total.update(platform.python_version().encode())
+    return total.hexdigest()
+
+
+def key(tree: str, defect: Defect | None, check: str) -> str:
+    """What a result is kept under."""
+    patch = [defect.module, defect.old, defect.new] if defect else []
+    return hashlib.sha256(json.dumps([tree, patch, arguments(check)]).encode()).hexdigest()
+
+
+# ---------------------------------------------------------------- results on disk
+class Log:
+    """Results by key, one line each; a line that was cut off is no result."""
+
+    def __init__(self, path: Path):
+        self.path, self.results = path, {}
+        path.parent.mkdir(parents=True, exist_ok=True)
+        for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else ():
+            try:
+                entry = json.loads(line)
+                self.results[entry.pop("key")] = Result(**entry)
+            except (ValueError, KeyError, TypeError, AttributeError):
+                continue
+
+    def append(self, key: str, result: Result):
+        """Add a line at one go, after whatever a killed run left of its last one."""
+        self.results[key] = result
+        line = "\n" + json.dumps({"key": key, **asdict(result)}) + "\n"
+        handle = os.open(self.path, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o644)
+        try:
+            os.write(handle, line.encode())
+            os.fsync(handle)
+        finally:
+            os.close(handle)
+
+
+# ---------------------------------------------------------------- many checks
+def run(
+    wanted: Iterable[tuple[Defect | None, str]],
+    log: Log,
+    *,
+    project: Path = ROOT,
+    jobs: int = 1,
+    timeout: float = 120.0,
+    fresh: bool = False,
+) -> Iterator[tuple[int, int, list[Result]]]:
+    """Run the (defect, check) that the log does not have yet; yields (done, total, results so far) after each.
+
+    No defect means the project as it is. The results are all of ``wanted``, old ones included. Raises CheckError.
+    """
+    with tempfile.TemporaryDirectory(prefix="seeded-defects-", ignore_cleanup_errors=True) as folder:
+        copies = Copies(Path(folder), project, jobs)
+        tree = digest(copies.source)
+        pairs = {key(tree, *pair): pair for pair in wanted}
+        found = [] if fresh else [log.results[k] for k in pairs if k in log.results]
+        left = {k: pair for k, pair in pairs.items() if fresh or k not in log.results}
+        yield len(found), len(pairs), found
+        children: set[subprocess.Popen] = set()
+        pool = ThreadPoolExecutor(jobs)
+        try:
+            futures = {pool.submit(copies.run, *pair, timeout, children): k for k, pair in left.items()}
+            for future in as_completed(futures):
+                found.append(future.result())
+                log.append(futures[future], found[-1])
+                yield len(found), len(pairs), found
+        finally:
+            pool.shutdown(wait=False, cancel_futures=True)
+            for child in list(children):
+                child.kill()
+            pool.shutdown(wait=True)
