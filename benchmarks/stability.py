@@ -18,7 +18,7 @@ def maps(folder) -> list[Map]:
 def measured(folder, chosen, quick: bool) -> dict:
     """The file; each map is kept in folder/cache when it is finished, by the content of what it is made with."""
     work = [one.quick() if quick else one for one in maps(folder) if not chosen or one.name in chosen]
-    total, entries = sum(len(one.x.values) * len(one.y.values) for one in work), []
+    total, entries = sum(one.size for one in work), []
 
     def steps():
         for one in work:

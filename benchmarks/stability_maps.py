@@ -57,6 +57,7 @@ class Map:
     """solve(x, y) -> Found; title, what the error is (quantity) and what a success claims, as sentences.
 
     explained : why there are points without an answer, said where there are any
+    skip(x, y) : points left out, left_out why
     """
 
     name: str
@@ -69,6 +70,8 @@ class Map:
     solve: Callable
     explained: str = ""
     thin: int = 2
+    skip: Callable = lambda x, y: False
+    left_out: str = ""
 
     def quick(self) -> Map:
         """The same on fewer points."""
@@ -78,11 +81,17 @@ class Map:
         """Yield each point, row by row."""
         for j, y in enumerate(self.y.values):
             for i, x in enumerate(self.x.values):
-                yield {"x": i, "y": j} | judged(self.solve, x, y)
+                if not self.skip(x, y):
+                    yield {"x": i, "y": j} | judged(self.solve, x, y)
+
+    @property
+    def size(self) -> int:
+        """Number of points."""
+        return sum(not self.skip(x, y) for y in self.y.values for x in self.x.values)
 
     def entry(self, points: list[dict]) -> dict:
         """The map in the result file."""
-        words = ("name", "solver", "title", "quantity", "claim", "explained")
+        words = ("name", "solver", "title", "quantity", "claim", "explained", "left_out")
         counts = {verdict: sum(point["verdict"] == verdict for point in points) for verdict in VERDICTS}
         axes = {key: {"label": axis.label, "values": list(axis.values)} for key, axis in (("x", self.x), ("y", self.y))}
         return {word: getattr(self, word) for word in words} | axes | {"counts": counts, "points": points}

@@ -63,14 +63,14 @@ def maps() -> list[Map]:
     ]  # fmt: skip
 
 
-def line(amplitude, frequency=FREQUENCY, ratio=None, **section):
+def line(amplitude, frequency=FREQUENCY, *, nodes=NODES, ratio=None, **section):
     """The OC3 line in surge with another section; ratio: mass over displaced water, the weight kept."""
     at = scene("case_1")
     cable = replace(at.cable, Cdb=None, **section) if section else at.cable
     if ratio is not None:
         cable = replace(cable, mass_per_length=ratio * at.environment.rho * cable.area)
     motion = Motion.harmonic(frequency, (amplitude, 0.0, 0.0))
-    return cable_system(replace(at, cable=cable, motion=motion), NODES)
+    return cable_system(replace(at, cable=cable, motion=motion), nodes)
 
 
 def _stepped(share, radius, hold) -> Found:

@@ -52,13 +52,11 @@ def _sentence(found: dict) -> str:
     best = found["recommended"]
     if best is None:
         return "No setting solved this line: the table says how each ended."
-    told = f"{_setting(best)} takes {seconds(best['seconds'])}; expected error {number(best['promised'], 2)}"
+    cost = f"{seconds(best['seconds'])} here, expected error {number(best['promised'], 2)} of the greatest tension"
+    tolerance = number(found["tolerance"], 1)
     if best["meets"]:
-        return f"Use {told}, within the tolerance of {number(found['tolerance'], 2)}."
-    return (
-        f"No setting of the ladder meets the tolerance of {number(found['tolerance'], 2)}. "
-        f"The most accurate is {told}, of the greatest tension."
-    )
+        return f"Use {_setting(best)}: {cost}, within the tolerance of {tolerance}."
+    return f"No setting meets the tolerance of {tolerance}. The most accurate is {_setting(best)}: {cost}."
 
 
 def _facts(found: dict) -> list[str]:
@@ -83,7 +81,7 @@ def _reference(known: dict) -> str:
     if known["method"] == "harmonic balance":
         return (
             f"Errors are against harmonic balance extrapolated from meshes up to {known['nodes']} nodes{seen}, with up "
-            f"to {known['harmonics']} harmonics; it is known to {number(known['uncertainty'], 2)} of the greatest tension."
+            f"to {known['harmonics']} harmonics, known to {number(known['uncertainty'], 2)} of the greatest tension."
         )
     return (
         f"Errors are against time stepping with {known['nodes']} nodes and dt = {number(known['dt'])} s, which moved "

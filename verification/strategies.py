@@ -110,11 +110,14 @@ def _node(draw, size, depth, force) -> NodeCase:
 
 
 def _line(draw, nodes, ends, size, weight, EA, seabed) -> ElementCase:
-    """Its length is about the distance of the guessed places of its ends; friction only under a fixed anchor."""
+    """Its length is about the distance of the guessed places of its ends; friction where the anchor end is held.
+
+    Held above the seabed it has none; at a free node it would come and go with the touch of the seabed.
+    """
     first, last = (nodes[end] for end in ends)
     chord = max(math.dist(first.r, last.r), 1e-3 * size)
     L = chord * draw(st.floats(0.8, 1.0) | st.floats(1.0, 1.1) | st.floats(1.0, 2.5))
     w = weight * draw(st.floats(0.3, 3.0) | powers(-3, 0) | st.just(0.0) | st.floats(-1.0, -0.1))
-    on_seabed = seabed and first.kind == "fixed"
-    friction = draw(st.just(0.0) | st.floats(0.0, 1.0)) if on_seabed else 0.0
+    held = seabed and first.kind != "free"
+    friction = draw(st.just(0.0) | st.floats(0.0, 1.0)) if held else 0.0
     return ElementCase(w, EA * draw(powers(-2, 2)), L, ends, friction)
