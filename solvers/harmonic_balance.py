@@ -23,6 +23,7 @@ from .threads import one_blas_thread
 
 _COARSE, _START = 3, 1e-3  # harmonics of the driving for a start, and the error (76) that is good enough there
 _SMALLEST_RISE = 2.0**-5  # of the amplitude, in the continuation
+_BETWEEN = 4  # instants for each sample at which a state must be valid
 _PATIENCE = 200  # Newton steps of a continuation; the hardest that ever succeeded took fifty
 
 
@@ -133,7 +134,11 @@ def solve_periodic(
             few = 4 * few if 8 * few < Nh else Nh
         z, iterations, steps, reached, balance = _continued(system, basis, z, tolerance, *how)
         response = _response(system, basis, z, nu, iterations, spent, steps, reached, balance)
-    return response.or_throw(f"{Nh} harmonics, {Nt} samples, amplitude reached: {reached:.4g}") if throw else response
+    given = f"{Nh} harmonics, {Nt} samples, amplitude reached: {reached:.4g}"
+    if response.event is not None:
+        t, node = response.event
+        given += f"; a state is invalid at t = {t:.4g} s, node {node + 1} of {system.nodes}"
+    return response.or_throw(given) if throw else response
 
 
 def _continued(system, basis, z, tolerance, newton, symmetry, iterative):
@@ -142,6 +147,8 @@ def _continued(system, basis, z, tolerance, newton, symmetry, iterative):
     while True:
         share = min(1.0, reached + rise)
         balance = Balance(system if share == 1.0 else system.scaled(share), basis, symmetry, iterative)
+        if balance.symmetric and not balance.holds_start(z):
+            return _continued(system, basis, z, tolerance, newton, False, iterative)
         guess = z
         if before is not None:  # along the secant
             guess = z + (share - reached) / (reached - before[0]) * (z - before[1])
@@ -167,8 +174,9 @@ def _response(system, basis, z, nu, iterations, spent, steps, reached, balance) 
     status, event = Status.SUCCESS, None
     if reached < 1.0:
         status = Status.NO_PERIODIC_RESPONSE
-    y = system.rest()[..., None] + z @ basis.Q.T
-    for i, t in enumerate(basis.times):
+    times = np.arange(_BETWEEN * basis.samples) * (2 * math.pi / basis.omega / (_BETWEEN * basis.samples))
+    y = system.rest()[..., None] + z @ basis.functions(times)[0].T
+    for i, t in enumerate(times):
         invalid = system.invalid(y[..., i])
         if invalid is not None:
             status, event = (invalid[0] if reached == 1.0 else status), (float(t), invalid[1])

@@ -69,6 +69,10 @@ class Balance:
                     return False
         return True
 
+    def holds_start(self, z) -> bool:
+        """Whether a start has the symmetry: one that breaks it wants a response that does."""
+        return bool(abs(self.unpack(self.pack(z)) - z).max() <= _SYMMETRIC * abs(z).max())
+
     def holds(self, x) -> bool:
         """Whether the solution meets the rows that the symmetry left out, too: it found them zero, not assumed."""
         full = Balance(self.system, self.basis, False)
