@@ -26,12 +26,12 @@ s): pairs that grow together, for of two errors the larger hides the other."""
 QUICK = {
     "harmonic balance": ((25, 5), (50, 9), (50, 15), (100, 15)),
     "harmonic balance, extrapolated": ((25, 9), (50, 15)),
-    "time domain": ((25, 0.4), (50, 0.2), (50, 0.1), (100, 0.1)),
-    "MoorDyn": ((24, 0.04), (49, 0.02), (98, 0.01)),
+    "time domain": ((25, 0.4), (50, 0.2), (100, 0.2)),
+    "MoorDyn": ((24, 0.04), (49, 0.02)),
 }
 COUPLING = 0.02  # s: of MoorDyn beside the paper's settings
 
-LONG, ENOUGH, REPEATS = 0.5, 0.6, 4  # s: of a call that is timed once; of all repeats of a shorter one; at most so many
+LONG, ENOUGH, REPEATS = 0.3, 0.3, 4  # s: of a call that is timed once; of all repeats of a shorter one; at most so many
 
 
 def methods() -> list[str]:

@@ -48,7 +48,7 @@ VARIANTS = {
 }
 SHOWN = 200  # instants of a period that are drawn
 NODE = 25  # whose state the paper shows
-TURNS = 5
+TURNS = 3
 LADDER, QUICK_LADDER, MOST, QUICK_MOST = (3, 5, 7, 9, 12, 15, 20, 25, 30), (3, 5, 9, 12), 45, 24
 LEVELS = (1e-2, 1e-3, 1e-4)  # of the range of the tension
 FINE = 30  # harmonics of the spectra

@@ -27,7 +27,7 @@ FLOOR = 1e-8  # of the tension: rounding, which a mesh of 2000 cells shows
 
 NODES = Axis("nodes", (3, 5, 10, 20, 50, 100, 300, 1000, 2000))
 CURRENT = Axis("current, m/s", (0.0, 0.1, 0.3, 1.0, 2.0, 3.0, 5.0))
-SEABED = Axis("seabed stiffness, N/m²", (0.0, 1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e7, 1e9))
+SEABED = Axis("seabed stiffness, N/m²", (0.0, 1.0, 100.0, 1e3, 1e4, 1e5, 1e7, 1e9))
 DIRECTION = (0.8, 0.6, 0.0)  # of the current: not in the plane of the line
 DEPTH = 320.0  # m
 SHOT, SHOT_TO = 50, 1e5
@@ -122,4 +122,4 @@ def _solve(nodes, at, truth) -> Found:
         for name, value, bound in (("rows", rows, ROWS), ("place", miss, PLACES), ("error", error, estimate + FLOOR))
         if value > bound
     ]
-    return Found(state.status, error, lost, {"rows": rows, "place": miss, "estimate": estimate})
+    return Found(state.status, error, lost, values={"rows": rows, "place": miss, "estimate": estimate})

@@ -26,7 +26,7 @@ CLOSURE = 1e-9
 TENSION = 1e-6
 """Largest error of an end tension over the largest one: the balance 1e-9 lost once more in three digits."""
 
-CONTRAST = Axis("stiffest over softest line", tuple(10.0 ** np.arange(0, 7)))
+CONTRAST = Axis("stiffest over softest line", tuple((10.0 ** np.arange(7)).tolist()))
 DIGITS = 30
 
 
@@ -71,7 +71,7 @@ def _solve(family, truth, contrast, size) -> Found:
     error = balance if truth is None else truth(network, state)
     if truth is not None and not error <= TENSION:
         lost.append(f"tensions {error:.3g}")
-    return Found(state.status, error, lost, {"balance": balance, "closure": closure})
+    return Found(state.status, error, lost, values={"balance": balance, "closure": closure})
 
 
 def unbalanced(network, state) -> float:

@@ -20,7 +20,7 @@ CLAIMED = f"the fairlead force is within {CLAIM:g} condition limits of 50 digits
 
 SLACKNESS = Axis("L / chord", (0.5, 0.8, 0.95, 0.999, 1 - 1e-6, 1.0, 1 + 1e-6, 1.001, 1.05, 1.5, 3.0, 10.0))
 TOUCHING = Axis("L / chord", (0.99, 1.0, 1.01, 1.02, 1.04, 1.08, 1.16, 1.3))
-STIFFNESS = Axis("EA / wL", tuple(10.0 ** np.arange(13)))
+STIFFNESS = Axis("EA / wL", tuple((10.0 ** np.arange(13)).tolist()))
 FRICTION = Axis("friction", (0.0, 1e-3, 1e-2, 0.1, 1.0, 10.0, 100.0, 1e3))
 DEPTH = Axis("depth, m", (1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1e3, 3e3, 1e4))
 DIAMETER = Axis("diameter, m", (1e-3, 3e-3, 1e-2, 0.03, 0.1, 0.3, 1.0))
@@ -79,4 +79,4 @@ def _solve(known, make, x, y) -> Found:
     numbers = [state.H, state.V, state.H_anchor, state.V_anchor, state.grounded_length]
     lost = [f"error of {error:.3g} condition limits"] if not error <= CLAIM else []
     lost += ["a force that is not finite"] if not np.isfinite(numbers).all() else []
-    return Found(state.status, error, lost, {"regime": state.regime.name})
+    return Found(state.status, error, lost, values={"regime": state.regime.name})

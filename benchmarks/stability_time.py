@@ -56,7 +56,8 @@ def maps() -> list[Map]:
         make("drag", "Drag by amplitude", DRAG, AMPLITUDES, lambda c, a, hold: _solve(line(a, Cdn=c), hold)),
         make("step", "Step by spectral radius, the end held at every step", STEP, RADIUS, _stepped, "position"),
         make("step_mean", "Step by spectral radius, the end held in the mean", STEP, RADIUS, _stepped),
-        make("mass", "Mass by added mass", MASS, ADDED, lambda m, c, hold: _solve(line(AMPLITUDE, ratio=m, Ca=c), hold)),
+        make("mass", "Mass by added mass", MASS, ADDED,
+             lambda m, c, hold: _solve(line(AMPLITUDE, ratio=m, Ca=c), hold)),
         make("frequency", "Frequency by amplitude", HERTZ, SMALL, lambda f, a, hold: _solve(line(a, f), hold)),
         make("stiff", "Structural damping by step", BETA, Axis(STEP.label, STEP.values[3:]),
              lambda b, share, hold: _solve(line(AMPLITUDE, damping=b), hold, 1 / share)),
@@ -112,6 +113,8 @@ def broken(history, scheme, hold):
         yield f"rates {miss.max():.3g}"
     if hold == "position":
         fine = np.linspace(0.0, time[-1], 20 * time.size)
-        drift = history.drift().max() / (np.linalg.norm(system.motion.acceleration(fine), axis=0).max() * dt**2 / 2)
+        pace = max(dt, history.system.answer())
+        drift = history.drift().max() / (np.linalg.norm(system.motion.acceleration(fine), axis=0).max() * pace**2 / 2)
+        print(drift)
         if drift > DRIFT:
             yield f"drift {drift:.3g}"

@@ -183,7 +183,8 @@ def _limit(data, folder, tables) -> Shown:
     columns = {"amplitude": "amplitude, m", "least": "least tension, kN", "node": "node", "s": "s, m", "at": "time, s",
                "fairlead": "least at the fairlead, kN", "iterations": "steps", "reached": "share reached",
                "status": "status"}  # fmt: skip
-    table = written(tables, "limit", "Amplitude raised", rows, columns, formats={"least": _kN, "fairlead": _kN})
+    formats = {"amplitude": "{:g}".format, "least": _kN, "fairlead": _kN}
+    table = written(tables, "limit", "Amplitude raised", rows, columns, formats=formats)
     return Shown(figures.limit(data, folder), table)
 
 

@@ -102,25 +102,25 @@ def _nested(rows, nested) -> str:
 
 def _operations(rows, nested, whole) -> str:
     n, m = nested["iterations"], nested["inner_iterations"]
-    full, small = ([r for r in rows if r["method"] == "monolithic" and _is_whole(r) == is_whole] for is_whole in (1, 0))
-    agree = sum(abs(r["operations"] - counted(r["iterations"], WHOLE)) < 1 for r in full)
+    full = [row for row in rows if row["method"] == "monolithic" and not _eliminates(row)]
+    agree = sum(abs(row["operations"] - counted(row["iterations"], WHOLE)) < 1 for row in full)
     text = (
         f"the printed ones follow from (5.6), 2n³/3 for each matrix of n unknowns: {n} of {OUTSIDE} and {m} of "
         f"{INSIDE} make {number(round(counted(n, OUTSIDE) + counted(m, INSIDE)))}, {whole['iterations']} of {WHOLE} "
         f"make {number(round(counted(whole['iterations'], WHOLE)))} (printed {number(whole['operations'])}). So they "
-        f"do here for {agree} of the {len(full)} monolithic settings that factorize the whole matrix."
+        f"do here for {agree} of the {len(full)} monolithic settings that factorize the whole matrix"
     )
-    if small:
-        text += (
-            f" The other {len(small)} eliminate the two forces of each line first and factorize a matrix of {OUTSIDE}. "
-            "The nested rows count the outer matrices only: a line solves for its own two forces by itself."
-        )
-    return text
+    if agree < len(full):
+        text += "; in the others the line search factorizes besides, to judge a step by the one that would follow"
+    return (
+        f"{text}. Analytic with line search, the two forces of each line are eliminated first, which leaves a matrix "
+        f"of {OUTSIDE}. The nested rows count the outer matrices only: a line solves for its own two forces by itself."
+    )
 
 
-def _is_whole(row) -> bool:
-    """Whether a matrix of all unknowns is factorized in each iteration, not the Schur complement."""
-    return row["operations"] > counted(row["iterations"], OUTSIDE) + 1
+def _eliminates(row) -> bool:
+    """Whether a setting factorizes the Schur complement of the forces, not the matrix of all unknowns."""
+    return (row["jacobian"], row["globalisation"]) == ("analytic", "line-search")
 
 
 def _residuals(rows, printed, nested) -> str:

@@ -19,6 +19,7 @@ from .loads import seabed_support
 from .motion import Ramped
 from .outcome import InputError, Status
 
+_LONGEST = 0.3  # strain; chain breaks at 0.01, polyester at 0.15, nylon near 0.3
 _IN_PLANE = 1e-12  # out-of-plane parts below this share of a vector come from rounding its direction
 
 
@@ -68,6 +69,8 @@ class CableSystem(ChainSystem):
                 "seabed_stiffness: not given (N/m^2), and a line over a seabed (depth is set) needs it in dynamics; "
                 f"{self.w0 / (0.1 * d):.3g} N/m^2 lets a resting line sink a tenth of its diameter"
             )
+        if self.has_seabed and self.anchor[2] < -environment.depth:
+            raise InputError(f"anchor: z = {self.anchor[2]:g} m is below the seabed, z = {-environment.depth:g} m")
         self.fields = self._rows.FIELDS + (("z",) if self.has_seabed else ())
         self.dimension = len(self.axes)
         self.start_rows = self.dimension + self.has_seabed
@@ -131,9 +134,11 @@ class CableSystem(ChainSystem):
         return (1, 1, 1, -1, 1, -1, *z), (1, 1, -1, *z), (1, 1, -1, 1, 1, -1, *z), (1, 1, -1)
 
     def invalid(self, y) -> tuple[Status, int] | None:
-        """A cable carries no compression, and the equations are ill-posed there (HB reference [53])."""
-        node = int(y[0].argmin())
-        return (Status.COMPRESSION, node) if y[0, node] < 0 else None
+        """A cable carries no compression, and the equations are ill-posed there (HB reference [53]); it breaks, too."""
+        least, most = int(y[0].argmin()), int(y[0].argmax())
+        if y[0, least] < 0:
+            return Status.COMPRESSION, least
+        return (Status.OVERSTRETCHED, most) if y[0, most] > _LONGEST else None
 
     def scale(self) -> np.ndarray:
         """The largest strain at rest; 1 m/s, 1 rad, 1 m."""
@@ -150,6 +155,10 @@ class CableSystem(ChainSystem):
         from .statics import solve_static  # statics knows this module
 
         return solve_static(self).y
+
+    def answer(self) -> float:
+        """An axial wave passes two cells and comes back."""
+        return 4 * float(self.ds.max()) / math.sqrt(self.EA / self.m)
 
     def drift(self, y, t) -> np.ndarray:
         """Integral of (1 + eps) t ds less the prescribed place of the fairlead, (2 or 3, *S), m."""
@@ -221,7 +230,10 @@ def _mesh(nodes, mesh, length) -> np.ndarray:
         if isinstance(nodes, bool) or not isinstance(nodes, (int, np.integer)) or nodes < 3:
             raise InputError(f"nodes: {nodes!r} must be a whole number >= 3")
         return np.linspace(0.0, length, nodes)
-    s = np.asarray(mesh, dtype=float)
+    try:
+        s = np.asarray(mesh, dtype=float)
+    except (TypeError, ValueError):
+        raise InputError(f"mesh: {mesh!r} must be arc lengths (m)") from None
     if s.ndim != 1 or s.size < 3 or not np.isfinite(s).all() or not (np.diff(s) > 0).all():
         raise InputError(f"mesh: must be three or more finite, increasing arc lengths (m), given {mesh!r}")
     if s[0] != 0 or abs(s[-1] - length) > 1e-12 * length:

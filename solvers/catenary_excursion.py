@@ -41,39 +41,43 @@ def excursion(H, V, w, EA, L, rests, friction, clearance) -> Excursion:
 
     Contact is decided by the forces: it touches when V and the hanging anchor end carry less than the weight w L.
     """
-    out = _free(H, V, w, EA, L)
-    heavy = np.flatnonzero(rests & (V >= 0) & (V < w * L))
+    weight = w * L
+    out = _free(H, V, w, EA, L, weight)
+    heavy = np.flatnonzero(rests & (V >= 0) & (V < weight))
     if heavy.size:
         line = [a[heavy] for a in (H, V, w, EA, L, friction, clearance)]
         lift = _hanging_end(*line)
-        touching = np.flatnonzero(line[1] + lift < line[2] * line[4])
+        touching = np.flatnonzero(line[1] + lift < weight[heavy])
         out.put(heavy[touching], _touching(*(a[touching] for a in (*line, lift))))
-    for rows, law, line in ((H == 0, _upright, (V, w, EA, L)), (w == 0, _spring, (H, V, EA, L))):
-        rows = np.flatnonzero(rows)
-        if rows.size:
+    for ruling, law, line in ((H, _upright, (V, w, EA, L)), (w, _spring, (H, V, EA, L))):
+        if np.count_nonzero(ruling) < ruling.size:
+            rows = np.flatnonzero(ruling == 0)
             out.put(rows, law(*(a[rows] for a in line)))
     return out
 
 
-def _free(H, V, w, EA, L) -> Excursion:
+def _free(H, V, w, EA, L, weight) -> Excursion:
     """(2.4) and (4.15) with the differences between the ends resolved, see catenary_profile."""
-    weight = w * L
     b = V - weight
     HH, both = H * H, V + b
     Ta, Tb = np.sqrt(HH + V * V), np.sqrt(HH + b * b)
     same = V * b > 0
     spread = np.arcsinh(weight * both / np.where(same, V * Tb + b * Ta, 1.0))
-    if not same.all():
+    if np.count_nonzero(same) < same.size:
         spread = np.where(same, spread, np.arcsinh(V / H) - np.arcsinh(b / H))
     slope, stretch = L * both / (Ta + Tb), L / EA
     sine = (V / Ta - b / Tb) / w
     C12 = -H * slope / (Ta * Tb)  # H (1/Ta - 1/Tb)/w
     spread = spread / w + stretch
-    zero = np.zeros_like(H)
-    return Excursion(
-        *(H * spread, slope + stretch * (V - weight / 2), H.copy(), b),
-        *(_block(spread - sine, C12, C12, sine + stretch), _block(zero + 1, zero, zero, zero + 1), _columns(*[zero] * 3)),
-    )
+    C = _block(spread - sine, C12, C12, sine + stretch)
+    return Excursion(H * spread, slope + stretch * (V - weight / 2), H.copy(), b, C, *_held(H))
+
+
+def _held(H):
+    """anchor and raised of a line that touches nothing: its anchor force differs from (H, V) by the weight alone."""
+    anchor = np.zeros((H.size, 2, 2), H.dtype)
+    anchor[:, 0, 0] = anchor[:, 1, 1] = 1.0
+    return anchor, np.zeros((H.size, 3), H.dtype)
 
 
 def _upright(V, w, EA, L) -> Excursion:
@@ -84,21 +88,21 @@ def _upright(V, w, EA, L) -> Excursion:
     C11 = np.where(taut, np.abs(np.log(up / down) / w) + stretch, np.inf)
     C = _block(C11, zero, zero, np.where(taut, 0.0, 2 / np.abs(w)) + stretch)
     h = L * (V + b) / (up + down) + stretch * (V + b) / 2
-    return Excursion(zero, h, zero, b, C, _block(zero + 1, zero, zero, zero + 1), _columns(*[zero] * 3))
+    return Excursion(zero, h, zero, b, C, *_held(V))
 
 
 def _spring(H, V, EA, L) -> Excursion:
     """A weightless line: straight along the force, stretched to L (1 + T/EA)."""
-    T, zero = np.sqrt(H * H + V * V), np.zeros_like(H)
+    T = np.sqrt(H * H + V * V)
     long, turn = L * (1 / T + 1 / EA), L / (T * T * T)
     C = _block(long - turn * H * H, -turn * H * V, -turn * H * V, long - turn * V * V)
-    return Excursion(long * H, long * V, H, V, C, _block(zero + 1, zero, zero, zero + 1), _columns(*[zero] * 3))
+    return Excursion(long * H, long * V, H, V, C, *_held(H))
 
 
 def _hanging_end(H, V, w, EA, L, friction, clearance):
     """Downward force of the anchor end, 0 where it lies on the seabed."""
     raised = clearance > 0
-    if not raised.any():
+    if not np.count_nonzero(raised):
         return np.zeros_like(H)
     weight = w * L
     force = weight * hanging_force(ARRAY, H / weight, np.where(raised, clearance, 0.0) / L, weight / EA)
@@ -110,19 +114,19 @@ def _touching(H, V, w, EA, L, friction, clearance, lift) -> Excursion:
     grounded, zero = L - (V + lift) / w, np.zeros_like(H)
     X, Y, X_H, Y_H, Y_V = _hanging(H, V, w, EA)
     stretch, S_H, lost, H_anchor, pulled, turn, softness = H * grounded, grounded, zero, H.copy(), zero + 1, zero, zero
-    if friction.any():
+    if np.count_nonzero(friction):
         stretch, S_H, lost = friction_stretch(ARRAY, H, grounded, friction * w)
         H_anchor = np.maximum(H - friction * w * grounded, 0.0)
         pulled = (H_anchor > 0) + zero
     l, C11 = grounded + X + stretch / EA, X_H + S_H / EA
-    if lift.any():
+    if np.count_nonzero(lift):
         Xa, _, Xa_H, Ya_H, Ya_V = _hanging(H, lift, w, EA)
         softness = np.where(lift > 0, 1 / np.where(lift > 0, Ya_V, 1.0), 0.0)  # d(lift)/dc
         turn = Ya_H * softness  # -d(lift)/dH
         l, C11 = l + Xa, C11 + Xa_H - Ya_H * turn
     C = _block(C11, Y_H + lost / (w * EA), Y_H, Y_V)
     anchor = _block(pulled, pulled * friction, turn, zero)
-    return Excursion(l, Y - clearance, H_anchor, zero - lift, C, anchor, _columns(turn, zero - 1, -softness))
+    return Excursion(l, Y - clearance, H_anchor, zero - lift, C, anchor, np.array([turn, zero - 1, -softness]).T)
 
 
 def _hanging(H, V, w, EA):
@@ -133,11 +137,8 @@ def _hanging(H, V, w, EA):
     return X, Y, (angle - sine) / w + stretch, -sine * drop / w, sine / w + stretch
 
 
-def _block(*entries):
+def _block(a, b, c, d):
     """(n, 2, 2) of four arrays (n,)."""
-    return _columns(*entries).reshape(-1, 2, 2)
-
-
-def _columns(*entries):
-    """(n, k) of k arrays (n,)."""
-    return np.array(entries).T.copy()
+    block = np.empty((a.size, 4), np.result_type(a, b))
+    block[:, 0], block[:, 1], block[:, 2], block[:, 3] = a, b, c, d
+    return block.reshape(-1, 2, 2)

@@ -80,6 +80,10 @@ class ChainSystem:
         """
         return None
 
+    def answer(self) -> float:
+        """Time in s in which the last node answers a velocity that it is given."""
+        return 0.0
+
     def drift_tangent(self, y) -> np.ndarray:
         """d(drift)/dy, (n_d, n_f, N, *S)."""
         raise NotImplementedError

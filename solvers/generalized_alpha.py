@@ -67,19 +67,21 @@ class PositionHold:
     """Velocity that keeps the last node where it is prescribed: it undoes the offset and the rate at which it grows.
 
     The rows of the end see velocities only; what space and time discretisation make of their integral is the drift.
-    dt: the longest step, s; shorter ones return at the same pace, or the correction would shake what it corrects.
+    dt: the longest step, s. The velocity grows evenly from what it was to what the last offset asks for, over an
+    interval no shorter than the chain takes to answer: a jump would shake what it corrects.
     """
 
     def __init__(self, system, dt):
-        self.system, self.interval, self.t, self.offset, self.rate = system, dt, 0.0, None, 0.0
+        self.system, self.interval = system, max(dt, system.answer())
+        self.t, self.offset, self.rate = 0.0, None, 0.0
         self.correction = self.before = 0.0  # at the end and at the start of the interval last passed
 
     def __call__(self, y, t, h) -> np.ndarray:
         """Correction (n_d,) of the velocity at t + h, m/s; the same when a step is tried again from t."""
-        if t > self.t or self.offset is None:
+        if t >= self.t + self.interval - 0.5 * h or self.offset is None:
             self.learn(self.system.drift(y, t), t - self.t)
             self.t = t
-        return self.correction
+        return self.before + min(1.0, (t + h - self.t) / self.interval) * (self.correction - self.before)
 
     def learn(self, offset, elapsed):
         """Find the rate at which the offset grows by itself from its change over the time elapsed, and correct both."""

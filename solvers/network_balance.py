@@ -44,13 +44,18 @@ class Balance:
         self.w, EA, self.L, self.friction = np.array(columns).T.copy()
         self.floor = -np.inf if environment.depth is None else -environment.depth
         self.rests = (self.w >= 0) & np.isfinite(self.floor)  # a buoyant element never lies on the seabed
-        self.any_rests, self.any_massless = bool(self.rests.any()), bool((self.w == 0).any())
+        self.heavy, self.massless = self.rests & (self.w > 0), self.w == 0
+        self.any_rests, self.any_massless = bool(self.rests.any()), bool(self.massless.any())
+        weight = np.abs(self.w) * self.L
+        self.nothing = np.zeros(self.w.size)
+        self.typical_length = float(np.median(self.L))
+        self.typical_force = max(float(np.median(weight)), float(np.abs(self.load).max()) / weight.size, 1e-300)
         self.made_of(EA)
         self.pattern(self.free)
 
     def made_of(self, EA):
         """Set the stiffnesses EA (e,), N, and what follows from them."""
-        self.EA, self.hanging = EA, self.L + np.abs(self.w) * self.L**2 / (2 * EA)  # length of a line hung by one end
+        self.EA, self.softness = EA, self.w / EA  # strain by the weight of a length, 1/m
         # N/m, what holds a node hardly at all: a line's own weight, or soft springs, shared by all nodes
         self.soft_stiffness = float(np.mean(np.abs(self.w)) or np.mean(EA / self.L) * 1e-6) / self.w.size
 
@@ -62,6 +67,7 @@ class Balance:
         self.dof[unknown] = np.arange(self.size).reshape(-1, 3)
         ends = np.stack([self.anchor, self.fairlead], axis=1)
         self.coordinates = (3 * ends[:, :, None] + np.arange(3)).reshape(-1, 6)  # of the ends, of 3n
+        self.ends = self.coordinates.T.ravel()
         of_element = self.dof.ravel()[self.coordinates]
         rows, columns = np.broadcast_arrays(of_element[:, :, None], of_element[:, None, :])
         self.used = np.flatnonzero((rows >= 0) & (columns >= 0))
@@ -109,10 +115,10 @@ class Balance:
     def unbalanced(self, elements, Q=None):
         """(n, 3): sum of all forces on each node, N; ``Q`` instead of the elements' own forces if given."""
         H, V, H_anchor, V_anchor = elements.Q if Q is None else Q
-        pull, direction = np.empty((H.size, 6)), elements.geometry.direction
-        pull[:, 0:2], pull[:, 2] = H_anchor[:, None] * direction, V_anchor
-        pull[:, 3:5], pull[:, 5] = -H[:, None] * direction, -V
-        return self.load + np.bincount(self.coordinates.ravel(), pull.ravel(), self.load.size).reshape(-1, 3)
+        pull, direction = np.empty((6, H.size)), elements.geometry.direction
+        pull[0:2], pull[2] = H_anchor * direction, V_anchor
+        pull[3:5], pull[5] = -H * direction, -V
+        return self.load + np.bincount(self.ends, pull.ravel(), self.load.size).reshape(-1, 3)
 
     def tangent(self, elements):
         """-d(unbalanced)/dr of the unknown nodes, (3m, 3m), dense up to DENSE unknowns, else sparse (csc).
@@ -127,22 +133,22 @@ class Balance:
 
 
 class Geometry:
-    """l (e,), direction (e, 2) of the vertical planes, rise (e,), clearance (e,) of the anchor ends, friction (e,).
+    """l (e,), direction (2, e) of the vertical planes, rise (e,), clearance (e,) of the anchor ends, friction (e,).
 
     rounding : (e,) m, to which distances are known; vertical : (e,) bool, l = 0: any azimuth will do, H/l has a limit
     """
 
     def __init__(self, balance, r):
         reach = r[balance.fairlead] - r[balance.anchor]
-        across = reach[:, :2]
-        self.r, self.rise = r, reach[:, 2]
-        self.l = self.reach = np.sqrt((across * across).sum(axis=1))
+        x, y, self.rise = reach.T
+        self.r, self.l = r, np.sqrt(x * x + y * y)
         self.rounding, self.vertical = ROUNDING * (np.abs(r).max() + balance.L), self.l == 0
-        if self.vertical.any():
+        if np.count_nonzero(self.vertical):
             self.reach = np.where(self.vertical, 1.0, self.l)
-            across = np.where(self.vertical[:, None], [1.0, 0.0], across)
-        self.direction = across / self.reach[:, None]
-        self.clearance, self.friction = np.zeros_like(self.l), balance.friction
+            self.direction = np.array([np.where(self.vertical, 1.0, x), y]) / self.reach
+        else:
+            self.reach, self.direction = self.l, reach.T[:2] / self.l
+        self.clearance, self.friction = balance.nothing, balance.friction
         if balance.any_rests:  # friction acts where the anchor end lies on the seabed
             self.clearance = np.where(balance.rests, r[balance.anchor, 2] - balance.floor, 0.0)
             self.friction = np.where(self.clearance > 0, 0.0, balance.friction)
@@ -152,7 +158,7 @@ class Geometry:
         """(e, 4, 6): d(l, z_a, z_f, t)/d(r_a, r_f), t across the vertical plane;
         (e, 6, 6): (pull on r_a, pull on r_f) from (H, V, H_anchor, V_anchor) and the two forces across, sign reversed.
         """
-        along = self.direction
+        along = self.direction.T
         across = np.stack([-along[:, 1], along[:, 0]], axis=1)
         motion, pulls = np.zeros((self.l.size, 4, 6)), np.zeros((self.l.size, 6, 6))
         motion[:, 0, 0:2], motion[:, 0, 3:5], motion[:, 1, 2], motion[:, 2, 5] = -along, along, 1.0, 1.0
@@ -218,6 +224,6 @@ class Elements:
         D = np.zeros((self.H.size, 6, 4))
         D[:, :4, :3] = self.D if within is None else within
         D[:, 4, 3], D[:, 5, 3] = self.H / g.reach, self.H_anchor / g.reach
-        if g.vertical.any():
+        if np.count_nonzero(g.vertical):
             D[g.vertical, 4, 3], D[g.vertical, 5, 3] = self.D[g.vertical, 0, 0], self.D[g.vertical, 2, 0]
         return pulls @ D @ motion

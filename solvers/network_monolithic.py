@@ -38,17 +38,17 @@ def kinds(balance, g):
     """
     kind = np.where(g.l <= g.rounding, UPRIGHT, OPEN)
     if balance.any_massless:
-        loose = (balance.w == 0) & (np.sqrt(g.l * g.l + g.rise * g.rise) < balance.L - g.rounding)
-        kind[balance.w == 0] = OPEN
-        kind[loose] = CLOSED
+        taut = np.sqrt(g.l * g.l + g.rise * g.rise) >= balance.L - g.rounding
+        kind = np.where(balance.massless, np.where(taut, OPEN, CLOSED), kind)
     if balance.any_rests:
-        over, e, heavy = np.maximum(g.rise + g.clearance, 0.0), balance.w / balance.EA, balance.rests & (balance.w > 0)
-        spare = balance.L - hanging_length(ARRAY, over, e) - hanging_length(ARRAY, g.clearance, e) - g.l
-        low = np.flatnonzero(heavy & (over == 0))
-        if low.size:
+        over = np.maximum(g.rise + g.clearance, 0.0)
+        hanging = hanging_length(ARRAY, np.array([over, g.clearance]), balance.softness)
+        spare, low = balance.L - hanging[0] - hanging[1] - g.l, balance.heavy & (over == 0)
+        if np.count_nonzero(low):
+            low, L = np.flatnonzero(low), balance.L[low]
             spare[low] -= g.rounding[low]
-            kind[low[_rests(g.l[low] / balance.L[low], g.clearance[low] / balance.L[low], (e * balance.L)[low])]] = FLAT
-        kind[heavy & (spare >= 0)] = CLOSED
+            kind[low[_rests(g.l[low] / L, g.clearance[low] / L, balance.softness[low] * L)]] = FLAT
+        kind[balance.heavy & (spare >= 0)] = CLOSED
     return kind
 
 
@@ -64,9 +64,7 @@ class Monolith:
 
     def __init__(self, balance, units, count):
         self.balance, self.count = balance, count
-        weight = np.abs(balance.w) * balance.L
-        typical = max(float(np.median(weight)), float(np.abs(balance.load).max()) / weight.size, 1e-300)
-        self.force_unit, self.length_unit = UNITS[units] or (typical, float(np.median(balance.L)))
+        self.force_unit, self.length_unit = UNITS[units] or (balance.typical_force, balance.typical_length)
 
     def at(self, r, H, V, before=None):
         """The iterate at positions r (n, 3), forces (e,); before: the kinds (e,) that they come from."""
@@ -78,42 +76,49 @@ class Iterate:
     """One iterate: forces on its nodes, gaps (e, 2) of the catenary equations, and what a step needs of them."""
 
     def __init__(self, monolith, r, H, V, before):
-        b = monolith.balance
+        b, Q = monolith.balance, np.empty((4, H.size))
         self.monolith, self.r, self.geometry = monolith, r, Geometry(b, r)
-        g = self.geometry
+        g, Q[0], Q[1] = self.geometry, H, V
         self.kind = kinds(b, g)
+        self.plain = not np.count_nonzero(self.kind)  # all of them OPEN
         self.closed, self.flat, self.upright = (self.kind == kind for kind in (CLOSED, FLAT, UPRIGHT))
-        Q = self._begun(H, V, H > 0, before)
+        if not (self.plain and before is not None and (before == OPEN).all()):
+            self._begin(Q, before)
         self.x = x = excursion(Q[0], Q[1], b.w, b.EA, b.L, b.rests, g.friction, g.clearance)
-        if self.upright.any():
-            Q[0] = np.where(self.upright, g.l / x.C[:, 0, 0], Q[0])
-            x.H_anchor = np.where(self.upright, Q[0], x.H_anchor)
-        Q[2:] = np.where(self.closed, Q[2:], (x.H_anchor, x.V_anchor))
-        self.unknown = np.array([~(self.closed | self.upright), ~(self.closed | self.flat)]).T
-        self.gap = np.where(self.unknown, np.array([x.l - g.l, x.h - g.rise]).T, 0.0)
+        if self.plain:
+            Q[2], Q[3] = x.H_anchor, x.V_anchor
+            self.unknown = np.ones((H.size, 2), dtype=bool)
+        else:
+            x.H_anchor = np.where(self.upright, g.l / x.C[:, 0, 0], x.H_anchor)
+            Q[0] = np.where(self.upright, x.H_anchor, Q[0])
+            Q[2:] = np.where(self.closed, Q[2:], (x.H_anchor, x.V_anchor))
+            self.unknown = np.array([~(self.closed | self.upright), ~(self.closed | self.flat)]).T
+        self.gap = np.array([x.l - g.l, x.h - g.rise]).T
+        self.gap[~self.unknown] = 0.0
         self.elements = Elements(g, Q, None)
         self.force = b.unbalanced(self.elements)
         self.moving = b.moving(r, self.force)
 
-    def _begun(self, H, V, pulled, before):
-        """Q (4, e): H and V as given but where the kind has changed, the rest to be filled; closed rows complete."""
-        b, g = self.monolith.balance, self.geometry
-        Q = np.empty((4, H.size))
-        Q[0], Q[1] = np.where(self.upright, 0.0, H), np.where(self.flat, 0.0, V)
-        new = ~pulled & ~self.upright if before is None else (before >= UPRIGHT) & ~self.upright
-        straight = new & ((self.flat & (g.friction == 0)) | ((b.w == 0) & ~self.closed))  # forces from nothing: they keep the digits that lengths lack
+    def _begin(self, Q, before):
+        """Set H and V of Q (4, e) where the kind has changed; all of closed elements.
+
+        Lines that become straight begin with hardly a force, and keep the digits that lengths lack.
+        """
+        b, g, change = self.monolith.balance, self.geometry, ~self.upright
+        new = change & (Q[0] <= 0) if before is None else change & (before >= UPRIGHT)
+        straight = new & ((self.flat & (g.friction == 0)) | (b.massless & ~self.closed))
         if straight.any():
             T = TAUTENED * b.EA / np.sqrt(g.l * g.l + g.rise * g.rise)
-            Q[0], Q[1] = np.where(straight, T * g.l, Q[0]), np.where(straight & ~self.flat, T * g.rise, Q[1])
-        if before is not None and (before == FLAT).any():
-            rows = np.flatnonzero((before == FLAT) & (self.kind == OPEN))
-            weight, over = (b.w * b.L)[rows], np.maximum(g.rise + g.clearance, 0.0)[rows]
-            Q[1, rows] = weight * hanging_force(ARRAY, Q[0, rows] / weight, over / b.L[rows], weight / b.EA[rows])
+            Q[0], Q[1] = np.where(straight, T * g.l, Q[0]), np.where(straight, T * g.rise, Q[1])
+        Q[0, self.upright] = Q[1, self.flat] = 0.0
+        lifted = np.flatnonzero((self.kind == OPEN) & (before == FLAT)) if before is not None else ()
+        if len(lifted):
+            weight, over = (b.w * b.L)[lifted], (g.rise + g.clearance)[lifted] / b.L[lifted]
+            Q[1, lifted] = weight * hanging_force(ARRAY, Q[0, lifted] / weight, over, weight / b.EA[lifted])
         self.exact = np.flatnonzero(self.closed | (new & ~straight))
         if self.exact.size:
             Q[:, self.exact], self.D_exact, inner = exact_forces(b, g, self.exact)
             self.monolith.count.inner_iterations += inner
-        return Q
 
     @property
     def residual(self):
@@ -133,18 +138,19 @@ class Iterate:
         derivatives of the forces (e, 4, 3). Zero rows of K where H or V is no unknown.
         """
         x = self.x
-        K = _inverse(x.C, self.flat | self.upright)
-        K[self.flat, 1, 1] = 0.0
-        G = np.zeros((self.kind.size, 2, 3))
+        a, b, c, d = x.C.reshape(-1, 4).T
+        K = (np.array([d, -b, -c, a]) / (a * d - b * c)).T.reshape(-1, 2, 2)
+        G, D = np.zeros((self.kind.size, 2, 3)), np.empty((self.kind.size, 4, 3))
         G[:, 0, 0] = G[:, 1, 2] = 1.0
         G[:, 0, 1], G[:, 1, 1] = -x.raised[:, 0], -1.0 - x.raised[:, 1]
-        G[self.flat, 1] = 0.0
-        K[self.closed] = G[self.closed] = 0.0
-        D = np.empty((self.kind.size, 4, 3))
+        if not self.plain:
+            K[self.kind != OPEN] = G[self.flat, 1] = G[self.closed] = 0.0
+            K[:, 0, 0] = np.where(self.flat | self.upright, 1 / a, K[:, 0, 0])
+            K[:, 1, 1] = np.where(self.upright, 1 / d, K[:, 1, 1])
         D[:, :2] = K @ G
         D[:, 2:] = x.anchor @ D[:, :2]
         D[:, 3, 1] += x.raised[:, 2]
-        if self.closed.any():
+        if not self.plain and self.closed.any():
             D[self.closed] = self.D_exact[self.closed[self.exact]]
         return K, G, D
 
@@ -215,18 +221,8 @@ def _converged(now, tolerance):
     return bool((closed | (np.abs(now.blocks[0] @ now.gap[:, :, None]).max(axis=(1, 2)) <= bound)).all())
 
 
-def _inverse(C, single):
-    """Inverses of 2 x 2 blocks (e, 2, 2); of their diagonals, infinite entries too, where ``single``."""
-    a, b, c, d = C.reshape(-1, 4).T
-    K = (np.array([d, -b, -c, a]) / (a * d - b * c)).T.reshape(-1, 2, 2)
-    if single.any():
-        K[single] = 0.0
-        K[single, 0, 0], K[single, 1, 1] = 1 / a[single], 1 / d[single]
-    return K
-
-
 def _line_search(now, step, tolerance):
-    """Halve the step until the residual falls in norm, or what it leaves is mended by a shorter step, or all is balanced.
+    """Halve the step until the residual falls in norm, or a shorter step mends what it leaves, or all is balanced.
 
     The norm alone would creep where a stiff line swings: a full step across lengthens it, which the next step mends.
     """

@@ -27,6 +27,10 @@ class Status(Enum):
         "the tension vanished at a node, and a perfectly flexible cable in compression is ill-posed: "
         "reduce the motion, or set allow_invalid=True and read what follows with care"
     )
+    OVERSTRETCHED = (
+        "the line is stretched beyond 30 %, where no mooring line holds and EA has no meaning: "
+        "use a longer line or a smaller motion, or set allow_invalid=True in a time integration"
+    )
     NO_PERIODIC_RESPONSE = (
         "no periodic response was found at the full motion, even with its amplitude raised in small steps: "
         "use more harmonics, start from a neighbouring response, or reduce the motion"

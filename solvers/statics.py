@@ -82,9 +82,13 @@ def solve_static(system: CableSystem, *, method="box", tolerance=TOLERANCE, thro
         x, left, steps, converged = shoot(system, statics.full(x), tolerance)
         iterations += len(steps)
     left = abs(statics.residual(x)).max() if left is None else left
-    status = Status.SUCCESS if reached == 1.0 and converged else Status.NO_EQUILIBRIUM_FOUND
+    status, y = Status.SUCCESS, statics.full(x)
+    if reached < 1.0 or not converged:
+        status = Status.NO_EQUILIBRIUM_FOUND
+    elif (invalid := system.invalid(y)) is not None:
+        status = invalid[0]
     place = system.axes.T @ x[system.dimension :] + system.anchor[:, None]
-    state = StaticState(system, statics.full(x), place, status, iterations, float(left), tuple(steps))
+    state = StaticState(system, y, place, status, iterations, float(left), tuple(steps))
     return state.or_throw(system.scene.name) if throw else state
 
 
@@ -107,7 +111,7 @@ def _eased(system, x, share) -> CableSystem:
     eased = copy.copy(system)
     if system.current is not None:
         eased.current = share * system.current
-    if system.has_seabed:
+    if system.has_seabed and system.seabed_stiffness > 0:
         soft = system.EA * x[0].max() / (4 * system.ds.max() ** 2)  # the line lifts off over two cells, sqrt(T / k)
         eased.seabed_stiffness = system.seabed_stiffness * min(1.0, soft / system.seabed_stiffness) ** (1 - share)
     return eased
@@ -129,9 +133,10 @@ class _Statics:
         """The continuous equilibrium without current, on the nodes; a seabed is rigid there."""
         system, n = self.system, self.system.dimension
         environment = system.scene.environment
-        clearance = system.anchor[2] + environment.depth if system.has_seabed else 0.0
+        seabed = system.has_seabed and system.seabed_stiffness > 0
+        clearance = system.anchor[2] + environment.depth if seabed else 0.0
         rise, run = system.chord[:2]
-        span = Span(system.w0, system.EA, float(system.s[-1]), run, rise, system.has_seabed, 0.0, max(clearance, 0.0))
+        span = Span(system.w0, system.EA, float(system.s[-1]), run, rise, seabed, 0.0, clearance)
         state = solve_span(span)
         along, up, T = state.profile(system.s)
         x = np.zeros((2 * n, system.nodes))

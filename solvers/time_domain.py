@@ -14,6 +14,7 @@ from .properties import positive_number, real_number
 from .response import Response
 
 _GROWTH, _SHRINK, _SAFETY = 2.0, 0.2, 0.9  # of an error-controlled step
+_FIRST_STEP = 2.0**-10  # share of dt with which the step control starts, for the first step has no error estimate
 _SMALLEST_STEP = 1e-6  # share of dt below which the step control gives up
 _LAST = 1e-12  # share of the duration that rounding may leave
 
@@ -146,7 +147,8 @@ class _Run:
         self.stepper, self.end, self.every, self.step_tolerance = stepper, end, every, step_tolerance
         self.count = math.ceil(end / dt * (1 - _LAST))  # of fixed steps
         self.dt = end / self.count if step_tolerance is None else dt
-        self.t, self.y, self.ydot, self.h = 0.0, y, ydot, self.dt
+        self.t, self.y, self.ydot = 0.0, y, ydot
+        self.h = self.dt if step_tolerance is None else _FIRST_STEP * self.dt
         self.before = None  # (step, ydot at its start)
         self.size = stepper.system.scale()[:, None] if step_tolerance is not None else None  # largest values so far
         self.record, self.steps, self.rejected = [(0.0, y, ydot)], 0, 0

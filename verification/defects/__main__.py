@@ -10,7 +10,7 @@ import sys
 import time
 from pathlib import Path
 
-from .catalogue import CATALOGUE, WIDER
+from .catalogue import CATALOGUE, WIDER, frozen
 from .defect import Defect
 from .runner import ROOT, CheckError, Log, run
 from .verdict import Verdict, as_json, kept, summary, verdicts
@@ -95,15 +95,15 @@ def tell(found: list[Verdict]):
     """The matrix defect x check, then the counts."""
     columns = sorted({r.check.split("::")[0].split()[0] for v in found for r in v.results})
     print("\n".join(f"{chr(97 + i % 26) * (1 + i // 26):>3} {name}" for i, name in enumerate(columns)))
-    print("X its own check saw it, x another one did, s one with stored numbers, . not seen, ! red without any defect\n")
+    print("X: its own check saw it, x: another one did, s: one with stored numbers, .: not seen, !: red by itself\n")
     for v in sorted(found, key=lambda v: v.defect.module):
         marks = " ".join(_mark(v, [r for r in v.results if r.check.startswith(column)]) for column in columns)
         state = "blind" if v.defect.blind and not v.seen else "" if v.good else "SURVIVES" if not v.seen else "SEEN"
         print(f"{v.defect.module:>20}  {v.defect.name:<52.52} {marks}  {state}")
     counts = summary(found)
-    print(f"\n{counts['caught']} of {counts['defects']} defects found, {counts['caught_by_named']} by the check named for "
-          f"them, {counts['caught_otherwise']} ({counts['rate']:.1%}) without stored numbers; {counts['blind']} blind "
-          f"spots; misprints planted: {len(counts['misprints'])}")  # fmt: skip
+    print(f"\n{counts['caught']} of {counts['defects']} defects found, {counts['caught_by_named']} by the check named "
+          f"for them, {counts['caught_otherwise']} ({counts['rate']:.1%}) without stored numbers; {counts['blind']} "
+          f"blind spots; misprints planted: {len(counts['misprints'])}")  # fmt: skip
     for name, what in (
         ("survivors", "not found without stored numbers"),
         ("unexplained", "survive without an explanation"),
@@ -127,8 +127,6 @@ def _letter(verdict, result) -> str:
         return "."
     if result.check == verdict.defect.check:
         return "X"
-    from .catalogue import frozen
-
     return "s" if frozen(result.test or result.check) else "x"
 
 

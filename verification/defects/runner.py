@@ -39,7 +39,7 @@ _CHILD = (
     "sys.exit(pytest.main(sys.argv[2:]))"
 )
 _GRACE = 20.0  # s
-_OPTIONS = ("-x", "--tb=no", "--no-header", "-p", "no:cacheprovider", "-p", "no:faulthandler", "-p", "no:xdist")
+_OPTIONS = ("-x", "--tb=no", "--no-header", "-p", "no:cacheprovider", "-p", "no:faulthandler")
 _SUMMARY = re.compile(r"^(?:FAILED|ERROR) (\S+?\.py(?:::\w+)*)(\[.*?\])?(?: - (.*))?$", re.MULTILINE)
 _STOPPED = (-signal.SIGTERM, -signal.SIGINT, -9)
 
@@ -74,6 +74,7 @@ def run_check(root: Path, check: str, timeout: float, children: set | None = Non
     """(outcome, seconds, test, message) of a check on the project at ``root``. Raises CheckError, KeyboardInterrupt."""
     environment = {k: v for k, v in os.environ.items() if not k.startswith(("PYTEST_", "MOORING_", "COV_"))}
     environment |= {"OPENBLAS_NUM_THREADS": "1", "COLUMNS": "240", "PYTHONPATH": str(root)}
+    environment["PYTEST_DISABLE_PLUGIN_AUTOLOAD"] = "1"  # half of the start of a run, for nothing that the checks use
     command = [sys.executable, "-c", _CHILD, str(timeout + _GRACE), *arguments(check), *_OPTIONS]
     began = time.perf_counter()
     process = subprocess.Popen(
@@ -223,13 +224,32 @@ def run(
         children: set[subprocess.Popen] = set()
         pool = ThreadPoolExecutor(jobs)
         try:
-            futures = {pool.submit(copies.run, *pair, timeout, children): k for k, pair in left.items()}
+            futures = [pool.submit(_results, copies, group, timeout, children) for group in _groups(left)]
             for future in as_completed(futures):
-                found.append(future.result())
-                log.append(futures[future], found[-1])
+                for k, result in future.result().items():
+                    log.append(k, result)
+                    found.append(result)
                 yield len(found), len(pairs), found
         finally:
             pool.shutdown(wait=False, cancel_futures=True)
             for child in list(children):
                 child.kill()
             pool.shutdown(wait=True)
+
+
+def _groups(left: dict) -> list[dict]:
+    """What is run together: all functions of one file on the project as it is; anything else by itself."""
+    together: dict[str, dict] = {}
+    for k, (defect, check) in left.items():
+        plain = defect is None and "::" in check and " " not in check
+        together.setdefault(check.split("::")[0] if plain else k, {})[k] = (defect, check)
+    return list(together.values())
+
+
+def _results(copies: Copies, group: dict, timeout: float, children: set) -> dict[str, Result]:
+    """Key -> result of a group; one by one where not all of it is green."""
+    if len(group) > 1:
+        one = copies.run(None, " ".join(check for _, check in group.values()), timeout, children)
+        if not one.red:
+            return {k: Result("", check, "missed", one.seconds / len(group)) for k, (_, check) in group.items()}
+    return {k: copies.run(*pair, timeout, children) for k, pair in group.items()}

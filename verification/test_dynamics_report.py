@@ -1,0 +1,105 @@
+"""Do the page's sections on moving cables show what was measured, and nothing else? Run from the command line."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from .test_report import ROOT, Page, broken_anchors, missing_files, report, undescribed
+
+TIME, BALANCE = "cable_dynamics", "harmonic_balance"
+FILES = {TIME: "dynamics.json", BALANCE: "harmonic_balance.json"}
+CHEAP = {TIME: ("profile",), BALANCE: ("fields", "oscillators")}
+
+
+def measure(program: str, results: Path, *arguments: str) -> dict:
+    """Run a benchmark program as its user does; its result file."""
+    command = [sys.executable, "-m", f"benchmarks.{program}", "--quick", "--out", str(results), *arguments]
+    run = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=600)
+    assert run.returncode == 0, run.stderr
+    return json.loads((results / FILES[program]).read_text(encoding="utf-8"))
+
+
+def page(out: Path) -> Page:
+    """The page made of what is in out/results; the machine alone is measured."""
+    run = report("--only", "machine", "--out", out)
+    assert run.returncode == 0, run.stderr
+    return Page((out / "index.html").read_text(encoding="utf-8"))
+
+
+def words(found: Page) -> str:
+    """The text of the page without tags, on one line."""
+    return " ".join(re.sub(r"<[^>]+>", " ", found.text).split())
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory):
+    """(folder, result files by program, page) of a few cheap parts."""
+    out = tmp_path_factory.mktemp("dynamics")
+    found = {program: measure(program, out / "results", "--parts", *parts) for program, parts in CHEAP.items()}
+    return out, found, page(out)
+
+
+def test_report_shows_the_parts_that_were_measured_and_no_other(built):
+    """Measured parts have their headings, others none; figures are described, every link leads somewhere."""
+    out, _, found = built
+    for heading in ("The moving cable in time", "The line at rest", "Harmonic balance", "Beside harmonic-balance"):
+        assert heading in found.text
+    for heading in ("From rest to periodic", ">Drift<", "HB Table 2", "HB Fig. 3:"):
+        assert heading not in found.text
+    assert undescribed(found) == [] and missing_files(found, out) == [] and broken_anchors(found) == []
+
+
+def test_report_quotes_the_measured_profile(built):
+    """The caption of the profile holds the tensions of the result file, rounded."""
+    _, found, shown = built
+    tensions = found[TIME]["profile"]["fairlead"]
+    assert f"{tensions['box scheme'] / 1e3:.3f} kN on 50 nodes" in words(shown)
+    assert f"{tensions['catenary'] / 1e3:.3f} kN on the catenary" in words(shown)
+
+
+def test_report_keeps_the_data_of_its_figures(built):
+    """The CSV beside the profile holds every node and every point of the catenary, unrounded."""
+    out, found, _ = built
+    rows = (out / "tables" / "dynamics_profile.csv").read_text(encoding="utf-8").splitlines()
+    profile = found[TIME]["profile"]
+    assert len(rows) == 1 + len(profile["nodes"]["s"]) + len(profile["catenary"]["s"])
+    assert repr(profile["nodes"]["tension"][-1]) in rows[len(profile["nodes"]["s"])]
+
+
+def test_report_follows_its_results_and_says_what_is_not_reached(built):
+    """Planted results change the words: no number is typed in, and a gain below the bound is called not reached."""
+    out, found, _ = built
+    planted = json.loads(json.dumps(found))
+    planted[TIME]["profile"]["distance"] = 0.123
+    planted[TIME]["profile"]["fairlead"]["box scheme"] = 1234567.0
+    seconds = planted[BALANCE]["fields"]["seconds"]
+    seconds["planar"], seconds["spatial"] = [1.0] * 3, [1.5] * 3
+    for row in planted[BALANCE]["oscillators"]:
+        row["seconds_full"] = 1e3
+    for program, data in planted.items():
+        (out / "results" / FILES[program]).write_text(json.dumps(data), encoding="utf-8")
+    text = words(page(out))
+    assert "within 123 mm of the catenary" in text and "1234.57 kN on 50 nodes" in text
+    assert "1.5 times as long" in text and re.search("gain of the planar case . not reached", text)
+    assert "fastest of the libraries in 0 of the 3 sizes" in text
+
+
+def test_report_of_every_part_is_whole(tmp_path, deep):
+    """Every part of both programs has its section, its figures and its verdict (the long run only)."""
+    if not deep:
+        return
+    for program in CHEAP:
+        measure(program, tmp_path / "results")
+    found = page(tmp_path)
+    for heading in ("Orders of accuracy", "From rest to periodic", "Tension in space and time", "Drift", "HB Table 2",
+                    "Error against run time", "HB Figs. 6 to 9", "HB Fig. 3", "HB Fig. 4", "The constant term",
+                    "How many harmonics", "Spectra and envelopes", "Until the tension vanishes", "Cost"):  # fmt: skip
+        assert heading in found.text, heading
+    assert undescribed(found) == [] and missing_files(found, tmp_path) == [] and broken_anchors(found) == []
+    assert "drift of the fairlead" in found.text and "time of time domain" in found.text
