@@ -65,7 +65,7 @@ CONSTANT = {
 }
 """(case, harmonics, samples, whether the constant term is kept) -> greatest, least and mean fairlead tension, kN, on
 the same 50 nodes by two independent programs; their extremes are of a period sampled less finely (+-0.03)."""
-QUICK_CONSTANT = [key for key in CONSTANT if key[1] == HARMONICS and (key[3] or key[0] != "case_1_large")]
+QUICK_CONSTANT = [key for key in CONSTANT if key[1] == (3 if key[0] == "case_1_large" else HARMONICS)]
 EXTREMES = 4000  # instants for greatest and least values
 
 
