@@ -69,7 +69,8 @@ def maps() -> list[Map]:
         Map("statics_seabed", "statics", "Seabed stiffness by nodes", NODES, SEABED, text, claim,
             lambda nodes, stiffness: _solve(nodes, _resting(stiffness), _rested(stiffness)),
             "A stiff seabed is raised in steps from one that the mesh resolves; where the support changes from none "
-            "to all within a small part of a cell, Newton's method jumps between the two."),
+            "to all within a small part of a cell, Newton's method jumps between the two.",
+            ((3, 10, 100), (0.0, 100.0, 1e4))),
     ]  # fmt: skip
 
 

@@ -1,9 +1,9 @@
 """What a stability map is: two axes pushed to where a solver breaks, and a verdict at every point.
 
 Verdicts: solved (a success whose claims hold), refused (InputError before any work), not converged (a status that says
-so, or ConvergenceError), tension lost (the status COMPRESSION: what a cable cannot carry), too coarse (a success that
-keeps its claims, where a finer run has no answer or loses the tension), wrong (a success that does not keep its own
-claims), crashed (any other exception, a floating-point error or a warning among them).
+so, or ConvergenceError), invalid (a status that says that no cable is like this: in compression, or stretched beyond
+breaking), too coarse (a success that keeps its claims, where a finer run has no answer or is invalid), wrong (a success
+that does not keep its own claims), crashed (any other exception, a floating-point error or a warning among them).
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import math
 import time
 import warnings
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
 
@@ -21,7 +21,8 @@ import numpy as np
 
 from solvers import ConvergenceError, InputError, Status
 
-VERDICTS = ("solved", "refused", "not converged", "tension lost", "too coarse", "wrong", "crashed")
+INVALID = (Status.COMPRESSION, Status.OVERSTRETCHED)
+VERDICTS = ("solved", "refused", "not converged", "invalid", "too coarse", "wrong", "crashed")
 ROOT = Path(__file__).parents[1]
 
 
@@ -57,6 +58,7 @@ class Map:
     """solve(x, y) -> Found; title, what the error is (quantity) and what a success claims, as sentences.
 
     explained : why there are points without an answer, said where there are any
+    brief : values of x and of y in the quick run, every third where not given
     skip(x, y) : points left out, left_out why
     """
 
@@ -69,13 +71,16 @@ class Map:
     claim: str
     solve: Callable
     explained: str = ""
-    thin: int = 2
+    brief: tuple = ()
     skip: Callable = lambda x, y: False
     left_out: str = ""
 
     def quick(self) -> Map:
         """The same on fewer points."""
-        return Map(**(vars(self) | {"x": self.x.thinned(self.thin), "y": self.y.thinned(self.thin)}))
+        x, y = self.x.thinned(3), self.y.thinned(3)
+        if self.brief:
+            x, y = (Axis(axis.label, values) for axis, values in zip((x, y), self.brief, strict=True))
+        return replace(self, x=x, y=y)
 
     def points(self):
         """Yield each point, row by row."""
@@ -99,7 +104,7 @@ class Map:
 
 def judged(solve, *at) -> dict:
     """Verdict, status, error and message of solve(*at), with floating-point errors and warnings raised."""
-    start = time.perf_counter()
+    start = time.process_time()
     try:
         with warnings.catch_warnings(), np.errstate(divide="raise", over="raise", invalid="raise"):
             warnings.simplefilter("error")
@@ -113,14 +118,14 @@ def judged(solve, *at) -> dict:
     else:
         row = {"verdict": _verdict(found), "status": found.status.name, "message": "; ".join(found.lost)}
         row |= {"error": found.error} | ({"finer": found.finer.name} if found.finer else {}) | found.values
-    return row | {"seconds": time.perf_counter() - start}
+    return row | {"seconds": time.process_time() - start}
 
 
 def _verdict(found: Found) -> str:
     if found.status is Status.SUCCESS:
         unknown = found.finer is None and math.isnan(found.error)
         return "wrong" if found.lost or unknown else "too coarse" if found.finer else "solved"
-    return "tension lost" if found.status is Status.COMPRESSION else "not converged"
+    return "invalid" if found.status in INVALID else "not converged"
 
 
 @cache

@@ -63,7 +63,6 @@ def maps(known) -> list[Map]:
     return [
         Map(
             *(f"spans_{name}", "span", title, x, y, QUANTITY, CLAIMED, partial(_solve, known, case)),
-            thin=4 if name == "stiffness" else 3,
         )
         for name, (title, x, y, case) in GRIDS.items()
     ]

@@ -22,8 +22,8 @@ MOST_STEPS = 400  # runs with shorter steps end before their period is over
 
 TOLERANCE = 1e-10  # mean |dy| of the last Newton step, the solver's default
 DRIFT = 1.0
-"""Largest distance of the fairlead from its place, in half the acceleration of its motion times the step squared: what
-one step may add before the correction sees it."""
+"""Largest distance of the fairlead from its place, in half the acceleration of its motion times the square of the step,
+or of the time in which the line answers: what is added before the correction is felt."""
 RELATION = 1e-9  # of the largest value of each field: y(n+1) - y(n) against its rates
 
 AMPLITUDES = Axis("amplitude of the surge, m", (0.01, 0.1, 1.0, 2.0, 5.0, 8.0, 11.0, 15.0, 20.0))
@@ -43,8 +43,8 @@ def maps() -> list[Map]:
     claim = "the rows of every step met to the solver's tolerance, states finite, no tension below zero at a step"
     held = f"{claim}, the fairlead within one step's error of its place"
     lost = (
-        "Tension lost: the solver stops with COMPRESSION, at the time and node where the tension first vanishes; "
-        "a longer step can pass over it."
+        "Invalid: the solver stops with a status, at the time and node where the tension vanishes or the line would "
+        "break. Too coarse: a shorter step does so, or fails."
     )
 
     def make(name, title, x, y, solve, hold="mean", **more):
@@ -54,13 +54,16 @@ def maps() -> list[Map]:
 
     return [
         make("drag", "Drag by amplitude", DRAG, AMPLITUDES, lambda c, a, hold: _solve(line(a, Cdn=c), hold)),
-        make("step", "Step by spectral radius, the end held at every step", STEP, RADIUS, _stepped, "position"),
-        make("step_mean", "Step by spectral radius, the end held in the mean", STEP, RADIUS, _stepped),
+        make("step", "Step by spectral radius, the end held at every step", STEP, RADIUS, _stepped, "position",
+             brief=((1e-3, 0.01, 0.1, 0.5), (0.0, 0.6, 1.0))),
+        make("step_mean", "Step by spectral radius, the end held in the mean", STEP, RADIUS, _stepped,
+             brief=((0.01, 0.1, 0.5), (0.0, 0.6, 1.0))),
         make("mass", "Mass by added mass", MASS, ADDED,
              lambda m, c, hold: _solve(line(AMPLITUDE, ratio=m, Ca=c), hold)),
         make("frequency", "Frequency by amplitude", HERTZ, SMALL, lambda f, a, hold: _solve(line(a, f), hold)),
         make("stiff", "Structural damping by step", BETA, Axis(STEP.label, STEP.values[3:]),
-             lambda b, share, hold: _solve(line(AMPLITUDE, damping=b), hold, 1 / share)),
+             lambda b, share, hold: _solve(line(AMPLITUDE, damping=b), hold, 1 / share),
+             brief=((0.0, 0.1, 10.0), (0.03, 0.1, 0.5))),
     ]  # fmt: skip
 
 
@@ -115,6 +118,5 @@ def broken(history, scheme, hold):
         fine = np.linspace(0.0, time[-1], 20 * time.size)
         pace = max(dt, history.system.answer())
         drift = history.drift().max() / (np.linalg.norm(system.motion.acceleration(fine), axis=0).max() * pace**2 / 2)
-        print(drift)
         if drift > DRIFT:
             yield f"drift {drift:.3g}"

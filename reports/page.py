@@ -18,6 +18,7 @@ from . import (
     scene_dynamics,
     scene_figures,
     scene_tables,
+    stability,
     style,
     tables,
     verdicts,
@@ -91,6 +92,8 @@ def _with_dynamics(text: str, context: dict) -> str:
     """The page with the sections on moving cables, before that on misprints, and links to them."""
     sections = _templates().get_template("dynamics.html.j2").render(context)
     links = '<a href="#dynamics">Moving cable</a><a href="#harmonic">Harmonic balance</a>'
+    sections += _templates().get_template("stability.html.j2").render(context)
+    links += '<a href="#stability">Stability</a>'
     for mark, new in (('<a href="#errata">', links), ('<h2 id="errata">', sections)):
         text = text.replace(mark, new + mark, 1)
     return text
@@ -195,7 +198,8 @@ def _whole(results: Results, looks: dict, figure_folder: Path, table_folder: Pat
     return made | moving | {
         "questions": found,
         "counts": {outcome: sum(question.total(outcome) for question in found) for outcome in OUTCOMES},
-        "verdicts": [*verdicts.strip(accuracy, speed, found, xml.exists()), *moving["dynamics_verdicts"]],
+        "verdicts": [*verdicts.strip(accuracy, speed, found, xml.exists()), *moving["dynamics_verdicts"],
+                     *stability.verdicts(results.json("stability"))],
         "accuracy": accuracy,
         "finding": verdicts.sentence(accuracy) if accuracy else None,
         "examples": _examples(accuracy) if accuracy else [],
@@ -205,6 +209,7 @@ def _whole(results: Results, looks: dict, figure_folder: Path, table_folder: Pat
         "cold": figures.cold_times(timings, looks, figure_folder) if timings else None,
         "networks": networks.section(results.json("networks"), looks, figure_folder, table_folder),
         "published": _published(results, table_folder),
+        "stability": stability.section(results.json("stability"), figure_folder, table_folder),
     }
 
 

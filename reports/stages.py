@@ -53,10 +53,13 @@ class Stage:
         )
 
 
-QUICK_TESTS = "not 50_digits and not random_lines and not test_report"
-"""Tests of the quick run: without those that compute many lines to 50 digits, and without a report in a report."""
+LONG_TESTS = ("50_digits", "random_lines", "test_report", "test_network", "test_harmonic", "test_oscillators",
+              "test_time_domain", "test_cable", "test_exact_dynamics", "test_fuzz", "test_stability", "test_defects",
+              "test_found_by_defects")  # fmt: skip
+QUICK_TESTS = " and ".join(f"not {name}" for name in LONG_TESTS)
+"""Tests of the quick run: without those that take long, and without a report in a report."""
 
-SLOW = ("work_precision", "networks")
+SLOW = ("work_precision",)
 """Groups left out by --quick; results of an earlier whole run are still shown."""
 
 
@@ -82,7 +85,8 @@ def _machine() -> Stage:
 
 
 DYNAMICS = {"dynamics": ("moving cable", "benchmarks.cable_dynamics", 60, 15),
-            "harmonic_balance": ("harmonic balance", "benchmarks.harmonic_balance", 110, 30)}  # fmt: skip
+            "harmonic_balance": ("harmonic balance", "benchmarks.harmonic_balance", 110, 30),
+            "stability": ("stability maps", "benchmarks.stability", 150, 15)}  # fmt: skip
 """Stage -> title, program, expected seconds of the whole and of the quick run."""
 
 
@@ -111,6 +115,7 @@ def plan(quick: bool, published: list[Path]) -> list[Stage]:
     better = _accuracy(RANDOM) if quick else ()
     chosen = ("-o", "python_files=bench_*.py", "--benchmark-enable", "--benchmark-only")
     timings = ("pytest", "benchmarks", *chosen, "--benchmark-json={part}")
+    networks = ("benchmarks.networks", "--out", "{results}")
     return [
         _tests(quick),
         _machine(),
@@ -121,8 +126,8 @@ def plan(quick: bool, published: list[Path]) -> list[Stage]:
               ("benchmarks.work_precision", "--out", "{results}"), "work_precision.json", MEASURED, True, 60),
         Stage("speed", "speed", "speed side by side",
               ("benchmarks.speed", "--out", "{results}"), "speed.json", MEASURED, True, 15),
-        Stage("networks", "networks", "networks of lines",
-              ("benchmarks.networks", "--out", "{results}"), "networks.json", MEASURED, True, 75),
+        Stage("networks", "networks", "networks of lines", (*networks, *(("--quick",) if quick else ())),
+              "networks.json", MEASURED, True, 25 if quick else 75, better=networks if quick else ()),
         *_dynamics(quick),
         *(scene_stage(path) for path in sorted(SCENES.glob("*.toml"))),
         *(scene_stage(path, "published") for path in published),

@@ -83,6 +83,7 @@ def _cross(a) -> np.ndarray:
     return np.array([[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]])
 
 
+PROMISED = 1e-9  # of the largest force: never more is left of a balance that is called solved, unless asked for
 FEW = 25  # lines up to which solving them one by one is faster
 METHODS = {
     "method": ("monolithic", "nested"),
@@ -101,7 +102,7 @@ def solve_network(
     units: str = "scaled",
     start=None,
     fallback: bool = True,
-    tolerance: float = 1e-9,
+    tolerance: float = PROMISED,
     throw: bool = True,
 ) -> NetworkState:
     """Equilibrium of a network.
@@ -111,8 +112,8 @@ def solve_network(
     globalisation : "line-search" or "trust-region", and units "scaled", "N" or "kN" of the forces: monolithic only
     start : None (no guess needed), "nodes" (the free nodes' own r), a NetworkState, or arrays (r (n, 3), H, V (e,))
     fallback : when the method stops short, go on from there by the monolithic one, then from no guess
-    tolerance : of residual_norm; where exact spans between positions as doubles cannot resolve it (nested), what they
-        can is accepted
+    tolerance : of residual_norm; where exact spans between positions as doubles do not resolve less than 1e-9 (nested),
+        what they resolve is accepted
     Raises InputError for unknown options, ConvergenceError when no equilibrium was found unless throw is False.
     """
     given = {"method": method, "jacobian": jacobian, "globalisation": globalisation, "units": units}
@@ -143,7 +144,7 @@ def solve_network(
 def _settled(balance, best, count, tolerance) -> NetworkState:
     """The best found from where a method stopped, then from each way of leading to a start, ending monolithic.
 
-    The state itself where all else ends worse: exact spans may not resolve the tolerance, nor anything solve it.
+    The state itself where all else ends worse: exact spans may not resolve the tolerance.
     """
     ways = (None, True, False) if balance.w.size <= SHORT else (None, False, True)
     for contact in ways if balance.any_rests else ways[:2]:
@@ -192,7 +193,7 @@ def _state(balance, r, count, tolerance, elements=None) -> NetworkState:
     unbalanced = np.where(balance.moving(r, force), force, 0.0)
     largest = largest_force(elements) or 1.0
     residual = float(np.abs(unbalanced).max()) / largest
-    solved = residual <= max(tolerance, attainable(balance) / largest)
+    solved = residual <= max(tolerance, min(attainable(balance) / largest, PROMISED))
     return NetworkState(
         r=r,
         **{name: getattr(elements, name) for name in ("H", "V", "H_anchor", "V_anchor")},

@@ -43,6 +43,7 @@ class Balance:
         columns = [(line.w, line.EA, line.L, line.friction) for line in network.elements]
         self.w, EA, self.L, self.friction = np.array(columns).T.copy()
         self.floor = -np.inf if environment.depth is None else -environment.depth
+        self.lowest = np.where(self.free, self.floor, -np.inf)
         self.rests = (self.w >= 0) & np.isfinite(self.floor)  # a buoyant element never lies on the seabed
         self.heavy, self.massless = self.rests & (self.w > 0), self.w == 0
         self.any_rests, self.any_massless = bool(self.rests.any()), bool(self.massless.any())
@@ -96,8 +97,7 @@ class Balance:
 
     def on_floor(self, r):
         """r (n, 3) with its free nodes lifted to the seabed where they sank below, in place."""
-        if self.floor > -np.inf:
-            r[self.free, 2] = np.maximum(r[self.free, 2], self.floor)
+        np.maximum(r[:, 2], self.lowest, out=r[:, 2])
         return r
 
     def spans(self, r):

@@ -144,4 +144,3 @@ class Network:
     def balance(self) -> Balance:
         """The equations, assembled when first needed."""
         return Balance(self)
-

@@ -23,6 +23,7 @@ from .network_jacobian import dense_step, trust_region_step
 from .network_nested import EPS, largest_force, solve_sparse
 
 MAX_ITERATIONS = 60
+LARGEST_WHOLE = 3000  # unknowns up to which the whole Jacobian is factorized when eliminating parts of it failed
 REGULAR = 1e-9  # of the softest stiffness that counts
 LEAST = 0.1  # a step leaves every H at least this part of itself
 UNITS = {"N": (1.0, 1.0), "kN": (1e3, 1.0), "scaled": None}
@@ -82,19 +83,18 @@ class Iterate:
         self.kind = kinds(b, g)
         self.plain = not np.count_nonzero(self.kind)  # all of them OPEN
         self.closed, self.flat, self.upright = (self.kind == kind for kind in (CLOSED, FLAT, UPRIGHT))
-        if not (self.plain and before is not None and (before == OPEN).all()):
+        if not self.plain or before is None or np.count_nonzero(before):
             self._begin(Q, before)
         self.x = x = excursion(Q[0], Q[1], b.w, b.EA, b.L, b.rests, g.friction, g.clearance)
         if self.plain:
             Q[2], Q[3] = x.H_anchor, x.V_anchor
-            self.unknown = np.ones((H.size, 2), dtype=bool)
         else:
             x.H_anchor = np.where(self.upright, g.l / x.C[:, 0, 0], x.H_anchor)
             Q[0] = np.where(self.upright, x.H_anchor, Q[0])
             Q[2:] = np.where(self.closed, Q[2:], (x.H_anchor, x.V_anchor))
-            self.unknown = np.array([~(self.closed | self.upright), ~(self.closed | self.flat)]).T
         self.gap = np.array([x.l - g.l, x.h - g.rise]).T
-        self.gap[~self.unknown] = 0.0
+        if not self.plain:
+            self.gap[~self.unknown] = 0.0
         self.elements = Elements(g, Q, None)
         self.force = b.unbalanced(self.elements)
         self.moving = b.moving(r, self.force)
@@ -119,6 +119,11 @@ class Iterate:
         if self.exact.size:
             Q[:, self.exact], self.D_exact, inner = exact_forces(b, g, self.exact)
             self.monolith.count.inner_iterations += inner
+
+    @cached_property
+    def unknown(self):
+        """(e, 2) bool: which of (H, V) are unknowns."""
+        return np.array([~(self.closed | self.upright), ~(self.closed | self.flat)]).T
 
     @property
     def residual(self):
@@ -154,26 +159,39 @@ class Iterate:
             D[self.closed] = self.D_exact[self.closed[self.exact]]
         return K, G, D
 
+    @cached_property
+    def tangent(self):
+        """Of the moving coordinates, the forces following: A - B C^-1 G."""
+        b = self.monolith.balance
+        self.elements.D = self.blocks[2]
+        tangent = b.tangent(self.elements)
+        if np.count_nonzero(self.moving) == b.size:
+            return tangent
+        unknown = b.dof[self.moving]
+        return tangent[unknown][:, unknown]
+
     def newton_step(self, other=None):
         """(dr (n, 3), dH (e,), dV (e,)) by the Schur complement of the C blocks; for the residual of another iterate
         with this Jacobian if given. None where it is singular.
         """
-        b, e, other = self.monolith.balance, self.elements, other or self
-        K, _, e.D = self.blocks
+        b, other = self.monolith.balance, other or self
+        K, _, D = self.blocks
         closing = K @ -other.gap[:, :, None]  # of the gaps, the nodes held
-        changed = np.concatenate([closing, self.x.anchor @ closing], axis=1)[:, :, 0]
-        right = (other.force + b.unbalanced(e, np.where(self.closed, 0.0, changed.T)) - b.load)[self.moving]
-        tangent, unknown = b.tangent(e), b.dof[self.moving]
-        tangent = tangent if unknown.size == b.size else tangent[unknown][:, unknown]
-        dr = np.zeros_like(self.r)
+        changed = np.concatenate([closing, self.x.anchor @ closing], axis=1)[:, :, 0].T
+        if not self.plain:
+            changed = np.where(self.closed, 0.0, changed)
+        right = (other.force + b.unbalanced(self.elements, changed) - b.load)[self.moving]
         shift = REGULAR * b.soft_stiffness  # where slack lines leave a direction without stiffness
-        change = solve_sparse(tangent, shift, right, self.monolith.count)
+        change = solve_sparse(self.tangent, shift, right, self.monolith.count)
         if change is None:
             return None
+        dr = np.zeros(self.r.shape)
         dr[self.moving] = change
         motion = self.geometry.frame[0][:, :3] @ dr.ravel()[b.coordinates][:, :, None]
-        dH, dV = (e.D[:, :2] @ motion + closing)[:, :, 0].T
-        return dr, np.where(self.unknown[:, 0], dH, 0.0), np.where(self.unknown[:, 1], dV, 0.0)
+        dq = (D[:, :2] @ motion + closing)[:, :, 0]
+        if not self.plain:
+            dq[~self.unknown] = 0.0
+        return dr, dq[:, 0], dq[:, 1]
 
     def after(self, length, step):
         """The next iterate: no node below the floor, no H below a part of itself."""
@@ -201,7 +219,7 @@ def solve(balance, r, H, V, count, units="scaled", jacobian="analytic", globalis
             else:
                 step = dense_step(now, jacobian) if whole else now.newton_step()
                 new = None if step is None else _line_search(now, step, tolerance)
-                if new is None and not whole:
+                if new is None and not whole and balance.size + 2 * balance.w.size <= LARGEST_WHOLE:
                     new, whole = now, True  # eliminating the stiffest lines may leave the others no digits
             if new is None:
                 break

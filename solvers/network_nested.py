@@ -259,7 +259,7 @@ def solve_sparse(matrix, shift, right, count):
     try:
         if isinstance(matrix, np.ndarray):
             shifted = matrix.copy()
-            shifted.flat[:: n + 1] += shift
+            shifted.ravel()[:: n + 1] += shift
             return np.linalg.solve(shifted, right)
         shifted = (matrix + shift * sparse.identity(n, format="csc")).tocsc()
         options = {"SymmetricMode": True}

@@ -11,6 +11,11 @@ import pytest
 
 from solvers import (
     ConvergenceError,
+    Element,
+    Environment,
+    Network,
+    Node,
+    Regime,
     Span,
     Status,
     network_jacobian,
@@ -36,9 +41,10 @@ from .cases.cables import OC3, SURGE_5, CableCase
 from .cases.networks import bridle, two_line
 from .cases.oscillators import MassChain, cubic_chain, duffing, harmonic_force
 from .cases.spans import OC3 as OC3_SPAN
+from .exact import catenary_mp
 from .orders import extrapolated
 from .reference import EPS
-from .test_network import network_of
+from .test_network import METHODS, network_of
 
 ROUNDING = 100 * EPS  # of sums of some ten terms of order one
 
@@ -55,6 +61,21 @@ def test_an_iteration_that_runs_out_of_steps_is_no_success(monkeypatch):
     assert solve_spans(*(getattr(span, name) for name in ("w", "EA", "L", "x", "z"))).status.tolist() == [state.status]
 
 
+@pytest.mark.parametrize(("x", "z"), [(90.0, 10.0), (95.0, -4.0), (93.0, 0.0)])
+def test_a_line_that_rests_between_raised_ends_is_that_of_50_digits(x, z):
+    """Forces, touchdown, place and tension of a sagging line: its higher end is the fairlead, or the anchor."""
+    span = Span(30.0, 1e6, 100.0, x, z, clearance=5.0)
+    state, inputs = solve_span(span), {name: getattr(span, name) for name in Span.__slots__}
+    assert state.regime is Regime.SAGGING
+    exact = catenary_mp.solve(**inputs)
+    for name in ("H", "V", "H_anchor", "V_anchor"):
+        assert getattr(state, name) == pytest.approx(float(getattr(exact, name)), rel=1e-12)
+    s = np.linspace(0.0, 100.0, 12)
+    wanted = np.array([[float(v) for v in catenary_mp.profile(one, **inputs, solution=exact)] for one in s]).T
+    for got, right, unit in zip(state.profile(s), wanted, (100.0, 100.0, state.tension), strict=True):
+        assert abs(got - right).max() <= 1e-11 * unit
+
+
 @pytest.mark.parametrize("start", [1.5, 3.0, -20.0])
 def test_damping_finds_what_full_steps_do_not(start):
     """arctan x = 0 from beyond 1.39, where full Newton steps run away."""
@@ -66,12 +87,24 @@ def test_damping_finds_what_full_steps_do_not(start):
 
 
 # ---------------------------------------------------------------- networks
-@pytest.mark.parametrize("jacobian", ["analytic", "finite-difference"])
+@pytest.mark.parametrize("options", METHODS.values(), ids=METHODS)
 @pytest.mark.parametrize("case", [two_line(), bridle()], ids=lambda case: case.name)
-def test_the_nested_method_reaches_its_tolerance_by_itself(case, jacobian):
-    """Without the fallback, whose monolithic steps would mend it, the nested method is balanced to what was asked."""
-    state = solve_network(network_of(case), method="nested", jacobian=jacobian, fallback=False, tolerance=1e-9)
+def test_each_method_reaches_its_tolerance_by_itself(case, options):
+    """Without the fallback, which would mend it, each method is balanced to what was asked, each line on its curve."""
+    state = solve_network(network_of(case), **options, fallback=False, tolerance=1e-9)
     assert state.success and state.residual_norm <= 1e-9
+    tight = solve_network(network_of(case), tolerance=1e-13)
+    assert abs(state.H - tight.H).max() <= 1e-7 * abs(tight.H).max()  # the softest direction is a hundred times softer
+
+
+def test_friction_acts_only_where_the_anchor_end_lies():
+    """A line that hangs to the seabed from two raised ends has the forces of one without friction."""
+    nodes = Node("fixed", (0.0, 0.0, -15.0)), Node("coupled", (90.0, 0.0, -5.0))
+    states = [
+        solve_network(Network(nodes, [Element(30.0, 1e6, 100.0, (0, 1), friction)], Environment(depth=20.0)))
+        for friction in (0.0, 0.5)
+    ]
+    assert states[0].H[0] > 0 and [s.H[0] for s in states] == [states[0].H[0]] * 2
 
 
 def test_operations_are_those_of_5_6():

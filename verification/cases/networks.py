@@ -145,6 +145,15 @@ def hanging_mass(mass: float = 2000.0, volume: float = 0.5, L: float = 50.0, w: 
     return NetworkCase("hanging mass", nodes, (ElementCase(w, EA, L, (1, 0)),), _water(None))
 
 
+def dragged_mass(EA: float = 1e9, force=(3e4, 4e4, 0.0), L: float = 100.0) -> NetworkCase:
+    """A heavy node on the seabed, pulled along it at the end of one line that lies there: H is the pull."""
+    nodes = (
+        NodeCase("fixed", (7.0, -3.0, -50.0)),
+        NodeCase("free", (60.0, 70.0, -50.0), mass=2e4, force=force),
+    )
+    return NetworkCase("dragged mass", nodes, (ElementCase(100.0, EA, L, (0, 1)),), _water(50.0))
+
+
 def spring_net(n: int = 4, spacing: float = 10.0, EA: float = 1e6, stretch: float = 1.05, push: float = 500.0):
     """An n x n net of taut weightless lines between fixed rims, free nodes pushed sideways and down."""
     rim = lambda i, j: i in (0, n - 1) or j in (0, n - 1)
@@ -236,10 +245,12 @@ def random_networks(n: int, seed: int = 2026) -> list[NetworkCase]:
     Trees with loops closed at random; slack to over-stretched lines, light, heavy, weightless and buoyant, stiffness
     over six decades; point masses, buoys and pulls; with and without seabed and friction.
     """
-    return [_random_network(np.random.default_rng((seed, i)), f"random-{seed}-{i}") for i in range(n)]
+    return [random_network(i, seed) for i in range(n)]
 
 
-def _random_network(rng, name) -> NetworkCase:
+def random_network(i: int, seed: int = 2026) -> NetworkCase:
+    """Number i of ``random_networks``."""
+    rng = np.random.default_rng((seed, i))
     count, size = int(rng.integers(2, 41)), 10 ** rng.uniform(0.5, 3)
     depth = float(size * rng.uniform(0.3, 1.5)) if rng.random() < 0.7 else None
     n = max(2, int(rng.integers(2, count + 2)))
@@ -255,7 +266,7 @@ def _random_network(rng, name) -> NetworkCase:
         for ends in _random_ends(rng, n, count)
     )
     nodes = tuple(_random_node(rng, kind, p, weight * size) for kind, p in zip(kinds, r, strict=True))
-    return NetworkCase(name, nodes, lines, _water(depth))
+    return NetworkCase(f"random-{seed}-{i}", nodes, lines, _water(depth))
 
 
 def _random_ends(rng, n, count):

@@ -230,7 +230,7 @@ DEFECTS = (
         "none, low, h > 0), *count)",
         "symbol",
         "the forces of the higher end go to the lower one",
-        _PROFILE,
+        "test_found_by_defects.py::test_a_line_that_rests_between_raised_ends_is_that_of_50_digits",
     ),
     Defect(
         "whatever stops has converged",
