@@ -68,11 +68,13 @@ def instants(period: float, count: int = TIMES) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Reference:
-    """Converged fairlead tension (TIMES,) in N at ``instants`` of the period in s; uncertainty: its rms, estimated."""
+    """Converged fairlead tension (TIMES,) in N at ``instants`` of the period in s; uncertainty: its rms,
+    estimated; levels: nodes of the meshes that it is extrapolated from."""
 
     period: float
     tension: np.ndarray
     uncertainty: float
+    levels: tuple[int, ...] = ()
 
     @property
     def range(self) -> float:
@@ -119,7 +121,7 @@ def converged(name: str, levels=LEVELS, harmonics=FINE, finest=FINEST) -> Refere
     tension = last + more
     spread = float(np.ptp(tension))
     uncertainty = (rms(last - before) + rms(more)) / spread
-    return Reference(chain.period, tension, uncertainty)
+    return Reference(chain.period, tension, uncertainty, levels)
 
 
 def rms(values) -> float:
@@ -152,7 +154,7 @@ class References:
             path = self._path(name, settings)
             if path.exists():
                 kept = json.loads(path.read_text(encoding="utf-8"))
-                return Reference(kept["period"], np.array(kept["tension"]), kept["uncertainty"])
+                return Reference(**kept | {"tension": np.array(kept["tension"])})
         found = converged(name, *self.settings)
         results.write(path, vars(found))
         return found

@@ -124,7 +124,7 @@ def cases(quick: bool, references):
     found = {"max": converged.tension.max() / 1e3, "min": converged.tension.min() / 1e3,
              "harmonics": converged.harmonics(5) / 1e3}  # fmt: skip
     yield {"node": NODE, "s": system("case_1").s[NODE - 1], "rows": rows, "converged": found,
-           "independent": INDEPENDENT}  # fmt: skip
+           "levels": converged.levels, "independent": INDEPENDENT}  # fmt: skip
 
 
 def _calls(case: str) -> dict:

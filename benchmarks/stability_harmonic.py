@@ -14,7 +14,7 @@ SAMPLES = 16  # at which the claims are looked at, for each harmonic
 
 ROWS = 1e-9
 """Largest Fourier coefficient of a row over the sum of the sizes of its terms at the samples."""
-MEAN = 1e-8  # m: the mean place of the fairlead over the period, of a chord of 885 m
+MEAN = 1e-8  # m: the mean place of the fairlead over the samples, of a chord of 885 m
 
 ORDERS = Axis("harmonics", (1, 2, 3, 5, 9, 15, 30, 60))
 AMPLITUDES = Axis("amplitude of the surge, m", (0.01, 0.1, 1.0, 3.0, 6.0, 7.5, 9.0, 12.0))
@@ -80,7 +80,7 @@ def broken(response):
     count = SAMPLES * basis.harmonics
     fine = system.period * np.arange(count) / count
     state = response.at(fine)
-    drift = float(abs(system.drift(state, fine).mean(axis=-1)).max())
+    drift = float(abs(system.drift(y, t).mean(axis=-1)).max())
     if drift > MEAN:
         yield f"mean place {drift:.3g} m"
     tension = system.tension(state, response.rate_at(fine)).min()

@@ -59,7 +59,7 @@ class Map:
 
     explained : why there are points without an answer, said where there are any
     brief : values of x and of y in the quick run, every third where not given
-    skip(x, y) : points left out, left_out why
+    skip(x, y) : points left out, left_out why; nodes : of the mesh, where the map has one
     """
 
     name: str
@@ -74,6 +74,7 @@ class Map:
     brief: tuple = ()
     skip: Callable = lambda x, y: False
     left_out: str = ""
+    nodes: int | None = None
 
     def quick(self) -> Map:
         """The same on fewer points."""
@@ -96,7 +97,7 @@ class Map:
 
     def entry(self, points: list[dict]) -> dict:
         """The map in the result file."""
-        words = ("name", "solver", "title", "quantity", "claim", "explained", "left_out")
+        words = ("name", "solver", "title", "quantity", "claim", "explained", "left_out", "nodes")
         counts = {verdict: sum(point["verdict"] == verdict for point in points) for verdict in VERDICTS}
         axes = {key: {"label": axis.label, "values": list(axis.values)} for key, axis in (("x", self.x), ("y", self.y))}
         return {word: getattr(self, word) for word in words} | axes | {"counts": counts, "points": points}

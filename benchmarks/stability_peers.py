@@ -18,7 +18,7 @@ from .stability_maps import Axis
 from .stability_spans import GRIDS
 from .stability_time import line
 
-DYNAMIC_WRONG = 0.05
+DYNAMIC_WRONG = 0.1
 """Largest difference of the fairlead tension over its range; points where two meshes of this project differ by a fifth
 of it have no truth."""
 

@@ -44,6 +44,7 @@ def explicit() -> list[dict]:
                 "leapfrog": LEAPFROG / abs(fastest) if oscillates else None,
                 "rk4": (RK4_IMAGINARY if oscillates else RK4_REAL) / abs(fastest),
                 "transit": system.ds[0] / wave,
+                "period": system.period,
             }
         )
     return rows

@@ -95,8 +95,8 @@ def profile(data: dict, folder: Path) -> style.Group:
     caption = (
         f"HB Fig. 2 remade. The nodes lie within {number(1e3 * data['distance'], 2)} mm of the catenary; the fairlead "
         f"tension is {number(box * KN, 6)} kN on {len(nodes['s'])} nodes, {number(catenary * KN, 6)} kN on the "
-        f"catenary and {number(abs(shooting / catenary - 1), 1)} of it away by shooting. The moving cable starts from "
-        "the nodes, so that it stays at rest when nothing moves it."
+        f"catenary, and shooting agrees with it to {number(abs(shooting / catenary - 1), 1)}. The moving cable starts "
+        "from the nodes, so that it stays at rest when nothing moves it."
     )
     return style.Group(caption, figures)
 

@@ -72,6 +72,7 @@ def _cases(data, folder, tables) -> dict:
         "waves": written(tables, "waves", "Tension of the cases", waves),
         "fields": written(tables, "states", f"State at node {data['node']}", states),
         "independent": _independent(data, tables),
+        "levels": data["levels"],
     }
 
 

@@ -48,7 +48,7 @@ def _harmonic_verdicts(data: dict):
     rows = [row for row in data.get("cases", {"rows": []})["rows"] if row["method"] == "harmonic balance"]
     if rows:
         worst = {name: max(min(row["seconds"]) for row in rows if (row["case"] == "case_1") == first)
-                 for name, first in (("case 1", True), ("cases 2 to 4", False))}  # fmt: skip
+                 for name, first in (("one solve of case 1", True), ("one of cases 2 to 4", False))}  # fmt: skip
         for (name, value), bound in zip(worst.items(), (PLANAR, SPATIAL), strict=True):
             detail = f"harmonic balance, 9 harmonics, wanted at most {seconds(bound)}"
             yield Verdict(seconds(value), name, detail, value <= bound, "table2")

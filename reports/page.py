@@ -11,6 +11,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from . import (
     analysis,
+    defects,
     dynamics,
     figures,
     networks,
@@ -93,7 +94,8 @@ def _with_dynamics(text: str, context: dict) -> str:
     sections = _templates().get_template("dynamics.html.j2").render(context)
     links = '<a href="#dynamics">Moving cable</a><a href="#harmonic">Harmonic balance</a>'
     sections += _templates().get_template("stability.html.j2").render(context)
-    links += '<a href="#stability">Stability</a>'
+    links += '<a href="#stability">Stability</a><a href="#defects">Seeded defects</a>'
+    sections += _templates().get_template("defects.html.j2").render(context)
     for mark, new in (('<a href="#errata">', links), ('<h2 id="errata">', sections)):
         text = text.replace(mark, new + mark, 1)
     return text
@@ -199,7 +201,7 @@ def _whole(results: Results, looks: dict, figure_folder: Path, table_folder: Pat
         "questions": found,
         "counts": {outcome: sum(question.total(outcome) for question in found) for outcome in OUTCOMES},
         "verdicts": [*verdicts.strip(accuracy, speed, found, xml.exists()), *moving["dynamics_verdicts"],
-                     *stability.verdicts(results.json("stability"))],
+                     *stability.verdicts(results.json("stability")), *defects.verdicts(results.json("defects"))],
         "accuracy": accuracy,
         "finding": verdicts.sentence(accuracy) if accuracy else None,
         "examples": _examples(accuracy) if accuracy else [],
@@ -210,6 +212,7 @@ def _whole(results: Results, looks: dict, figure_folder: Path, table_folder: Pat
         "networks": networks.section(results.json("networks"), looks, figure_folder, table_folder),
         "published": _published(results, table_folder),
         "stability": stability.section(results.json("stability"), figure_folder, table_folder),
+        "defects": defects.section(results.json("defects"), table_folder),
     }
 
 

@@ -30,9 +30,9 @@ def section(data: dict | None, figure_folder: Path, table_folder: Path) -> dict 
         {
             "title": TITLES.get(solver, solver),
             "quantity": list(dict.fromkeys(entry["quantity"] for entry in entries)),
-            "claims": list(dict.fromkeys(entry["claim"] for entry in entries)),
+            "claims": [text.replace("e-0", "e-") for text in dict.fromkeys(entry["claim"] for entry in entries)],
             "explained": _explained(entries),
-            "maps": figures.maps(entries, figure_folder),
+            "maps": figures.maps(entries, data.get("explicit") or [], figure_folder),
         }
         for solver, entries in by_solver.items()
     ]

@@ -30,12 +30,25 @@ RADIUS = "\N{GREEK SMALL LETTER RHO}\N{INFINITY}"
 TICKS = 10  # on an axis at most
 
 
-def maps(entries: list[dict], folder: Path) -> style.Group:
-    """The maps of one solver."""
-    return style.Group(" ".join(filter(None, map(_caption, entries))), [_map(entry, folder) for entry in entries])
+def maps(entries: list[dict], explicit: list[dict], folder: Path) -> style.Group:
+    """The maps of one solver; explicit: rows of the limits of explicit steps, drawn where the step is an axis."""
+    said, drawn = [_caption(entry) for entry in entries], [_map(entry, explicit, folder) for entry in entries]
+    if any(_limit(entry, explicit) for entry in entries):
+        said.append("Dashed: the largest step of the leapfrog, an explicit method, on this mesh.")
+    return style.Group(" ".join(said), drawn)
 
 
-def _map(entry: dict, folder: Path) -> style.Figure:
+def _limit(entry: dict, explicit: list[dict]) -> tuple[str, float] | None:
+    """("x" or "y", place) of the leapfrog's largest step on the mesh of a map whose steps go below it."""
+    found = [row["leapfrog"] / row["period"] for row in explicit if row["nodes"] == entry["nodes"] and not row["beta"]]
+    for key in ("x", "y"):
+        values = entry[key]["values"]
+        if found and entry[key]["label"].startswith("step") and found[0] > values[0]:
+            return key, float(np.interp(math.log(found[0]), np.log(values), np.arange(len(values)) + 0.5))
+    return None
+
+
+def _map(entry: dict, explicit: list[dict], folder: Path) -> style.Figure:
     x, y, low_high = entry["x"]["values"], entry["y"]["values"], RANGES.get(entry["solver"], TENSION)
     image = np.full((len(y), len(x)), np.nan)
     marked = {}
@@ -58,6 +71,10 @@ def _map(entry: dict, folder: Path) -> style.Figure:
     axes.set(title=entry["title"], xlabel=entry["x"]["label"], ylabel=entry["y"]["label"])
     axes.set(xlim=(0, len(x)), ylim=(0, len(y)))
     axes.grid(False)
+    limit = _limit(entry, explicit)
+    if limit:
+        draw = axes.axvline if limit[0] == "x" else axes.axhline
+        draw(limit[1], color=style.INK, linestyle="--", linewidth=1.2)
     if marked:
         axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.08), ncols=3, borderaxespad=0)
     bar = figure.colorbar(mesh, ax=axes, location="bottom", shrink=0.9, pad=0.02, extend="min", aspect=30)
@@ -71,7 +88,8 @@ def _tick(value: float) -> str:
     """0.001, 30, 1e5, 1 - 1e-6."""
     if 0 < abs(value - 1) < 1e-3:
         return f"1{'+' if value > 1 else MINUS}{abs(value - 1):.0e}".replace("e-0", "e-")
-    return f"{value:g}".replace("e+0", "e").replace("e-0", "e-").replace("e+", "e")
+    text = f"{value:.0e}" if value >= 1e4 and value == 10 ** round(math.log10(value)) else f"{value:g}"
+    return text.replace("e+0", "e").replace("e-0", "e-").replace("e+", "e")
 
 
 def _caption(entry: dict) -> str:

@@ -59,7 +59,7 @@ LONG_TESTS = ("50_digits", "random_lines", "test_report", "test_network", "test_
 QUICK_TESTS = " and ".join(f"not {name}" for name in LONG_TESTS)
 """Tests of the quick run: without those that take long, and without a report in a report."""
 
-SLOW = ("work_precision",)
+SLOW = ("work_precision", "defects")
 """Groups left out by --quick; results of an earlier whole run are still shown."""
 
 
@@ -101,6 +101,14 @@ def _dynamics(quick: bool) -> list[Stage]:
     return stages
 
 
+def _defects() -> Stage:
+    """Every seeded defect and the check named for it, or all of its module; status 1: some promise is broken."""
+    named = ("verification.defects", "--out", "{results}", "--jobs", str(os.cpu_count() or 1))
+    sources = ("solvers", "verification", "reference_data", "pyproject.toml")
+    return Stage("defects", "defects", "seeded defects", named, "defects.json", sources, seconds=400, codes=(0, 1),
+                 better=(*named, "--all"))  # fmt: skip
+
+
 def scene_stage(path: Path, group: str = "scenes") -> Stage:
     """The stage of one scene file; its result is named after the stem."""
     title = f"{'scene' if group == 'scenes' else 'published value'} {path.stem}"
@@ -129,6 +137,7 @@ def plan(quick: bool, published: list[Path]) -> list[Stage]:
         Stage("networks", "networks", "networks of lines", (*networks, *(("--quick",) if quick else ())),
               "networks.json", MEASURED, True, 25 if quick else 75, better=networks if quick else ()),
         *_dynamics(quick),
+        _defects(),
         *(scene_stage(path) for path in sorted(SCENES.glob("*.toml"))),
         *(scene_stage(path, "published") for path in published),
     ]  # fmt: skip
@@ -139,5 +148,5 @@ def scene_plan(paths: list[Path]) -> list[Stage]:
     return [_machine(), *(scene_stage(path) for path in paths)]
 
 
-GROUPS = ("tests", "machine", "accuracy", "benchmarks", "work_precision", "speed", "networks", *DYNAMICS, "scenes",
-          "published")  # fmt: skip
+GROUPS = ("tests", "machine", "accuracy", "benchmarks", "work_precision", "speed", "networks", *DYNAMICS, "defects",
+          "scenes", "published")  # fmt: skip

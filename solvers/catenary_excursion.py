@@ -43,8 +43,9 @@ def excursion(H, V, w, EA, L, rests, friction, clearance) -> Excursion:
     """
     weight = w * L
     out = _free(H, V, w, EA, L, weight)
-    heavy = np.flatnonzero(rests & (V >= 0) & (V < weight))
-    if heavy.size:
+    heavy = rests & (V >= 0) & (V < weight)
+    if np.count_nonzero(heavy):
+        heavy = np.flatnonzero(heavy)
         line = [a[heavy] for a in (H, V, w, EA, L, friction, clearance)]
         lift = _hanging_end(*line)
         touching = np.flatnonzero(line[1] + lift < weight[heavy])

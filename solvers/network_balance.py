@@ -47,6 +47,7 @@ class Balance:
         self.rests = (self.w >= 0) & np.isfinite(self.floor)  # a buoyant element never lies on the seabed
         self.heavy, self.massless = self.rests & (self.w > 0), self.w == 0
         self.any_rests, self.any_massless = bool(self.rests.any()), bool(self.massless.any())
+        self.any_friction = bool(self.friction.any())
         weight = np.abs(self.w) * self.L
         self.nothing = np.zeros(self.w.size)
         self.typical_length = float(np.median(self.L))
@@ -149,8 +150,9 @@ class Geometry:
         else:
             self.reach, self.direction = self.l, reach.T[:2] / self.l
         self.clearance, self.friction = balance.nothing, balance.friction
-        if balance.any_rests:  # friction acts where the anchor end lies on the seabed
-            self.clearance = np.where(balance.rests, r[balance.anchor, 2] - balance.floor, 0.0)
+        if balance.any_rests:
+            self.clearance = (r[balance.anchor, 2] - balance.floor) * balance.rests
+        if balance.any_friction:  # where the anchor end lies on the seabed
             self.friction = np.where(self.clearance > 0, 0.0, balance.friction)
 
     @cached_property

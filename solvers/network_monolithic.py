@@ -5,8 +5,8 @@ the Jacobian (3.7): A = dF/dr, B = dF/d(H, V), C = d(l, h)/d(H, V). C consists o
 eliminates it (Schur complement) and factorizes only a matrix of the size of the positions, sparse for large networks.
 
 Forces as unknowns keep their digits where positions rounded to doubles do not tell them: in stiff taut lines, vertical
-ones and those stretched along the seabed too. Only where forces follow from weights alone (slack, or folded over) an
-element enters by its exact forces, as in the nested method.
+ones and those stretched along the seabed too. Only a slack element, whose forces follow from its weight alone, enters
+by its exact forces, as in the nested method.
 """
 
 from __future__ import annotations

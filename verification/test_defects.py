@@ -1,9 +1,8 @@
-"""Does the catalogue of seeded defects hold what it promises: every patch a mistake, every mistake found or explained?"""
+"""Does the catalogue of seeded defects keep its promises: each patch a mistake, each mistake found or explained?"""
 
 from __future__ import annotations
 
 import ast
-import json
 import os
 import re
 import subprocess
@@ -11,6 +10,7 @@ import sys
 import time
 import tomllib
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -56,11 +56,12 @@ def test_the_catalogue_is_large_enough_and_leaves_no_module_out():
 def test_words_are_there():
     """Every defect says what it is; misprints say where; blind spots and survivors say why."""
     for defect in CATALOGUE:
-        assert len(defect.what) > 10 and defect.check, defect.name
+        assert defect.what and defect.check and defect.kind in KINDS, defect.name
         assert (defect.kind == "misprint") == bool(defect.misprint), defect.name
         assert not (defect.blind and defect.survives), defect.name
 
 
+@cache
 def functions(path: Path) -> set[str]:
     """Names of the tests of a file."""
     return {n.name for n in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if isinstance(n, ast.FunctionDef)}
@@ -107,8 +108,8 @@ OF_THE_PAPERS = {  # EQUATIONS of the two papers that are misprinted: what refer
     "MSQS": ("(4.16a)", "(4.11)", "(4.5), (4.7)", "section 5, weight", "(5.4)", "(2.18)"),
     "HB": ("(22)", "(30)", "(34)", "(37)", "(57)", "(61)", "(71)", "(1), (28)", "section 4.1"),
 }
-NO_FORMULA = ("(5.1)", "(5.3)", "(38)")
-"""Misprints of a start, of a number that depends on a step, and of a name: there is nothing in a solver to plant."""
+NO_FORMULA = ("(5.1)", "(5.3)", "(38)", "Figs. 6 to 9")
+"""Misprints of a start, of a number that depends on a step, of a name, of a caption: nothing to plant in a solver."""
 
 
 def places(text: str) -> set[str]:
@@ -125,25 +126,39 @@ def test_every_misprint_is_planted():
     missing = [
         f"{row['paper']} {row['where']}"
         for row in errata
-        if not places(row["where"]) & (known[row["paper"]] | set(NO_FORMULA))
+        if not (places(row["where"]) & known[row["paper"]] or row["where"].startswith(NO_FORMULA))
     ]
     assert missing == []
 
 
 # ---------------------------------------------------------------- the runner, on defects that are really planted
-CHOSEN = ("weight in air", "buoyancy and weight exchanged", "velocity of the cosines")
+CHOSEN = ("velocity of the cosines", "hertz for radians per second")
+
+
+def program(out, *arguments) -> subprocess.CompletedProcess:
+    """A run of the program with its results in ``out``."""
+    command = [sys.executable, "-m", "verification.defects", "--out", str(out), *arguments]
+    environment = os.environ | {"MOORING_PROGRESS": "lines"}
+    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, env=environment, timeout=300)
 
 
 def test_planted_defects_are_found(tmp_path):
-    """Three defects of the catalogue, each in its copy: the named check passes without and fails with them."""
-    defects = [d for d in CATALOGUE if d.name in CHOSEN]
-    assert len(defects) == 3
-    wanted = [(None, d.check) for d in defects] + [(d, d.check) for d in defects]
-    *_, (done, total, results) = run(wanted, Log(tmp_path / "log"), jobs=2)
-    assert done == total == 6
+    """Two defects of the catalogue in copies of the project: their checks pass without, and fail with them."""
+    told = program(tmp_path, "--only", *CHOSEN)
+    assert told.returncode == 0, told.stdout + told.stderr
+    assert "progress 4 4" in told.stdout and "2 of 2 defects found, 2 by the check named for them" in told.stdout
+    assert not (tmp_path / "defects.json").exists()  # a part is not the whole
+    results = Log(tmp_path / "defects.jsonl").results.values()
     assert {r.defect: r.outcome for r in results} == {"": "missed", **dict.fromkeys(CHOSEN, "caught")}
-    assert all(r.test.split("::")[0] == d.check.split("::")[0] for r in results for d in defects if r.defect == d.name)
-    assert kept(summary(verdicts(defects, results)))
+    checks = {d.name: d.check for d in CATALOGUE}
+    assert all(r.test == r.check == checks[r.defect] for r in results if r.defect)
+
+
+def test_the_program_lists_and_refuses(tmp_path):
+    """--list runs nothing; words that fit no defect are refused."""
+    assert len(program(tmp_path, "--list").stdout.splitlines()) == len(CATALOGUE)
+    refused = program(tmp_path, "--only", "no such")
+    assert refused.returncode == 2 and "no defect has 'no such'" in refused.stderr
 
 
 # ---------------------------------------------------------------- the runner, on a project of two functions
@@ -172,6 +187,7 @@ TINY = (
     Defect("slow", "numbers", "2 * x", "3 * x", "factor", "never ends", "test_numbers.py::test_that_waits"),
     Defect("survivor", "numbers", "2 * x", "3 * x", "factor", "not looked at", "test_numbers.py::test_half -v"),
 )
+ENDING = tuple(d for d in TINY if d.name != "slow")
 
 
 @pytest.fixture
@@ -190,13 +206,16 @@ def tiny(tmp_path) -> Path:
 def finished(project, log, defects=TINY, **options):
     """Results by defect of a run over the tiny catalogue."""
     wanted = [(None, d.check) for d in defects] + [(d, d.check) for d in defects]
-    *_, (_, _, results) = run(wanted, log, project=project, timeout=5.0, **options)
+    *_, (_, _, results) = run(wanted, log, project=project, **{"timeout": 120.0} | options)
     return results
 
 
 def test_outcomes_and_verdicts(tiny, tmp_path):
     """Caught, not ended, not seen: each as it is; a survivor without a word of explanation breaks the promise."""
-    results = finished(tiny, Log(tmp_path / "log"), jobs=2)
+    results = finished(tiny, Log(tmp_path / "log"), ENDING, jobs=2)
+    slow = TINY[3]
+    slow.plant(tiny)  # whatever the load of the machine, it is not green after this time
+    results.append(Result("slow", slow.check, *run_check(tiny, slow.check, 1.0)))
     assert {r.defect: r.outcome for r in results if r.defect} == {
         "tripled": "caught", "plus": "caught", "unseen": "missed", "slow": "timeout", "survivor": "missed",
     }  # fmt: skip
@@ -234,16 +253,17 @@ def test_stored_numbers_are_counted_apart():
 
 def test_a_check_that_does_not_exist_stops_the_run(tiny):
     """A name that pytest does not find is an error and not a result."""
-    for check in ("test_numbers.py::test_nothing", "test_numbers.py -k nothing", "test_nowhere.py"):
+    for check in ("test_numbers.py::test_nothing", "test_numbers.py -k nothing"):
         with pytest.raises(CheckError, match="pytest ended with status"):
-            run_check(tiny, check, 20.0)
+            run_check(tiny, check, 120.0)
 
 
-def test_patches_that_do_not_fit_are_refused(tiny):
-    """A text that is not there, or twice, is refused with the name of the defect."""
+def test_patches_that_do_not_fit_are_refused(tiny, tmp_path):
+    """A text that is not there, or twice, is refused before any work, with the name of the defect."""
     for old in ("no such text", "return"):
-        with pytest.raises(ValueError, match=r"tripled: .* stands \d times in solvers/numbers.py"):
-            replace(TINY[0], old=old).plant(tiny)
+        with pytest.raises(CheckError, match=r"tripled: .* stands \d times in solvers/numbers.py"):
+            finished(tiny, Log(tmp_path / "log"), [replace(TINY[0], old=old)])
+    assert not Log(tmp_path / "log").results
 
 
 def test_copies_are_whole_again_after_a_defect(tiny, tmp_path):
@@ -251,8 +271,8 @@ def test_copies_are_whole_again_after_a_defect(tiny, tmp_path):
     folder = tmp_path / "copies"
     folder.mkdir()
     copies = Copies(folder, tiny, 1)
-    outcomes = [copies.run(d, TINY[0].check, 20.0, set()).outcome for d in (TINY[0], None, TINY[1], TINY[0], None)]
-    assert outcomes == ["caught", "missed", "missed", "caught", "missed"]
+    outcomes = [copies.run(d, TINY[0].check, 120.0, set()).outcome for d in (TINY[0], None, TINY[1])]
+    assert outcomes == ["caught", "missed", "missed"]
     assert (tiny / "solvers" / "numbers.py").read_text() == MODULE
 
 
@@ -316,7 +336,7 @@ def test_a_killed_run_goes_on_where_it_was(tiny, tmp_path):
         [sys.executable, "-c", KILLED, str(tiny), str(log)], cwd=ROOT, start_new_session=True, stderr=subprocess.PIPE
     )
     try:
-        until = time.monotonic() + 60
+        until = time.monotonic() + 300
         while len(Log(log).results) < 3 and time.monotonic() < until and process.poll() is None:
             time.sleep(0.1)
         before = dict(Log(log).results)
@@ -328,33 +348,14 @@ def test_a_killed_run_goes_on_where_it_was(tiny, tmp_path):
     assert total == 3 and sorted(results, key=repr) == sorted(before.values(), key=repr)
 
 
-def test_the_program_tells_and_writes(tmp_path):
-    """--only runs a part and says so by its status; --list runs nothing; bad words are refused."""
-    command = [sys.executable, "-m", "verification.defects", "--out", str(tmp_path)]
-    environment = os.environ | {"MOORING_PROGRESS": "lines"}
-    told = subprocess.run([*command, "--only", "weight in air"], cwd=ROOT, capture_output=True, text=True,
-                          env=environment, timeout=120)  # fmt: skip
-    assert told.returncode == 0, told.stdout + told.stderr
-    assert "progress 2 2" in told.stdout and "1 of 1 defects found, 1 by the check named for them" in told.stdout
-    assert not (tmp_path / "defects.json").exists()  # a part is not the whole
-    listed = subprocess.run([*command, "--list"], cwd=ROOT, capture_output=True, text=True, timeout=60)
-    assert len(listed.stdout.splitlines()) == len(CATALOGUE)
-    refused = subprocess.run([*command, "--only", "nothing"], cwd=ROOT, capture_output=True, text=True, timeout=60)
-    assert refused.returncode == 2 and "no defect has 'nothing'" in refused.stderr
-
-
 # ---------------------------------------------------------------- the whole catalogue
-def test_the_whole_catalogue_is_found(deep, tmp_path):
-    """--deep: at least 95 % without stored numbers, survivors explained, misprints all found, blind spots blind.
+def test_the_catalogue_is_found(deep, tmp_path):
+    """At least 95 % without stored numbers, survivors explained, misprints all found, blind spots blind.
 
-    By default only what has been found before is looked at, where a result for these sources is on file.
+    The whole catalogue in the long version, every hundredth defect by default.
     """
-    if not deep:
-        path = ROOT / "reports" / "out" / "results" / "defects.json"
-        found = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {"kept": True}
-        assert found["kept"] in (True, False)
-        return
-    wanted = [(None, d.check) for d in CATALOGUE] + [(d, d.check) for d in CATALOGUE]
+    defects = [d for i, d in enumerate(CATALOGUE) if deep or i % 100 == 0]
+    wanted = [(None, d.check) for d in defects] + [(d, d.check) for d in defects]
     *_, (_, _, results) = run(wanted, Log(tmp_path / "log"), jobs=os.cpu_count() or 1)
-    counts = summary(verdicts(CATALOGUE, results))
+    counts = summary(verdicts(defects, results))
     assert kept(counts), counts

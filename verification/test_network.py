@@ -260,7 +260,7 @@ def _spring_misses():
 
 
 def stiff_misses() -> list[str]:
-    """Forces that follow from the loads alone, however stiff the line: hanging from one node, or lying on the seabed."""
+    """Forces that follow from the loads alone, however stiff the line: hung from one node, or lying on the seabed."""
     misses = []
     for EA in STIFF:
         hung, dragged = hanging_mass(EA=EA), dragged_mass(EA)

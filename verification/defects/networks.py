@@ -94,8 +94,8 @@ DEFECTS = (
     Defect(
         "friction forgotten at the anchor",
         "network_balance",
-        "= H_anchor[:, None] * direction, V_anchor",
-        "= H[:, None] * direction, V_anchor",
+        "= H_anchor * direction, V_anchor",
+        "= H * direction, V_anchor",
         "symbol",
         "the anchor end of an element pulls with the force of its fairlead",
         _JOINT,
@@ -103,8 +103,8 @@ DEFECTS = (
     Defect(
         "pull of the fairlead outwards",
         "network_balance",
-        "= -H[:, None] * direction, -V",
-        "= -H[:, None] * direction, V",
+        "= -H * direction, -V",
+        "= -H * direction, V",
         "sign",
         "the vertical force of the upper end acts upwards on its node",
         _CLOSED,
@@ -261,8 +261,8 @@ DEFECTS = (
     Defect(
         "forces do not follow the gap",
         "network_monolithic",
-        "dH, dV = (e.D[:, :2] @ motion + closing)[:, :, 0].T",
-        "dH, dV = (e.D[:, :2] @ motion)[:, :, 0].T",
+        "@ motion + closing)[:, :, 0]",
+        "@ motion)[:, :, 0]",
         "term",
         "the step of H and V has no part of the gaps",
         f"{_DERIVATIVES} -k Schur",

@@ -45,7 +45,7 @@ _STOPPED = (-signal.SIGTERM, -signal.SIGINT, -9)
 
 
 class CheckError(RuntimeError):
-    """A check cannot be run: it does not exist, or pytest does not understand it."""
+    """A check cannot be run (it does not exist, or pytest does not understand it), or patches do not apply."""
 
 
 @dataclass(frozen=True)
@@ -184,7 +184,8 @@ class Log:
         for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else ():
             try:
                 entry = json.loads(line)
-                self.results[entry.pop("key")] = Result(**entry)
+                name = entry.pop("key")
+                self.results[name] = Result(**entry)
             except (ValueError, KeyError, TypeError, AttributeError):
                 continue
 
@@ -218,13 +219,14 @@ def run(
         copies = Copies(Path(folder), project, jobs)
         tree = digest(copies.source)
         pairs = {key(tree, *pair): pair for pair in wanted}
+        _check_patches(copies.source, {pair[0] for pair in pairs.values() if pair[0]})
         found = [] if fresh else [log.results[k] for k in pairs if k in log.results]
         left = {k: pair for k, pair in pairs.items() if fresh or k not in log.results}
         yield len(found), len(pairs), found
         children: set[subprocess.Popen] = set()
         pool = ThreadPoolExecutor(jobs)
         try:
-            futures = [pool.submit(_results, copies, group, timeout, children) for group in _groups(left)]
+            futures = [pool.submit(_results, copies, *group, timeout, children) for group in _groups(left)]
             for future in as_completed(futures):
                 for k, result in future.result().items():
                     log.append(k, result)
@@ -237,19 +239,38 @@ def run(
             pool.shutdown(wait=True)
 
 
-def _groups(left: dict) -> list[dict]:
-    """What is run together: all functions of one file on the project as it is; anything else by itself."""
+def _check_patches(root: Path, defects: Iterable[Defect]):
+    """Before any work: raises CheckError naming every patch that does not apply."""
+    wrong = []
+    for defect in defects:
+        try:
+            defect.applied_to((root / "solvers" / f"{defect.module}.py").read_text(encoding="utf-8"))
+        except (OSError, ValueError) as error:
+            wrong.append(str(error))
+    if wrong:
+        raise CheckError("\n".join(sorted(wrong)))
+
+
+def _groups(left: dict) -> list[tuple[str, dict]]:
+    """(check, what it answers for): on the project as it is, the functions of one file together; else one by one.
+
+    A function that is named with several choices of its parameters is run once, with all of them.
+    """
+    clean = {k: check for k, (defect, check) in left.items() if defect is None and "::" in check}
+    functions = {k: check.split(" -k ")[0] for k, check in clean.items() if len(check.split(" -k ")[0].split()) == 1}
+    several = [function for function in functions.values() if list(functions.values()).count(function) > 1]
     together: dict[str, dict] = {}
-    for k, (defect, check) in left.items():
-        plain = defect is None and "::" in check and " " not in check
-        together.setdefault(check.split("::")[0] if plain else k, {})[k] = (defect, check)
-    return list(together.values())
+    for k, pair in left.items():
+        whole = k in functions and (functions[k] in several or functions[k] == clean[k])
+        together.setdefault(functions[k].split("::")[0] if whole else k, {})[k] = pair
+    joined = lambda group: " ".join(dict.fromkeys(functions.get(k, pair[1]) for k, pair in group.items()))
+    return [(joined(group) if len(group) > 1 else "", group) for group in together.values()]
 
 
-def _results(copies: Copies, group: dict, timeout: float, children: set) -> dict[str, Result]:
+def _results(copies: Copies, joined: str, group: dict, timeout: float, children: set) -> dict[str, Result]:
     """Key -> result of a group; one by one where not all of it is green."""
-    if len(group) > 1:
-        one = copies.run(None, " ".join(check for _, check in group.values()), timeout, children)
+    if joined:
+        one = copies.run(None, joined, timeout, children)
         if not one.red:
             return {k: Result("", check, "missed", one.seconds / len(group)) for k, (_, check) in group.items()}
     return {k: copies.run(*pair, timeout, children) for k, pair in group.items()}

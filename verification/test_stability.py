@@ -1,0 +1,320 @@
+"""At the limits of each solver: is what it calls a success one, and does it say so when it has none?
+
+Corners of the stability maps. Each check of a success looks at the result from outside: the equations by differences of
+what was returned, the places by their integral, never the solver's own residual. Every check is shown a spoiled result.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.linalg import eig
+
+from solvers import Environment, Motion, Network, Span, Status, cable_system, solve_network, solve_periodic, solve_span
+from solvers.generalized_alpha import Scheme
+from solvers.statics import solve_static
+from solvers.time_domain import solve_time_domain
+
+from .cables import scene
+from .cases.cables import OC3, OC3_SEABED, SURGE_5
+from .cases.networks import chain
+from .cases.spans import SpanCase
+from .reference import exact_span, force_error
+
+LIMITS = 100  # condition limits: what this project asks of its answers on its reference table
+BALANCE = 2e-9  # of the largest force: the tolerance of the network solver, summed in another order
+ROWS = 1e-8  # of the terms of a row: the tolerance is of the step
+PLACE = 1e-9  # of the chord
+MEAN = 1e-8  # m, of a chord of 885 m
+LINEAR = 1e-3  # relative: what the quadratic terms do to a wave of a thousandth of the strain at rest
+INVALID = (Status.COMPRESSION, Status.OVERSTRETCHED)
+
+
+def at(case, nodes=8, **changes):
+    """The system of a case with other values."""
+    return cable_system(scene(replace(case, **changes)), nodes)
+
+
+# ---------------------------------------------------------------- what a success must keep
+def row_defect(system, y, ydot, t=0.0) -> float:
+    """Largest cell row over the sum of the sizes of its terms, |dF/dy| |y| + |dF/dydot| |ydot|."""
+    rows = system.cells(y, ydot, t)
+    sizes = 0.0
+    for J, field in ((rows.y, y), (rows.ydot, ydot)):
+        sizes = sizes + np.einsum("ij...,j...->i...", abs(J[0]), abs(field)[:, :-1])
+        sizes = sizes + np.einsum("ij...,j...->i...", abs(J[1]), abs(field)[:, 1:])
+    return float((abs(rows.value) / np.maximum(sizes, np.finfo(float).tiny)).max())
+
+
+def check_static(state):
+    """The rows are met at rest, the integral of the strained tangent ends at the fairlead, no part is compressed."""
+    system = state.system
+    assert np.isfinite(state.y).all() and np.isfinite(state.r).all()
+    assert row_defect(system, state.y, np.zeros_like(state.y)) < ROWS
+    miss = np.linalg.norm(system.positions(state.y)[:, -1] - system.scene.fairlead)
+    assert miss < PLACE * np.linalg.norm(system.chord)
+    assert state.tension.min() >= 0
+
+
+def check_history(history, scheme):
+    """Every step follows the method's relation between states and rates, the rows hold within, no compression."""
+    y, ydot, time = history.y, history.ydot, history.time
+    assert np.isfinite(y).all() and np.isfinite(ydot).all() and history.tension.min() >= 0
+    mix = lambda a, share: (1 - share) * a[..., :-1] + share * a[..., 1:]
+    slip = np.diff(y) - np.diff(time) * mix(ydot, scheme.gamma)
+    assert (abs(slip).max(axis=(1, 2)) <= ROWS * abs(y).max(axis=(1, 2))).all()
+    inside, rate = mix(y, scheme.alpha_f), mix(ydot, scheme.alpha_m)
+    t = mix(time, scheme.alpha_f)
+    ones = np.ones_like(inside)  # the tolerance of the solver is absolute: a state off by a part of 1 m/s, 1 rad
+    rows = abs(history.moved.cells(inside, rate, t).value)
+    assert (rows <= ROWS * _terms(history.moved, inside, rate, t, ones, ones / np.diff(time).max())).all()
+
+
+def _terms(system, y, ydot, t, size, size_dot):
+    rows = system.cells(y, ydot, t)
+    return sum(
+        np.einsum("ij...,j...->i...", abs(J[side]), field[:, at])
+        for J, field in ((rows.y, size), (rows.ydot, size_dot))
+        for side, at in ((0, slice(None, -1)), (1, slice(1, None)))
+    )
+
+
+def check_response(response):
+    """Coefficients of the rows vanish, the fairlead's mean place is kept, no compression at any of many instants."""
+    system, y, ydot, t = response.system, response.y, response.ydot, response.time
+    assert np.isfinite(y).all() and np.isfinite(ydot).all()
+    coefficients = abs(np.fft.rfft(system.cells(y, ydot, t).value))[..., : response.basis.harmonics + 1] / t.size
+    sizes = _terms(system, y, ydot, t, abs(y), abs(ydot)).mean(axis=-1)
+    assert (coefficients <= ROWS * sizes[..., None]).all()
+    assert abs(system.drift(y, t).mean(axis=-1)).max() < MEAN
+    fine = np.linspace(0.0, system.period, 16 * t.size)
+    assert system.tension(response.at(fine), response.rate_at(fine)).min() >= 0
+
+
+# ---------------------------------------------------------------- lines and networks
+@pytest.mark.parametrize("stiffness", [1.0, 1e6, 1e12])
+@pytest.mark.parametrize("slackness", [0.5, 1 - 1e-6, 1.0, 1.02, 10.0])
+@pytest.mark.parametrize("friction", [0.0, 1e3])
+def test_spans_at_the_limits_against_50_digits(stiffness, slackness, friction):
+    """From over-taut to ten chords, EA/wL 1 to 1e12, friction 0 to 1e3: right within 100 condition limits."""
+    L = 500.0 * slackness
+    case = SpanCase("", "", 700.0, stiffness * 700.0 * L, L, 480.0, 140.0, friction=friction)
+    state, truth = solve_span(Span(**case.inputs())), exact_span(case)
+    assert force_error(state.H, state.V, truth, case) <= LIMITS * truth.limit
+
+
+@pytest.mark.parametrize("diameter", [1e-3, 1.0])
+@pytest.mark.parametrize("depth", [1.0, 1e4])
+def test_spans_of_any_size_against_50_digits(depth, diameter):
+    """A steel line of 1 mm or 1 m in 1 m or 10 km of water is right within 100 condition limits."""
+    area = math.pi * diameter**2 / 4
+    case = SpanCase("", "", 6825 * 9.81 * area, 2e11 * area, 1.02 * math.hypot(2, 1) * depth, 2 * depth, depth)
+    state, truth = solve_span(Span(**case.inputs())), exact_span(case)
+    assert force_error(state.H, state.V, truth, case) <= LIMITS * truth.limit
+
+
+@pytest.mark.parametrize("contrast", [1e-6, 1.0, 1e6])
+@pytest.mark.parametrize("lines", [2, 9, 100])
+def test_networks_with_a_stiffness_contrast(lines, contrast):
+    """A chain whose lines differ a millionfold in stiffness carries one H, and V falls by the weight of each line."""
+    case = chain(lines, EA=1e8)
+    made = tuple(replace(e, EA=e.EA / contrast if i % 2 else e.EA) for i, e in enumerate(case.elements))
+    state = solve_network(_network(replace(case, elements=made)))
+    weight, largest = np.array([e.w * e.L for e in made]), np.hypot(state.H, state.V).max()
+    assert np.ptp(state.H) <= BALANCE * largest
+    assert abs(state.V[:-1] - state.V_anchor[1:]).max() <= BALANCE * largest
+    assert abs(state.V - state.V_anchor - weight).max() <= BALANCE * largest
+
+
+def _network(case) -> Network:
+    from solvers import Element, Node
+
+    nodes = tuple(Node(n.kind, n.r, n.mass, n.volume, n.force) for n in case.nodes)
+    lines = tuple(Element(e.w, e.EA, e.L, e.ends, e.friction) for e in case.elements)
+    return Network(nodes, lines, Environment())
+
+
+# ---------------------------------------------------------------- statics
+@pytest.mark.parametrize("nodes", [3, 40, 2000])
+@pytest.mark.parametrize("current", [(0.0, 0.0, 0.0), (5.0, 0.0, 0.0), (-3.0, 4.0, 0.0)])
+def test_statics_with_current(nodes, current):
+    """From 3 to 2000 nodes, with and without a current of 5 m/s along and across: solved, and a success by its rows."""
+    check_static(solve_static(at(OC3, nodes, current=current)))
+
+
+@pytest.mark.parametrize("nodes", [3, 10, 300])
+@pytest.mark.parametrize("stiffness", [0.0, 1.0, 1e4, 1e9])
+def test_statics_on_a_seabed(nodes, stiffness):
+    """Seabed stiffness 0 to 1e9 N/m^2: solved, and a success by its rows."""
+    check_static(solve_static(at(OC3_SEABED, nodes, seabed_stiffness=stiffness)))
+
+
+# ---------------------------------------------------------------- time domain
+TIME_CORNERS = [
+    {"Cdn": drag, "amplitude": (surge, 0.0, 0.0)} for drag, surge in itertools.product((0.0, 100.0), (0.01, 20.0))
+] + [
+    {"mass_per_length": mass, "Ca": added} for mass, added in itertools.product((1e-2, 77.7, 1e4), (0.0, 100.0))
+] + [{"frequency": f, "amplitude": (0.1, 0.0, 0.0)} for f in (1e-4, 0.107, 1.23, 10.0)] + [
+    {"damping": beta} for beta in (1e-3, 1.0, 100.0)
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("hold", ["position", "mean"])
+@pytest.mark.parametrize("corner", TIME_CORNERS, ids=str)
+def test_time_domain_at_the_limits(corner, hold):
+    """Drag, mass, frequency, structural damping at their ends: a success keeps its equations, a stop has a status."""
+    system = at(SURGE_5, **corner)
+    history = solve_time_domain(system, dt=system.period / 25, periods=1, hold=hold, throw=False)
+    _judge_history(history, Scheme.from_spectral_radius(0.5))
+
+
+@pytest.mark.parametrize("rho_inf", [0.0, 0.5, 0.9])
+@pytest.mark.parametrize("share", [1e-4, 1e-2, 0.5])
+def test_time_steps_at_the_limits(share, rho_inf):
+    """Steps from 1e-4 to half a period: solved, whatever the spectral radius."""
+    system = at(SURGE_5, amplitude=(1.0, 0.0, 0.0))
+    dt = share * system.period
+    history = solve_time_domain(system, dt=dt, duration=min(100 * dt, system.period), rho_inf=rho_inf, ramp=0.0)
+    check_history(history, Scheme.from_spectral_radius(rho_inf))
+
+
+def _judge_history(history, scheme):
+    if history.success:
+        check_history(history, scheme)
+        return
+    assert history.status in (*INVALID, Status.STEP_FAILED) and history.event is not None
+    assert np.isfinite(history.y).all(), "what is recorded up to a stop is finite"
+
+
+# ---------------------------------------------------------------- harmonic balance
+@pytest.mark.parametrize("harmonics", [1, 5, 12])
+@pytest.mark.parametrize("surge", [1e-3, 5.0, 20.0])
+def test_harmonic_balance_at_the_limits(harmonics, surge):
+    """Few or many harmonics, a tiny to a violent motion: a success keeps its equations, the others have a status."""
+    _judge_response(solve_periodic(at(SURGE_5, amplitude=(surge, 0.0, 0.0)), harmonics=harmonics, throw=False))
+
+
+@pytest.mark.parametrize("drag", [0.0, 100.0])
+@pytest.mark.parametrize("frequency", [1e-4, 0.107, 1.23, 10.0])
+def test_harmonic_balance_over_frequencies(frequency, drag):
+    """1e-4 to 10 Hz, resonances among them, with and without drag: a success keeps its equations."""
+    system = at(SURGE_5, frequency=frequency, Cdn=drag, amplitude=(0.01, 0.0, 0.0))
+    _judge_response(solve_periodic(system, harmonics=3, throw=False))
+
+
+def _judge_response(response):
+    if response.success:
+        check_response(response)
+    else:
+        assert response.status in (*INVALID, Status.NO_PERIODIC_RESPONSE)
+
+
+def test_lost_tension_is_never_a_success():
+    """A surge that takes the tension away ends with COMPRESSION in time, and without success in harmonic balance."""
+    system = at(SURGE_5, amplitude=(15.0, 0.0, 0.0))
+    assert solve_time_domain(system, dt=0.5, periods=1, throw=False).status is Status.COMPRESSION
+    assert not solve_periodic(system, harmonics=5, throw=False).success
+
+
+# ---------------------------------------------------------------- stiff integration
+@pytest.fixture(scope="module")
+def waves():
+    """A line without drag and its axial waves: (system, eigenvalues, left and right vectors, dF/dydot)."""
+    system = at(OC3, 12, Cdn=0.0)
+    rest = system.rest()
+    parts = [rows(rest, np.zeros_like(rest), 0.0) for rows in (system.start, system.cells, system.end)]
+    A, B = (_matrix(*(getattr(part, name) for part in parts)) for name in ("y", "ydot"))
+    values, left, right = eig(A, -B, left=True)
+    finite = np.isfinite(values) & (abs(values) < 1e9)
+    return system, values[finite], left[:, finite], right[:, finite], B
+
+
+def _matrix(start, cells, end):
+    n_f, between = cells.shape[1], cells.shape[-1]
+    matrix = np.zeros((n_f * (between + 1),) * 2)
+    matrix[: len(start), :n_f], matrix[len(matrix) - len(end) :, -n_f:] = start, end
+    for i in range(between):
+        place = slice(len(start) + n_f * i, len(start) + n_f * (i + 1))
+        matrix[place, n_f * i : n_f * (i + 2)] = np.hstack([cells[0, ..., i], cells[1, ..., i]])
+    return matrix
+
+
+def test_implicit_steps_pass_the_explicit_limit(waves):
+    """Runge-Kutta grows just beyond its limit; the implicit method takes a thousand times that step and decays."""
+    _, values, *_ = waves
+    limit = 2.828 / abs(values).max()
+    runge_kutta = lambda z: abs(1 + z + z**2 / 2 + z**3 / 6 + z**4 / 24)
+    assert runge_kutta(0.99 * limit * values).max() < 1 + 1e-9 < runge_kutta(1.01 * limit * values).max()
+    for radius in (0.0, 0.5, 1.0):
+        scheme = Scheme.from_spectral_radius(radius)
+        assert max(abs(scheme.amplification(1000 * limit * value)).max() for value in values) < 1 + 1e-9
+
+
+@pytest.mark.parametrize("radius", [0.0, 0.5, 1.0])
+def test_axial_waves_decay_by_the_spectral_radius(waves, radius):
+    """A free axial wave, eight steps to its period, loses what the roots of the method say, by its printed weights."""
+    measured, expected = _loss(waves, radius, radius)
+    assert measured == pytest.approx(expected, abs=LINEAR)
+
+
+def test_another_radius_would_be_seen(waves):
+    """The check tells spectral radius 0.6 from 0.5."""
+    measured, expected = _loss(waves, 0.6, 0.5)
+    assert abs(measured - expected) > 10 * LINEAR
+
+
+def _loss(waves, radius, supposed, steps=8, settled=24, last=48):
+    """Share that the first axial wave loses in a period: (measured, from the roots of the scheme supposed)."""
+    system, values, left, right, B = waves
+    axial = [k for k, v in enumerate(values) if v.imag > 6 and _lengthwise(right[:, k], system)]
+    mode = min(axial, key=lambda k: values[k].imag)
+    value, rest = values[mode], system.rest()
+    shape = right[:, mode].reshape(system.nodes, -1).T
+    shape = shape * (1e-3 * rest[0].max() / abs(shape[0]).max())
+    dt = 2 * math.pi / abs(value) / steps
+    options = {"rho_inf": radius, "hold": None, "tolerance": 1e-13}
+    start = rest + shape.real, (value * shape).real
+    history = solve_time_domain(system, dt=dt, duration=last * dt, start=start, **options)
+    flat = (history.y - rest[..., None]).swapaxes(0, 1).reshape(rest.size, -1)
+    found = abs(left[:, mode].conj() @ B @ flat)
+    z, f = value * dt, 1 / (1 + supposed)
+    a = (3 - supposed) / (2 + 2 * supposed)
+    g = 0.5 + a - f  # Jansen, Whiting and Hulbert (2000)
+    roots = np.roots(np.polymul([1, -1], [a, 1 - a]) - z * np.polymul([f, 1 - f], [g, 1 - g]))
+    principal = abs(roots[abs(roots - np.exp(z)).argmin()])
+    return 1 - (found[last] / found[settled]) ** (steps / (last - settled)), 1 - principal**steps
+
+
+def _lengthwise(vector, system) -> bool:
+    along, across = abs(vector.reshape(system.nodes, -1).T[1:3]).max(axis=1)
+    return along > across
+
+
+# ---------------------------------------------------------------- the checks themselves
+def _spoil(result, name, index, factor):
+    array = getattr(result, name).copy()
+    array[index] *= factor
+    return replace(result, **{name: array})
+
+
+@pytest.mark.parametrize("factor", [1 + 1e-5, math.nan, -1.0])
+def test_a_spoiled_success_is_found(factor):
+    """A strain wrong by 1e-5, NaN or negative turns each check of a success red."""
+    system = at(SURGE_5, 6)
+    state = solve_static(system)
+    history = solve_time_domain(system, dt=1.0, periods=1)
+    response = solve_periodic(system, harmonics=3)
+    scheme = Scheme.from_spectral_radius(0.5)
+    for good, bad, check in (
+        (state, _spoil(state, "y", (0, 2), factor), check_static),
+        (history, _spoil(history, "y", (0, 2, 7), factor), lambda result: check_history(result, scheme)),
+        (response, _spoil(response, "z", (0, 2, 0), 1 + 100 * (factor - 1)), check_response),
+    ):
+        check(good)
+        with pytest.raises(AssertionError), np.errstate(all="ignore"):
+            check(bad)
+    assert isinstance(system.motion, Motion)
