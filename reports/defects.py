@@ -78,8 +78,8 @@ def _counts(name: str, title: str, heading: str, rows: list[dict], of) -> Table:
                 "rate": other / len(mine),
             }
         )
-    columns = {"label": heading, "planted": "planted", "named": "found by the check named for it",
-               "other": "found without stored numbers", "rate": "rate"}  # fmt: skip
+    columns = {"label": heading, "planted": "planted", "named": "found by its own check",
+               "other": "without stored numbers", "rate": "rate"}  # fmt: skip
     return Table(name, title, columns, shown, {"rate": "{:.0%}".format})
 
 

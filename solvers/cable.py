@@ -18,6 +18,7 @@ from .chain import ChainSystem, Rows
 from .loads import seabed_support
 from .motion import Ramped
 from .outcome import InputError, Status
+from .properties import one_of
 
 _LONGEST = 0.3  # strain; chain breaks at 0.01, polyester at 0.15, nylon near 0.3
 _IN_PLANE = 1e-12  # out-of-plane parts below this share of a vector come from rounding its direction
@@ -212,8 +213,7 @@ def _axes(scene) -> np.ndarray:
 
 
 def _planar(fields, scene, motion) -> bool:
-    if fields not in ("auto", "planar", "spatial"):
-        raise InputError(f"fields: {fields!r} must be 'auto', 'planar' or 'spatial'")
+    one_of("fields", fields, ("auto", "planar", "spatial"))
     if fields == "spatial":
         return False
     out = _axes(scene)[2]

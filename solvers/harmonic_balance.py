@@ -17,7 +17,7 @@ from .fourier import Basis
 from .harmonic_rows import Balance
 from .newton import Step, damped_newton, relaxed_newton
 from .outcome import InputError, Outcome, Status
-from .properties import positive_number
+from .properties import one_of, positive_number
 from .response import Response
 from .threads import one_blas_thread
 
@@ -116,10 +116,8 @@ def solve_periodic(
     if Nt < 2 * Nh + 1:
         raise InputError(f"samples: {Nt} must be at least 2 harmonics + 1 = {2 * Nh + 1}")
     tolerance = positive_number("tolerance", tolerance, "(mean change of a coefficient)")
-    if globalisation not in _NEWTON:
-        raise InputError(f"globalisation: {globalisation!r} must be 'damped' or 'relaxation'")
-    if linear_solver not in ("direct", "iterative"):
-        raise InputError(f"linear_solver: {linear_solver!r} must be 'direct' or 'iterative'")
+    one_of("globalisation", globalisation, _NEWTON)
+    one_of("linear_solver", linear_solver, ("direct", "iterative"))
     if system.period is None:
         raise InputError("motion: the chain has no periodic driving, and its periodic response takes one")
     basis = Basis(Nh, Nt, 2 * math.pi / (nu * system.period), bool(mean))

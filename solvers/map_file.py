@@ -61,6 +61,8 @@ def read_map_file(path, *, depth=None, rho=Environment.rho, g=Environment.g) -> 
     environment, types, angles = Environment(rho=rho, g=g, depth=depth), {}, []
     try:
         text = Path(path).read_text(encoding="latin-1")  # what counts is ASCII; the unit m^3 comes in any encoding
+    except (TypeError, ValueError):
+        raise InputError(f"path: {path!r} is not the path of a MAP++ file") from None
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
     rows = _sections(path, text.split("\n"))

@@ -23,7 +23,7 @@ from .network_jacobian import dense_step, trust_region_step
 from .network_nested import EPS, largest_force, solve_sparse
 
 MAX_ITERATIONS = 60
-LARGEST_WHOLE = 3000  # unknowns up to which the whole Jacobian is factorized when eliminating parts of it failed
+LARGEST_WHOLE = 1000  # unknowns up to which the whole Jacobian is factorized when eliminating parts of it failed
 REGULAR = 1e-9  # of the softest stiffness that counts
 LEAST = 0.1  # a step leaves every H at least this part of itself
 UNITS = {"N": (1.0, 1.0), "kN": (1e3, 1.0), "scaled": None}

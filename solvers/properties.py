@@ -44,6 +44,13 @@ def non_negative_number(name: str, value, unit: str) -> float:
     return value
 
 
+def one_of(name: str, value, choices):
+    """Raises InputError naming the choices where ``value`` is none of them."""
+    if not isinstance(value, (str, type(None))) or value not in choices:
+        *most, last = map(repr, choices)
+        raise InputError(f"{name}: {value!r} must be {', '.join(most)} or {last}")
+
+
 def vector(name: str, value, unit: str, what: str = "components") -> tuple[float, float, float]:
     """Three real numbers in x, y, z as a tuple of finite floats; raises InputError naming the one that is not."""
     if not isinstance(value, (list, tuple, np.ndarray)) or np.shape(value) != (3,):

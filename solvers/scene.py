@@ -147,6 +147,8 @@ def read_tables(path, build):
         raise InputError(f"{path}: cannot be read as a text file: {error}") from None
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{path}: is not a TOML file: {error}") from None
+    except ValueError:
+        raise InputError(f"path: {str(path)!r} is not the path of a scene file") from None
     try:
         return build(data, path.stem)
     except InputError as error:

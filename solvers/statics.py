@@ -18,9 +18,11 @@ from .catenary import Span, solve_span
 from .chain import BandedJacobian, Rows, stack
 from .newton import Step, damped_newton
 from .outcome import InputError, Outcome, Status
+from .properties import one_of, positive_number
 from .shooting import shoot
 
 TOLERANCE = 1e-11  # mean change of (eps, angles in rad, positions in chords): a hundred roundings of a position
+_ROUNDING = 1e-14  # mean change of a state that fifty roundings make
 _SMALLEST_RISE = 2.0**-10  # of the load parameter, in the continuation
 
 
@@ -62,8 +64,10 @@ def solve_static(system: CableSystem, *, method="box", tolerance=TOLERANCE, thro
     from node to node, started from the former: its error is that of the integration, ten digits and more.
     Raises ConvergenceError when none is found (``throw=False``: a state whose status says so).
     """
-    if method not in ("box", "shooting"):
-        raise InputError(f"method: {method!r} must be 'box' or 'shooting'")
+    one_of("method", method, ("box", "shooting"))
+    tolerance = positive_number("tolerance", tolerance, "(mean change of a state)")
+    if tolerance < _ROUNDING:
+        raise InputError(f"tolerance: {tolerance:g} must be at least {_ROUNDING:g}: rounding moves a state by as much")
     if method == "shooting" and (pieces := _pieces(system)) > 1:
         fine = solve_static(_refined(system, pieces), method=method, tolerance=tolerance, throw=throw)
         return replace(fine, system=system, y=fine.y[:, ::pieces], r=fine.r[:, ::pieces])

@@ -10,7 +10,7 @@ import numpy as np
 from .chain import ChainSystem
 from .generalized_alpha import HOLDS, Scheme, Stepper
 from .outcome import InputError, Outcome, Status
-from .properties import positive_number, real_number
+from .properties import one_of, positive_number, real_number
 from .response import Response
 
 _GROWTH, _SHRINK, _SAFETY = 2.0, 0.2, 0.9  # of an error-controlled step
@@ -239,8 +239,7 @@ def _ramp(system, ramp, start) -> float:
 
 
 def _hold(system, hold):
-    if hold not in HOLDS:
-        raise InputError(f"hold: {hold!r} must be 'position', 'mean' or None")
+    one_of("hold", hold, HOLDS)
     if hold == "mean" and system.period is None:
         raise InputError("hold: 'mean' takes a motion with a period; use 'position'")
     return hold

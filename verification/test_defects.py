@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import json
 import os
 import re
 import subprocess
@@ -18,7 +19,8 @@ import pytest
 from .defects.catalogue import CATALOGUE, FROZEN, LONG, PLANTING, WIDER, frozen, whole
 from .defects.defect import KINDS, Defect, arguments
 from .defects.runner import CheckError, Copies, Log, Result, digest, key, run, run_check
-from .defects.verdict import kept, summary, verdicts
+from .defects.verdict import as_json, kept, summary, verdicts
+from .test_report import Page, broken_anchors, misaligned, missing_files, report, section
 
 ROOT = Path(__file__).parents[1]
 SOLVERS = ROOT / "solvers"
@@ -346,6 +348,29 @@ def test_a_killed_run_goes_on_where_it_was(tiny, tmp_path):
     assert len(before) == 3
     *_, (_, total, results) = run([(d, d.check) for d in TINY[:3]], Log(log), project=tiny)
     assert total == 3 and sorted(results, key=repr) == sorted(before.values(), key=repr)
+
+
+# ---------------------------------------------------------------- the page
+def test_the_page_tells_what_was_found(tmp_path):
+    """Counts, rate, survivors with their reasons, blind spots and each module stand on the page; its links lead on."""
+    defects = [replace(CATALOGUE[0], survives="It was left to show this sentence."), *CATALOGUE[1:]]
+    results = [Result(d.name, d.check, "missed" if d.blind else "caught", 1.0, d.check) for d in defects]
+    results[0] = replace(results[0], outcome="missed")
+    data = as_json(verdicts(defects, results))
+    assert data["kept"] and data["summary"]["survivors"] == [defects[0].name]
+    (tmp_path / "results").mkdir()
+    (tmp_path / "results" / "defects.json").write_text(json.dumps(data), encoding="utf-8")
+    made = report("--only", "machine", "--out", tmp_path)
+    assert made.returncode == 0, made.stderr
+    page = Page((tmp_path / "index.html").read_text(encoding="utf-8"))
+    shown = section(page.text, "defects")
+    real = [d for d in defects if not d.blind]
+    assert f"{len(real)} mistakes over every module" in shown and "It was left to show this sentence." in shown
+    for module in {d.module for d in real}:
+        count = sum(d.module == module for d in real)
+        assert f"<b>{module}</b>" in shown and f"{count - (module == defects[0].module)} of {count} found" in shown
+    assert all(d.blind[1:] in shown for d in defects if d.blind)
+    assert missing_files(page, tmp_path) == [] and broken_anchors(page) == [] and misaligned(shown) == []
 
 
 # ---------------------------------------------------------------- the whole catalogue

@@ -98,7 +98,7 @@ DEFECTS = (
         "= H * direction, V_anchor",
         "symbol",
         "the anchor end of an element pulls with the force of its fairlead",
-        _JOINT,
+        f"{_DERIVATIVES} -k tangent",
     ),
     Defect(
         "pull of the fairlead outwards",

@@ -194,7 +194,7 @@ DEFECTS = (
         "lift, stiff, turn = up * force, force, up * force / L",
         "unit",
         "K11 and K22 are not divided by the length",
-        "test_invariants.py::test_lengths_scale",
+        _CENTRAL,
     ),
     Defect(
         "touchdown of an inextensible line",
