@@ -158,8 +158,8 @@ class CableSystem(ChainSystem):
         return solve_static(self).y
 
     def answer(self) -> float:
-        """An axial wave passes two cells and comes back."""
-        return 4 * float(self.ds.max()) / math.sqrt(self.EA / self.m)
+        """An axial wave passes five cells and comes back."""
+        return 10 * float(self.ds.max()) / math.sqrt(self.EA / self.m)
 
     def drift(self, y, t) -> np.ndarray:
         """Integral of (1 + eps) t ds less the prescribed place of the fairlead, (2 or 3, *S), m."""
@@ -232,7 +232,7 @@ def _mesh(nodes, mesh, length) -> np.ndarray:
         return np.linspace(0.0, length, nodes)
     try:
         s = np.asarray(mesh, dtype=float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError(f"mesh: {mesh!r} must be arc lengths (m)") from None
     if s.ndim != 1 or s.size < 3 or not np.isfinite(s).all() or not (np.diff(s) > 0).all():
         raise InputError(f"mesh: must be three or more finite, increasing arc lengths (m), given {mesh!r}")

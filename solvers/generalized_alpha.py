@@ -79,9 +79,13 @@ class PositionHold:
     def __call__(self, y, t, h) -> np.ndarray:
         """Correction (n_d,) of the velocity at t + h, m/s; the same when a step is tried again from t."""
         if t >= self.t + self.interval - 0.5 * h or self.offset is None:
+            self.correction = self._grown(t)  # an interval may end a little early or late
             self.learn(self.system.drift(y, t), t - self.t)
             self.t = t
-        return self.before + min(1.0, (t + h - self.t) / self.interval) * (self.correction - self.before)
+        return self._grown(t + h)
+
+    def _grown(self, t):
+        return self.before + min(1.0, (t - self.t) / self.interval) * (self.correction - self.before)
 
     def learn(self, offset, elapsed):
         """Find the rate at which the offset grows by itself from its change over the time elapsed, and correct both."""

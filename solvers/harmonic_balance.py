@@ -207,7 +207,10 @@ def _start(system, basis, start) -> np.ndarray:
         if z.shape[:2] != shape or abs(of.omega / basis.omega - 1) > 1e-12:
             raise InputError(f"start: a response of {z.shape[:2]} fields and nodes at {of.omega:g} rad/s does not fit")
         return _resized(z, of, basis)
-    z = np.asarray(start, dtype=float)
+    try:
+        z = np.asarray(start, dtype=float)
+    except (TypeError, ValueError, OverflowError):
+        raise InputError("start: must be a PeriodicResponse or an array of coefficients z") from None
     if z.shape != (*shape, basis.harmonic.size) or not np.isfinite(z).all():
         raise InputError(f"start: coefficients of shape {z.shape} must be {(*shape, basis.harmonic.size)}, all finite")
     return z

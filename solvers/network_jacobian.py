@@ -123,7 +123,9 @@ def _dogleg(newton, cauchy, radius):
 
 
 def _solve(J, right):
-    """J^-1 right; where slack lines leave J singular, the smallest correction."""
+    """J^-1 right; where slack lines leave J singular, the smallest correction; NaN where J is not finite."""
+    if not np.isfinite(J).all():
+        return np.full_like(right, np.nan)
     try:
         return np.linalg.solve(J, right)
     except np.linalg.LinAlgError:

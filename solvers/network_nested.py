@@ -54,7 +54,6 @@ class SoftFloor:
         np.add.at(node, balance.fairlead, weight / 2)
         self.load = node[balance.free].max(initial=0.0)
         self.spring = np.where(balance.free, node, 0.0) / (softness * balance.L.sum())
-        self.height = balance.floor
         self.dof, self.size, self.soft_stiffness = balance.dof, balance.size, self.balance.soft_stiffness
 
     def spans(self, r):

@@ -53,7 +53,8 @@ def one_of(name: str, value, choices):
 
 def vector(name: str, value, unit: str, what: str = "components") -> tuple[float, float, float]:
     """Three real numbers in x, y, z as a tuple of finite floats; raises InputError naming the one that is not."""
-    if not isinstance(value, (list, tuple, np.ndarray)) or np.shape(value) != (3,):
+    listed = isinstance(value, (list, tuple)) or (isinstance(value, np.ndarray) and value.ndim == 1)
+    if not listed or len(value) != 3 or any(isinstance(part, (list, tuple, np.ndarray)) for part in value):
         raise InputError(f"{name}: {value!r} must be three {what} [x, y, z] ({unit})")
     return tuple(real_number(f"{name}[{i}]", v, unit) for i, v in enumerate(value))
 

@@ -16,6 +16,7 @@ from solvers import (
     Network,
     Node,
     Regime,
+    SampledMotion,
     Span,
     Status,
     network_jacobian,
@@ -27,8 +28,10 @@ from solvers import (
     solve_static,
     solve_time_domain,
 )
+from solvers.block_chain import BlockChain
+from solvers.chain import Rows, product, stack
 from solvers.fourier import Basis
-from solvers.generalized_alpha import Scheme, Stepper
+from solvers.generalized_alpha import PositionHold, Scheme, Stepper
 from solvers.harmonic_rows import Balance
 from solvers.modes import natural_modes
 from solvers.network_nested import Count, solve_sparse
@@ -36,7 +39,7 @@ from solvers.newton import damped_newton
 from solvers.response import Response
 from solvers.time_domain import _Run
 
-from .cables import system
+from .cables import graded, random_state, system
 from .cases.cables import OC3, SURGE_5, CableCase
 from .cases.networks import bridle, two_line
 from .cases.oscillators import MassChain, cubic_chain, duffing, harmonic_force
@@ -44,6 +47,7 @@ from .cases.spans import OC3 as OC3_SPAN
 from .exact import catenary_mp
 from .orders import extrapolated
 from .reference import EPS
+from .test_block_chain import Chain
 from .test_network import METHODS, network_of
 
 ROUNDING = 100 * EPS  # of sums of some ten terms of order one
@@ -144,7 +148,45 @@ def test_shooting_knows_the_binormal():
     assert error <= 1e-3 * change, (error, change)  # h^4 is left, some 1e-9 of the force: measured 2e-5 of the change
 
 
+def test_drift_is_the_end_of_the_positions_on_any_mesh():
+    """Where cells differ, too, the drift of the end is that of the places of the nodes."""
+    chain = system(replace(SURGE_5, amplitude=None), mesh=graded(SURGE_5.length, 9))
+    y, _ = random_state(chain, 3)
+    off = chain.positions(y)[:, -1] - chain.scene.fairlead
+    assert abs(chain.axes.T @ chain.drift(y, 0.0) - off).max() <= 1e-12 * chain.s[-1]
+
+
 # ---------------------------------------------------------------- motion in time
+def test_a_series_goes_through_its_samples():
+    """At the times of a series the motion is its samples, from either side."""
+    rng = np.random.default_rng(11)
+    series = SampledMotion(np.sort(rng.uniform(0, 60, 20)), rng.normal(size=(20, 3)))
+    assert abs(series.displacement(series.time) - series.samples.T).max() <= ROUNDING
+    before = series.displacement(series.time[1:] * (1 - 1e-9))
+    assert abs(before - series.samples[1:].T).max() <= 1e-6  # some 10 m/s for 6e-8 s
+
+
+def test_tangents_times_a_state_are_the_change_of_the_rows():
+    """The product that eigenvalues are found with, on a chain whose rows are linear: F(y + x) - F(y), node by node."""
+    y, x = np.random.default_rng(12).normal(size=(2, 3, 3))
+    rows = [part(y, 0 * y, 0.0) for part in (LINEAR.start, LINEAR.between, LINEAR.end)]
+    values = [[part(state, 0 * y, 0.0).value for part in (LINEAR.start, LINEAR.between, LINEAR.end)]
+              for state in (y, y + x)]  # fmt: skip
+    change = stack(*(Rows(b - a) for a, b in zip(*values, strict=True)))
+    assert abs(product([part.y for part in rows], x) - change).max() <= ROUNDING
+
+
+def test_a_hold_takes_an_offset_back():
+    """An end that runs away by itself: the hold learns its rate; after twelve intervals 1 % of the offset is left."""
+    offset, growth, before = np.array([1.0]), 0.3, np.zeros(1)
+    hold = PositionHold(SimpleNamespace(drift=lambda y, t: offset, answer=lambda: 0.0), 1.0)
+    for k in range(12):
+        correction = hold(None, float(k), 1.0)
+        offset, before = offset + growth + (before + correction) / 2, correction
+    assert abs(offset[0]) <= 0.01
+    assert correction[0] == pytest.approx(-growth, abs=0.01)
+
+
 LINEAR = MassChain("linear", 2 * math.pi / 0.7, harmonic_force(0.3, 0.7, 2, 3), 3, 1.3, 0.2, 0.0, 2.0)
 
 
@@ -248,6 +290,14 @@ def test_blocks_in_parts_are_all_blocks(nodes):
     parts = list(balance.jacobian(*balance.rows(x, True), 64)[1])
     made = np.concatenate(parts, axis=1)
     assert made.shape == whole.shape and abs(made - whole).max() <= ROUNDING * abs(whole).max()
+
+
+def test_a_field_that_no_row_sees_is_told_without_full_rows():
+    """A chain is singular where a node's column is empty, although the elimination runs through to its end."""
+    chain = Chain.random(6, 5, 2, 0)
+    start, cells, _, _ = chain.blocks
+    start[:, 1] = cells[0, 0, :, 1] = 0.0
+    assert BlockChain(*chain.blocks).singular and not BlockChain(*Chain.random(6, 5, 2, 0).blocks).singular
 
 
 # ---------------------------------------------------------------- modes

@@ -284,6 +284,9 @@ KEYWORDS = {
 SLOW_BUT_VALID = {"every", "harmonics", "samples", "nodes", "count", "periods", "duration", "dt", "subharmonic"}
 """Keywords of which a large or tiny valid number means work: they get bad values and a few ordinary ones only."""
 
+UNTOLD = {("modes", "near")}
+"""Keywords whose bad valid values show in another: far from every mode, the count is what cannot be met."""
+
 places = st.sampled_from([(solver, name) for solver, (_, _, names) in KEYWORDS.items() for name in names])
 
 
@@ -295,7 +298,7 @@ def test_keywords(_, place, value):
         value = -value
     call, given, _ = KEYWORDS[solver]
     with np.errstate(divide="raise", over="raise", invalid="raise"):
-        ends_well(lambda: call(**(given | {name: value})), "" if value is None else name, _finite)
+        ends_well(lambda: call(**(given | {name: value})), "" if value is None or place in UNTOLD else name, _finite)
 
 
 def _finite(found) -> bool:

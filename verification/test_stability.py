@@ -153,6 +153,26 @@ def test_statics_on_a_seabed(nodes, stiffness):
     check_static(solve_static(at(OC3_SEABED, nodes, seabed_stiffness=stiffness)))
 
 
+@pytest.mark.parametrize(
+    "corner",
+    [
+        {"current": (-1000.0, 300.0, 0.0)},
+        {"EA": 1e2},
+        {"length": 9e4},
+        {"length": 600.0},
+        {"current": (100.0, 0.0, 0.0)},
+    ],
+    ids=str,
+)
+def test_statics_beyond_the_limits(corner):
+    """A current of 1000 m/s, a line far too soft, too long or too short: a success by its rows, or a status."""
+    state = solve_static(at(OC3, 10, **corner), throw=False)
+    if state.success:
+        check_static(state)
+    else:
+        assert state.status in (*INVALID, Status.NO_EQUILIBRIUM_FOUND)
+
+
 # ---------------------------------------------------------------- time domain
 TIME_CORNERS = [
     {"Cdn": drag, "amplitude": (surge, 0.0, 0.0)} for drag, surge in itertools.product((0.0, 100.0), (0.01, 20.0))

@@ -257,10 +257,10 @@ def random_network(i: int, seed: int = 2026) -> NetworkCase:
     weight, EA = 10 ** rng.uniform(0, 3.5), 10 ** rng.uniform(4, 8)
     r = np.column_stack([rng.uniform(-size, size, (n, 2)), -rng.uniform(0, 1, n) * (depth or size)])
     kinds = ["free"] * n
-    for i in rng.choice(n, int(rng.integers(1, max(2, n // 2) + 1)), replace=False):
-        kinds[i] = "fixed" if rng.random() < 0.6 else "coupled"
-        if kinds[i] == "fixed" and depth and rng.random() < 0.7:
-            r[i, 2] = -depth
+    for node in rng.choice(n, int(rng.integers(1, max(2, n // 2) + 1)), replace=False):
+        kinds[node] = "fixed" if rng.random() < 0.6 else "coupled"
+        if kinds[node] == "fixed" and depth and rng.random() < 0.7:
+            r[node, 2] = -depth
     lines = tuple(
         _random_line(rng, r, ends, weight, EA, kinds[ends[0]] == "fixed" and r[ends[0], 2] == -(depth or 0.0))
         for ends in _random_ends(rng, n, count)
