@@ -100,6 +100,14 @@ def _spring(H, V, EA, L) -> Excursion:
     return Excursion(long * H, long * V, H, V, C, *_held(H))
 
 
+def spring_stiffness(H, V, EA, L):
+    """(n, 2, 2) = d(H, V)/d(l, h) of weightless lines: C^-1, whose determinant loses all digits where T << EA."""
+    T = np.sqrt(H * H + V * V)
+    c, s, along, across = H / T, V / T, EA / L, 1 / (L * (1 / T + 1 / EA))
+    coupling = (along - across) * c * s
+    return _block(along * c * c + across * s * s, coupling, coupling, along * s * s + across * c * c)
+
+
 def _hanging_end(H, V, w, EA, L, friction, clearance):
     """Downward force of the anchor end, 0 where it lies on the seabed."""
     raised = clearance > 0

@@ -15,7 +15,7 @@ from functools import cached_property
 
 import numpy as np
 
-from .catenary_excursion import excursion
+from .catenary_excursion import excursion, spring_stiffness
 from .catenary_regimes import hanging_force, hanging_length
 from .elementary import ARRAY
 from .network_balance import Elements, Geometry, exact_forces
@@ -142,7 +142,7 @@ class Iterate:
         """(K, G, D): C^-1 (e, 2, 2); d(l, h)/d(l, z_a, z_f) (e, 2, 3), less what the height of the anchor moves; all
         derivatives of the forces (e, 4, 3). Zero rows of K where H or V is no unknown.
         """
-        x = self.x
+        x, balance = self.x, self.monolith.balance
         a, b, c, d = x.C.reshape(-1, 4).T
         K = (np.array([d, -b, -c, a]) / (a * d - b * c)).T.reshape(-1, 2, 2)
         G, D = np.zeros((self.kind.size, 2, 3)), np.empty((self.kind.size, 4, 3))
@@ -152,6 +152,9 @@ class Iterate:
             K[self.kind != OPEN] = G[self.flat, 1] = G[self.closed] = 0.0
             K[:, 0, 0] = np.where(self.flat | self.upright, 1 / a, K[:, 0, 0])
             K[:, 1, 1] = np.where(self.upright, 1 / d, K[:, 1, 1])
+        if balance.any_massless:
+            springs = np.flatnonzero(balance.massless & ~self.closed)
+            K[springs] = spring_stiffness(*self.elements.Q[:2, springs], balance.EA[springs], balance.L[springs])
         D[:, :2] = K @ G
         D[:, 2:] = x.anchor @ D[:, :2]
         D[:, 3, 1] += x.raised[:, 2]
@@ -194,11 +197,19 @@ class Iterate:
         return dr, dq[:, 0], dq[:, 1]
 
     def after(self, length, step):
-        """The next iterate: no node below the floor, no H below a part of itself."""
+        """The next iterate: no node below the floor, no H below a part of itself, weightless lines pull straight."""
         dr, dH, dV = step
-        H, V = self.elements.H, self.elements.V
-        r = self.monolith.balance.on_floor(self.r + length * dr)
-        return self.monolith.at(r, np.maximum(H + length * dH, LEAST * H), V + length * dV, self.kind)
+        b, H, V = self.monolith.balance, self.elements.H, self.elements.V
+        r = b.on_floor(self.r + length * dr)
+        H, V = np.maximum(H + length * dH, LEAST * H), V + length * dV
+        if b.any_massless:
+            springs = np.flatnonzero(b.massless)
+            reach = r[b.fairlead[springs]] - r[b.anchor[springs]]
+            l, h = np.hypot(reach[:, 0], reach[:, 1]), reach[:, 2]
+            chord = np.hypot(l, h)
+            T = np.maximum((H[springs] * l + V[springs] * h) / chord, TAUTENED * b.EA[springs])
+            H[springs], V[springs] = T * l / chord, T * h / chord
+        return self.monolith.at(r, H, V, self.kind)
 
 
 def solve(balance, r, H, V, count, units="scaled", jacobian="analytic", globalisation="line-search", tolerance=1e-10):
