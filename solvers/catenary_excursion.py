@@ -42,14 +42,17 @@ def excursion(H, V, w, EA, L, rests, friction, clearance) -> Excursion:
     Contact is decided by the forces: it touches when V and the hanging anchor end carry less than the weight w L.
     """
     weight = w * L
-    out = _free(H, V, w, EA, L, weight)
-    heavy = rests & (V >= 0) & (V < weight)
-    if np.count_nonzero(heavy):
-        heavy = np.flatnonzero(heavy)
-        line = [a[heavy] for a in (H, V, w, EA, L, friction, clearance)]
+    low = rests & (V >= 0) & (V < weight)
+    smooth, rough = None, ()
+    if np.count_nonzero(low):
+        special = low & ((friction > 0) | (clearance > 0))
+        smooth, rough = low & ~special, np.flatnonzero(special)
+    out = _free(H, V, w, EA, L, weight, smooth)
+    if len(rough):
+        line = [a[rough] for a in (H, V, w, EA, L, friction, clearance)]
         lift = _hanging_end(*line)
-        touching = np.flatnonzero(line[1] + lift < weight[heavy])
-        out.put(heavy[touching], _touching(*(a[touching] for a in (*line, lift))))
+        touching = np.flatnonzero(line[1] + lift < weight[rough])
+        out.put(rough[touching], _touching(*(a[touching] for a in (*line, lift))))
     for ruling, law, line in ((H, _upright, (V, w, EA, L)), (w, _spring, (H, V, EA, L))):
         if np.count_nonzero(ruling) < ruling.size:
             rows = np.flatnonzero(ruling == 0)
@@ -57,21 +60,31 @@ def excursion(H, V, w, EA, L, rests, friction, clearance) -> Excursion:
     return out
 
 
-def _free(H, V, w, EA, L, weight) -> Excursion:
-    """(2.4) and (4.15) with the differences between the ends resolved, see catenary_profile."""
-    b = V - weight
+def _free(H, V, w, EA, L, weight, smooth) -> Excursion:
+    """(2.4) and (4.15) with the differences between the ends resolved, see catenary_profile.
+
+    smooth : (n,) bool, lines that lie on the seabed from the anchor on, without friction: (2.23) and (4.16) are the
+    same with b = 0, the part V/w that hangs, and the rest, which is lying.
+    """
+    b, hanging, lying = V - weight, L, 0.0
+    if smooth is not None:
+        b, hanging = np.where(smooth, 0.0, b), np.where(smooth, V / w, L)
+        lying = L - hanging
     HH, both = H * H, V + b
     Ta, Tb = np.sqrt(HH + V * V), np.sqrt(HH + b * b)
     same = V * b > 0
     spread = np.arcsinh(weight * both / np.where(same, V * Tb + b * Ta, 1.0))
     if np.count_nonzero(same) < same.size:
         spread = np.where(same, spread, np.arcsinh(V / H) - np.arcsinh(b / H))
-    slope, stretch = L * both / (Ta + Tb), L / EA
+    slope, stretch = hanging * both / (Ta + Tb), hanging / EA
     sine = (V / Ta - b / Tb) / w
     C12 = -H * slope / (Ta * Tb)  # H (1/Ta - 1/Tb)/w
-    spread = spread / w + stretch
+    spread = spread / w + L / EA
     C = _block(spread - sine, C12, C12, sine + stretch)
-    return Excursion(H * spread, slope + stretch * (V - weight / 2), H.copy(), b, C, *_held(H))
+    anchor, raised = _held(H)
+    if smooth is not None:
+        anchor[smooth, 1, 1], raised[smooth, 1] = 0.0, -1.0
+    return Excursion(H * spread + lying, slope + stretch * (both / 2), H.copy(), b, C, anchor, raised)
 
 
 def _held(H):
@@ -148,6 +161,4 @@ def _hanging(H, V, w, EA):
 
 def _block(a, b, c, d):
     """(n, 2, 2) of four arrays (n,)."""
-    block = np.empty((a.size, 4), np.result_type(a, b))
-    block[:, 0], block[:, 1], block[:, 2], block[:, 3] = a, b, c, d
-    return block.reshape(-1, 2, 2)
+    return np.array([a, b, c, d]).T.reshape(-1, 2, 2)

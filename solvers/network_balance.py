@@ -40,16 +40,19 @@ class Balance:
         self.load = np.array([node.force for node in network.nodes], dtype=float)
         self.load[:, 2] += lift
         self.anchor, self.fairlead = np.array([element.ends for element in network.elements]).T.copy()
+        self.both_ends = np.concatenate([self.anchor, self.fairlead])
         columns = [(line.w, line.EA, line.L, line.friction) for line in network.elements]
         self.w, EA, self.L, self.friction = np.array(columns).T.copy()
         self.floor = -np.inf if environment.depth is None else -environment.depth
         self.lowest = np.where(self.free, self.floor, -np.inf)
         self.rests = (self.w >= 0) & np.isfinite(self.floor)  # a buoyant element never lies on the seabed
         self.heavy, self.massless = self.rests & (self.w > 0), self.w == 0
-        self.any_rests, self.any_massless = bool(self.rests.any()), bool(self.massless.any())
+        self.any_rests, self.all_rest, self.any_massless = map(
+            bool, (self.rests.any(), self.rests.all(), self.massless.any())
+        )
         self.any_friction = bool(self.friction.any())
         weight = np.abs(self.w) * self.L
-        self.nothing = np.zeros(self.w.size)
+        self.nothing, self.least = np.zeros(self.w.size), ROUNDING * self.L
         self.typical_length = float(np.median(self.L))
         self.typical_force = max(float(np.median(weight)), float(np.abs(self.load).max()) / weight.size, 1e-300)
         self.made_of(EA)
@@ -92,8 +95,11 @@ class Balance:
         """(n, 3) bool: unknown coordinates, but for heights of nodes that the force presses onto the seabed."""
         if self.floor == -np.inf:
             return self.unknown
+        stays = (r[:, 2] <= self.lowest) & (force[:, 2] <= 0)
+        if not np.count_nonzero(stays):
+            return self.unknown
         moving = self.unknown.copy()
-        moving[:, 2] &= (r[:, 2] > self.floor) | (force[:, 2] > 0)
+        moving[stays, 2] = False
         return moving
 
     def on_floor(self, r):
@@ -136,38 +142,53 @@ class Balance:
 class Geometry:
     """l (e,), direction (2, e) of the vertical planes, rise (e,), clearance (e,) of the anchor ends, friction (e,).
 
-    rounding : (e,) m, to which distances are known; vertical : (e,) bool, l = 0: any azimuth will do, H/l has a limit
+    rounding : (e,) m, to which distances are known; vertical : (e,) bool, l = 0: any azimuth will do, H/l has a limit;
+        only there where ``any_vertical``
     """
 
     def __init__(self, balance, r):
-        reach = r[balance.fairlead] - r[balance.anchor]
+        ends = r.take(balance.both_ends, 0)
+        anchor_z, reach = ends[: balance.w.size, 2], ends[balance.w.size :] - ends[: balance.w.size]
         x, y, self.rise = reach.T
-        self.r, self.l = r, np.sqrt(x * x + y * y)
-        self.rounding, self.vertical = ROUNDING * (np.abs(r).max() + balance.L), self.l == 0
-        if np.count_nonzero(self.vertical):
+        self.r, self.l = r, np.hypot(x, y)
+        self.rounding = ROUNDING * np.abs(r).max() + balance.least
+        self.reach, self.direction, self.any_vertical = self.l, reach.T[:2], np.count_nonzero(self.l) < self.l.size
+        if self.any_vertical:
+            self.vertical = self.l == 0
             self.reach = np.where(self.vertical, 1.0, self.l)
-            self.direction = np.array([np.where(self.vertical, 1.0, x), y]) / self.reach
-        else:
-            self.reach, self.direction = self.l, reach.T[:2] / self.l
+            self.direction = np.array([np.where(self.vertical, 1.0, x), y])
+        self.direction = self.direction / self.reach
         self.clearance, self.friction = balance.nothing, balance.friction
         if balance.any_rests:
-            self.clearance = (r[balance.anchor, 2] - balance.floor) * balance.rests
+            self.clearance = anchor_z - balance.floor
+            if not balance.all_rest:
+                self.clearance = self.clearance * balance.rests
         if balance.any_friction:  # where the anchor end lies on the seabed
             self.friction = np.where(self.clearance > 0, 0.0, balance.friction)
 
     @cached_property
     def frame(self):
-        """(e, 4, 6): d(l, z_a, z_f, t)/d(r_a, r_f), t across the vertical plane;
-        (e, 6, 6): (pull on r_a, pull on r_f) from (H, V, H_anchor, V_anchor) and the two forces across, sign reversed.
-        """
-        along = self.direction.T
-        across = np.stack([-along[:, 1], along[:, 0]], axis=1)
-        motion, pulls = np.zeros((self.l.size, 4, 6)), np.zeros((self.l.size, 6, 6))
-        motion[:, 0, 0:2], motion[:, 0, 3:5], motion[:, 1, 2], motion[:, 2, 5] = -along, along, 1.0, 1.0
-        motion[:, 3, 0:2], motion[:, 3, 3:5] = -across, across
-        pulls[:, 3:5, 0], pulls[:, 5, 1], pulls[:, 0:2, 2], pulls[:, 2, 3] = along, 1.0, -along, -1.0
-        pulls[:, 3:5, 4], pulls[:, 0:2, 5] = across, -across
-        return motion, pulls
+        """(e, 4, 6) and (e, 6, 6) of ``_frame``, which is linear in 1 and the direction."""
+        turn = np.empty((self.l.size, 3))
+        turn[:, 0], turn[:, 1:] = 1.0, self.direction.T
+        frame = (turn @ FRAME).reshape(-1, 10, 6)
+        return frame[:, :4], frame[:, 4:]
+
+
+def _frame(c, s):
+    """Of an element in direction (c, s), (4, 6): d(l, z_a, z_f, t)/d(r_a, r_f), t across the vertical plane;
+    (6, 6): (pull on r_a, pull on r_f) from (H, V, H_anchor, V_anchor) and the two forces across, sign reversed.
+    """
+    motion, pulls = np.zeros((4, 6)), np.zeros((6, 6))
+    along, across = np.array([c, s]), np.array([-s, c])
+    motion[0, 0:2], motion[0, 3:5], motion[1, 2], motion[2, 5] = -along, along, 1.0, 1.0
+    motion[3, 0:2], motion[3, 3:5] = -across, across
+    pulls[3:5, 0], pulls[5, 1], pulls[0:2, 2], pulls[2, 3] = along, 1.0, -along, -1.0
+    pulls[3:5, 4], pulls[0:2, 5] = across, -across
+    return np.vstack([motion, pulls])
+
+
+FRAME = np.array([_frame(0, 0), _frame(1, 0) - _frame(0, 0), _frame(0, 1) - _frame(0, 0)]).reshape(3, 60)
 
 
 def exact_forces(balance, geometry, rows=slice(None)):
@@ -226,6 +247,6 @@ class Elements:
         D = np.zeros((self.H.size, 6, 4))
         D[:, :4, :3] = self.D if within is None else within
         D[:, 4, 3], D[:, 5, 3] = self.H / g.reach, self.H_anchor / g.reach
-        if np.count_nonzero(g.vertical):
+        if g.any_vertical:
             D[g.vertical, 4, 3], D[g.vertical, 5, 3] = self.D[g.vertical, 0, 0], self.D[g.vertical, 2, 0]
         return pulls @ D @ motion

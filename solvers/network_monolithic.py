@@ -29,6 +29,7 @@ LEAST = 0.1  # a step leaves every H at least this part of itself
 UNITS = {"N": (1.0, 1.0), "kN": (1e3, 1.0), "scaled": None}
 TAUTENED = 16 * EPS  # strain that a line which just became taut starts from
 OPEN, FLAT, UPRIGHT, CLOSED = range(4)
+RISE = np.array([[1.0, 0.0, 0.0], [0.0, -1.0, 1.0]])  # d(l, rise)/d(l, z_a, z_f)
 
 
 def kinds(balance, g):
@@ -37,19 +38,23 @@ def kinds(balance, g):
     OPEN : by the unknowns H and V;  FLAT : by H alone, the fairlead on the seabed, V = 0;
     UPRIGHT : by V alone, vertical, H in proportion to l;  CLOSED : by exact forces, slack
     """
-    kind = np.where(g.l <= g.rounding, UPRIGHT, OPEN)
+    short = g.l <= g.rounding
+    kind = np.where(short, UPRIGHT, OPEN) if np.count_nonzero(short) else np.zeros(short.size, int)
     if balance.any_massless:
         taut = np.sqrt(g.l * g.l + g.rise * g.rise) >= balance.L - g.rounding
         kind = np.where(balance.massless, np.where(taut, OPEN, CLOSED), kind)
     if balance.any_rests:
         over = np.maximum(g.rise + g.clearance, 0.0)
         hanging = hanging_length(ARRAY, np.array([over, g.clearance]), balance.softness)
-        spare, low = balance.L - hanging[0] - hanging[1] - g.l, balance.heavy & (over == 0)
-        if np.count_nonzero(low):
-            low, L = np.flatnonzero(low), balance.L[low]
+        spare = balance.L - hanging[0] - hanging[1] - g.l
+        if np.count_nonzero(over) < over.size:
+            low = np.flatnonzero(balance.heavy & (over == 0))
+            L = balance.L[low]
             spare[low] -= g.rounding[low]
             kind[low[_rests(g.l[low] / L, g.clearance[low] / L, balance.softness[low] * L)]] = FLAT
-        kind[balance.heavy & (spare >= 0)] = CLOSED
+        slack = balance.heavy & (spare >= 0)
+        if np.count_nonzero(slack):
+            kind[slack] = CLOSED
     return kind
 
 
@@ -145,9 +150,9 @@ class Iterate:
         x, balance = self.x, self.monolith.balance
         a, b, c, d = x.C.reshape(-1, 4).T
         K = (np.array([d, -b, -c, a]) / (a * d - b * c)).T.reshape(-1, 2, 2)
-        G, D = np.zeros((self.kind.size, 2, 3)), np.empty((self.kind.size, 4, 3))
-        G[:, 0, 0] = G[:, 1, 2] = 1.0
-        G[:, 0, 1], G[:, 1, 1] = -x.raised[:, 0], -1.0 - x.raised[:, 1]
+        G, D = np.empty((self.kind.size, 2, 3)), np.empty((self.kind.size, 4, 3))
+        G[:] = RISE
+        G[:, :, 1] -= x.raised[:, :2]
         if not self.plain:
             K[self.kind != OPEN] = G[self.flat, 1] = G[self.closed] = 0.0
             K[:, 0, 0] = np.where(self.flat | self.upright, 1 / a, K[:, 0, 0])
@@ -168,7 +173,7 @@ class Iterate:
         b = self.monolith.balance
         self.elements.D = self.blocks[2]
         tangent = b.tangent(self.elements)
-        if np.count_nonzero(self.moving) == b.size:
+        if self.moving is b.unknown:
             return tangent
         unknown = b.dof[self.moving]
         return tangent[unknown][:, unknown]
@@ -245,6 +250,8 @@ def _converged(now, tolerance):
         return False
     gap = np.abs(now.gap).max(axis=1)
     closed = gap <= now.geometry.rounding
+    if np.count_nonzero(closed) == closed.size:
+        return True
     if not (closed | (gap * b.EA / b.L <= bound)).all():  # the line stretched straight: it may be stiffer than now
         return False
     return bool((closed | (np.abs(now.blocks[0] @ now.gap[:, :, None]).max(axis=(1, 2)) <= bound)).all())

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sparse
+from scipy.linalg.lapack import dgesv
 from scipy.sparse.linalg import splu
 
 EPS = np.finfo(float).eps
@@ -259,9 +260,10 @@ def solve_sparse(matrix, shift, right, count):
         if isinstance(matrix, np.ndarray):
             shifted = matrix.copy()
             shifted.ravel()[:: n + 1] += shift
-            return np.linalg.solve(shifted, right)
+            *_, solution, failed = dgesv(shifted, right, overwrite_a=True)
+            return None if failed else solution
         shifted = (matrix + shift * sparse.identity(n, format="csc")).tocsc()
         options = {"SymmetricMode": True}
         return splu(shifted, permc_spec="MMD_AT_PLUS_A", options=options, diag_pivot_thresh=0.0).solve(right)
-    except (np.linalg.LinAlgError, RuntimeError):
+    except RuntimeError:  # singular
         return None

@@ -112,6 +112,18 @@ SLIPS = {
         "0 * pulled",
         ("blocks",),
     ),
+    "part on the seabed left out (2.23a)": Slip(
+        catenary_excursion._free,
+        "H * spread + lying",
+        "H * spread",
+        ("blocks", "40 digits"),
+    ),
+    "anchor on the seabed that follows V": Slip(
+        catenary_excursion._free,
+        "anchor[smooth, 1, 1], raised[smooth, 1] = 0.0, -1.0",
+        "raised[smooth, 1] = -1.0",
+        ("blocks", "assembled against differences"),
+    ),
     "V of the anchor end upwards": Slip(
         catenary_excursion._free,
         "H.copy(), b, C,",
