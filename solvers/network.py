@@ -84,7 +84,6 @@ def _cross(a) -> np.ndarray:
 
 
 PROMISED = 1e-9  # of the largest force: never more is left of a balance that is called solved, unless asked for
-FEW = 25  # lines up to which solving them one by one is faster
 METHODS = {
     "method": ("monolithic", "nested"),
     "jacobian": ("analytic", "finite-difference"),
@@ -128,8 +127,7 @@ def solve_network(
     first = _start(balance, start, count)
     if balance.size == 0:
         count.function_evaluations = 1
-        lines = balance.single_spans if balance.w.size <= FEW else balance.spans
-        state = _state(balance, balance.position, count, tolerance, lines(balance.position))
+        state = _state(balance, balance.position, count, tolerance)
     elif method == "monolithic":
         last, solved = monolithic(balance, *first, count, units, jacobian, globalisation, tolerance)
         state = _state(balance, last.r, count, tolerance, last.elements if solved else None)

@@ -8,7 +8,7 @@ span; a seabed makes them depend on both heights, not on the difference alone. T
 from __future__ import annotations
 
 from copy import copy
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 import scipy.sparse as sparse
@@ -17,6 +17,7 @@ from .catenary import REGIMES, TOLERANCE, Regime, span_arrays
 from .catenary_solve import one, solve
 from .elementary import SCALAR
 
+FEW = 25  # lines up to which solving them one by one is faster
 DENSE = 90  # unknowns up to which dense matrices are faster
 ROUNDING = 4 * np.finfo(float).eps  # of coordinates and lengths
 GROUNDED, LYING, SAGGING, SLACK = (
@@ -112,13 +113,6 @@ class Balance:
         geometry = Geometry(self, r)
         return Elements(geometry, *exact_forces(self, geometry))
 
-    def single_spans(self, r):
-        """The same one by one, without derivatives: faster for a few elements."""
-        g, rests = Geometry(self, r), self.rests.tolist()
-        numbers = (self.w, self.EA, self.L, g.l, g.rise), (g.friction, g.clearance)
-        lines = zip(*(a.tolist() for a in numbers[0]), rests, *(a.tolist() for a in numbers[1]), strict=True)
-        return Elements(g, np.array([solve(SCALAR, one, *line, TOLERANCE)[:4] for line in lines]).T, None)
-
     def unbalanced(self, elements, Q=None):
         """(n, 3): sum of all forces on each node, N; ``Q`` instead of the elements' own forces if given."""
         H, V, H_anchor, V_anchor = elements.Q if Q is None else Q
@@ -166,6 +160,11 @@ class Geometry:
         if balance.any_friction:  # where the anchor end lies on the seabed
             self.friction = np.where(self.clearance > 0, 0.0, balance.friction)
 
+    @property
+    def finite(self):
+        """Whether every element lies between finite ends."""
+        return bool(np.isfinite(self.l).all() and np.isfinite(self.rise).all())
+
     @cached_property
     def frame(self):
         """(e, 4, 6) and (e, 6, 6) of ``_frame``, which is linear in 1 and the direction."""
@@ -192,12 +191,18 @@ FRAME = np.array([_frame(0, 0), _frame(1, 0) - _frame(0, 0), _frame(0, 1) - _fra
 
 
 def exact_forces(balance, geometry, rows=slice(None)):
-    """(H, V, H_anchor, V_anchor) (4, k), their D (k, 4, 3) of the given elements, and the sum of span iterations."""
-    w, EA, friction = balance.w[rows], balance.EA[rows], geometry.friction[rows]
-    H, V, H_anchor, V_anchor, _, K, regime, _, iterations = span_arrays(
-        *(w, EA, balance.L[rows]),
-        *(geometry.l[rows], geometry.rise[rows], balance.rests[rows], friction, geometry.clearance[rows]),
-    )
+    """(H, V, H_anchor, V_anchor) (4, k) of the given elements, the call that gives their D (k, 4, 3), span iterations."""
+    lines = balance.w, balance.EA, balance.L, geometry.l, geometry.rise, balance.rests, geometry.friction
+    w, EA, *lines = (column[rows] for column in (*lines, geometry.clearance))
+    solved = one_by_one(w, EA, *lines) if w.size <= FEW and geometry.finite else span_arrays(w, EA, *lines)
+    H, V, H_anchor, V_anchor, _, K, regime, _, iterations = solved
+    Q = np.array([H, V, H_anchor, V_anchor])
+    return Q, partial(exact_derivatives, Q, K, regime, w, EA, geometry.friction[rows]), int(np.sum(iterations))
+
+
+def exact_derivatives(Q, K, regime, w, EA, friction):
+    """D (k, 4, 3) of exact spans, from their stiffness K (4, k)."""
+    H, _, H_anchor, V_anchor = Q
     K = np.where(np.isinf(K), 0.0, K)  # infinite: the end rests on the seabed
     D_H, D_V = np.stack([K[0], -K[1], K[1]], axis=-1), np.stack([K[2], -K[3], K[3]], axis=-1)
     D = np.stack([D_H, D_V, D_H, D_V], axis=-2)
@@ -214,7 +219,15 @@ def exact_forces(balance, geometry, rows=slice(None)):
     sagging = regime == SAGGING
     if sagging.any():
         D[sagging] = _sagging(*(k[sagging] for k in K), H[sagging], -V_anchor[sagging], w[sagging], EA[sagging])
-    return np.array([H, V, H_anchor, V_anchor]), D, int(np.sum(iterations))
+    return D
+
+
+def one_by_one(*lines):
+    """As ``span_arrays``, which for a few lines is slower."""
+    with np.errstate(all="ignore"):
+        rows = zip(*(column.tolist() for column in lines), strict=True)
+        columns = np.array([solve(SCALAR, one, *line, TOLERANCE) for line in rows]).T
+    return *columns[:5], columns[5:9], columns[9], columns[10], columns[11]
 
 
 def _sagging(K11, K12, K21, K22, H, lift, w, EA):
@@ -230,12 +243,20 @@ def _sagging(K11, K12, K21, K22, H, lift, w, EA):
 
 
 class Elements:
-    """Forces Q (4, e) = (H, V, H_anchor, V_anchor), and their derivatives D (e, 4, 3) with (l, z_a, z_f)."""
+    """Forces Q (4, e) = (H, V, H_anchor, V_anchor), and their derivatives D (e, 4, 3) with (l, z_a, z_f), if asked for.
 
-    def __init__(self, geometry, Q, D, inner_iterations=0):
-        self.geometry, self.Q, self.D = geometry, Q, D
+    derivatives : call that gives D
+    """
+
+    def __init__(self, geometry, Q, derivatives=None, inner_iterations=0):
+        self.geometry, self.Q, self.derivatives = geometry, Q, derivatives
         self.H, self.V, self.H_anchor, self.V_anchor = Q
         self.inner_iterations = inner_iterations
+
+    @cached_property
+    def D(self):
+        """(e, 4, 3), by the call that was given."""
+        return self.derivatives()
 
     def tangents(self, within=None):
         """(e, 6, 6): -d(force on anchor node, force on fairlead node)/d(r_a, r_f); the limit H/l = K11 where l = 0.

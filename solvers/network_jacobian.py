@@ -21,7 +21,7 @@ def analytic_jacobian(now):
     _, G, D = now.blocks
     fixed_forces = np.where(now.closed[:, None, None], D, 0.0)
     fixed_forces[:, 3, 1] = np.where(now.closed, D[:, 3, 1], x.raised[:, 2])
-    A = Elements(now.geometry, now.elements.Q, D).tangents(fixed_forces)
+    A = Elements(now.geometry, now.elements.Q, lambda: D).tangents(fixed_forces)
     B = pulls[:, :, :4] @ np.concatenate([np.broadcast_to(np.eye(2), x.C.shape), x.anchor], axis=1)
     J = np.zeros((n + 2 * b.w.size,) * 2)
     for i, ends in enumerate(b.coordinates):

@@ -100,7 +100,7 @@ class Iterate:
         self.gap = np.array([x.l - g.l, x.h - g.rise]).T
         if not self.plain:
             self.gap[~self.unknown] = 0.0
-        self.elements = Elements(g, Q, None)
+        self.elements = Elements(g, Q)
         self.force = b.unbalanced(self.elements)
         self.moving = b.moving(r, self.force)
 
@@ -164,7 +164,7 @@ class Iterate:
         D[:, 2:] = x.anchor @ D[:, :2]
         D[:, 3, 1] += x.raised[:, 2]
         if not self.plain and self.closed.any():
-            D[self.closed] = self.D_exact[self.closed[self.exact]]
+            D[self.closed] = self.D_exact()[self.closed[self.exact]]
         return K, G, D
 
     @cached_property

@@ -116,13 +116,13 @@ SLIPS = {
         catenary_excursion._free,
         "H * spread + lying",
         "H * spread",
-        ("blocks", "40 digits"),
+        ("blocks", "printed digits"),
     ),
     "anchor on the seabed that follows V": Slip(
         catenary_excursion._free,
         "anchor[smooth, 1, 1], raised[smooth, 1] = 0.0, -1.0",
         "raised[smooth, 1] = -1.0",
-        ("blocks", "assembled against differences"),
+        ("blocks",),
     ),
     "V of the anchor end upwards": Slip(
         catenary_excursion._free,
