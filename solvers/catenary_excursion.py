@@ -61,30 +61,36 @@ def excursion(H, V, w, EA, L, rests, friction, clearance) -> Excursion:
 
 
 def _free(H, V, w, EA, L, weight, smooth) -> Excursion:
-    """(2.4) and (4.15) with the differences between the ends resolved, see catenary_profile.
+    """``suspended`` as arrays; smooth : (n,) bool or None."""
+    l, h, b, C11, C12, C22 = suspended(ARRAY, H, V, w, EA, L, weight, False if smooth is None else smooth)
+    anchor, raised = _held(H)
+    if smooth is not None:
+        anchor[smooth, 1, 1], raised[smooth, 1] = 0.0, -1.0
+    return Excursion(l, h, H.copy(), b, _block(C11, C12, C12, C22), anchor, raised)
 
-    smooth : (n,) bool, lines that lie on the seabed from the anchor on, without friction: (2.23) and (4.16) are the
-    same with b = 0, the part V/w that hangs, and the rest, which is lying.
+
+def suspended(f, H, V, w, EA, L, weight, smooth):
+    """(2.4) and (4.15) with the differences between the ends resolved, see catenary_profile; f as in ``elementary``.
+
+    smooth : lines that lie on the seabed from the anchor on, without friction: (2.23) and (4.16) are the same with
+    b = 0, the part V/w that hangs, and the rest, which is lying.
+    Returns l, h, V_anchor and C11, C12 = C21, C22 of d(l, h)/d(H, V).
     """
     b, hanging, lying = V - weight, L, 0.0
-    if smooth is not None:
-        b, hanging = np.where(smooth, 0.0, b), np.where(smooth, V / w, L)
+    if f.any(smooth):
+        b, hanging = f.where(smooth, 0.0, b), f.where(smooth, V / w, L)
         lying = L - hanging
     HH, both = H * H, V + b
-    Ta, Tb = np.sqrt(HH + V * V), np.sqrt(HH + b * b)
+    Ta, Tb = f.sqrt(HH + V * V), f.sqrt(HH + b * b)
     same = V * b > 0
-    spread = np.arcsinh(weight * both / np.where(same, V * Tb + b * Ta, 1.0))
-    if np.count_nonzero(same) < same.size:
-        spread = np.where(same, spread, np.arcsinh(V / H) - np.arcsinh(b / H))
+    spread = f.arcsinh(weight * both / f.where(same, V * Tb + b * Ta, 1.0))
+    if f.any(V * b <= 0):
+        spread = f.where(same, spread, f.arcsinh(V / H) - f.arcsinh(b / H))
     slope, stretch = hanging * both / (Ta + Tb), hanging / EA
     sine = (V / Ta - b / Tb) / w
     C12 = -H * slope / (Ta * Tb)  # H (1/Ta - 1/Tb)/w
     spread = spread / w + L / EA
-    C = _block(spread - sine, C12, C12, sine + stretch)
-    anchor, raised = _held(H)
-    if smooth is not None:
-        anchor[smooth, 1, 1], raised[smooth, 1] = 0.0, -1.0
-    return Excursion(H * spread + lying, slope + stretch * (both / 2), H.copy(), b, C, anchor, raised)
+    return H * spread + lying, slope + stretch * (both / 2), b, spread - sine, C12, sine + stretch
 
 
 def _held(H):

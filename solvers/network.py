@@ -191,7 +191,7 @@ def _state(balance, r, count, tolerance, elements=None) -> NetworkState:
     unbalanced = np.where(balance.moving(r, force), force, 0.0)
     largest = largest_force(elements) or 1.0
     residual = float(np.abs(unbalanced).max()) / largest
-    solved = residual <= max(tolerance, min(attainable(balance) / largest, PROMISED))
+    solved = residual <= tolerance or residual <= min(attainable(balance) / largest, PROMISED)
     return NetworkState(
         r=r,
         **{name: getattr(elements, name) for name in ("H", "V", "H_anchor", "V_anchor")},

@@ -19,13 +19,13 @@ from .catenary_excursion import excursion, spring_stiffness
 from .catenary_regimes import hanging_force, hanging_length
 from .elementary import ARRAY
 from .network_balance import Elements, Geometry, exact_forces
+from .network_few import FEWEST, LEAST, lead
 from .network_jacobian import dense_step, trust_region_step
 from .network_nested import EPS, largest_force, solve_sparse
 
 MAX_ITERATIONS = 60
 LARGEST_WHOLE = 1000  # unknowns up to which the whole Jacobian is factorized when eliminating parts of it failed
 REGULAR = 1e-9  # of the softest stiffness that counts
-LEAST = 0.1  # a step leaves every H at least this part of itself
 UNITS = {"N": (1.0, 1.0), "kN": (1e3, 1.0), "scaled": None}
 TAUTENED = 16 * EPS  # strain that a line which just became taut starts from
 OPEN, FLAT, UPRIGHT, CLOSED = range(4)
@@ -88,7 +88,7 @@ class Iterate:
         self.kind = kinds(b, g)
         self.plain = not np.count_nonzero(self.kind)  # all of them OPEN
         self.closed, self.flat, self.upright = (self.kind == kind for kind in (CLOSED, FLAT, UPRIGHT))
-        if not self.plain or before is None or np.count_nonzero(before):
+        if not self.plain or (H.min() <= 0 if before is None else np.count_nonzero(before)):
             self._begin(Q, before)
         self.x = x = excursion(Q[0], Q[1], b.w, b.EA, b.L, b.rests, g.friction, g.clearance)
         if self.plain:
@@ -224,6 +224,11 @@ def solve(balance, r, H, V, count, units="scaled", jacobian="analytic", globalis
     is no more than the rounding of the positions is closed.
     """
     m, radius, whole = Monolith(balance, units, count), None, jacobian != "analytic"
+    if balance.w.size <= FEWEST and not whole and globalisation == "line-search":
+        led = lead(balance, r, H, V, count, (m.force_unit, m.length_unit), tolerance, MAX_ITERATIONS)
+        if led is not None and led.balanced:
+            return led, True
+        r, H, V = (r, H, V) if led is None else (led.r, *led.elements.Q[:2])
     with np.errstate(all="ignore"):  # trial steps may overflow; their norm is then no decrease
         now = m.at(r, H, V)
         for _ in range(MAX_ITERATIONS):

@@ -95,9 +95,9 @@ SLIPS = {
         ("tangent", "stiffness of coupled nodes"),
     ),
     "(4.15) with the sign of the sine": Slip(
-        catenary_excursion._free,
-        "_block(spread - sine,",
-        "_block(spread + sine,",
+        catenary_excursion.suspended,
+        "(both / 2), b, spread - sine,",
+        "(both / 2), b, spread + sine,",
         ("blocks", "assembled by hand", "assembled against differences"),
     ),
     "(4.16a) as printed": Slip(
@@ -113,7 +113,7 @@ SLIPS = {
         ("blocks",),
     ),
     "part on the seabed left out (2.23a)": Slip(
-        catenary_excursion._free,
+        catenary_excursion.suspended,
         "H * spread + lying",
         "H * spread",
         ("blocks", "printed digits"),
@@ -126,8 +126,8 @@ SLIPS = {
     ),
     "V of the anchor end upwards": Slip(
         catenary_excursion._free,
-        "H.copy(), b, C,",
-        "H.copy(), -b, C,",
+        "H.copy(), b, _block",
+        "H.copy(), -b, _block",
         ("40 digits",),
     ),
     "gap of the wrong sign in the Schur complement": Slip(

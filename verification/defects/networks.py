@@ -39,8 +39,8 @@ DEFECTS = (
     Defect(
         "sine added",
         "catenary_excursion",
-        "_block(spread - sine,",
-        "_block(spread + sine,",
+        "(both / 2), b, spread - sine,",
+        "(both / 2), b, spread + sine,",
         "sign",
         "(4.15a): dl/dH with the other sign before V/T",
         f"{_DERIVATIVES} -k blocks",
@@ -48,8 +48,8 @@ DEFECTS = (
     Defect(
         "stretch by the tension at the top",
         "catenary_excursion",
-        "slope + stretch * (both / 2)",
-        "slope + stretch * b",
+        "slope + stretch * (both / 2), b,",
+        "slope + stretch * b, b,",
         "factor",
         "(2.4b): the weight of the whole line where that of its half is meant",
         "test_network.py::test_invariances",
