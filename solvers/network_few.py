@@ -40,6 +40,21 @@ class Point(NamedTuple):
     gap_force: float
 
 
+def _law(line, H, V, reach, rise, clearance):
+    """``suspended`` of a line; None where it is slack, weightless, or lies otherwise than smooth from its anchor on."""
+    w, EA, L, weight, softness, rests, friction, *_ = line
+    touching = False
+    if rests:
+        over = rise + clearance
+        if over <= 0 or L - hanging_length(FLOAT, over, softness) - hanging_length(FLOAT, clearance, softness) >= reach:
+            return None
+        lift = weight * hanging_force(FLOAT, H / weight, clearance / L, weight / EA) if clearance > 0 else 0.0
+        touching = V >= 0 and V + lift < weight
+    if not (H > 0 and w != 0) or (touching and (clearance > 0 or friction > 0)):
+        return None
+    return suspended(FLOAT, H, V, w, EA, L, weight, touching)
+
+
 class Few:
     """The equations of a small network from positions r (n, 3)."""
 
@@ -67,38 +82,29 @@ class Few:
         size = max(map(abs, X))
         if any(X[k] <= self.floor for k in self.free[2::3]):
             return None
-        for (w, EA, L, weight, softness, rests, friction, a, f), H, V in zip(
-            self.lines, z[m::2], z[m + 1 :: 2], strict=True
-        ):
+        for line, H, V in zip(self.lines, z[m::2], z[m + 1 :: 2], strict=True):
+            EA, L, a, f = line[1], line[2], *line[-2:]
             x, y, rise, clearance = X[f] - X[a], X[f + 1] - X[a + 1], X[f + 2] - X[a + 2], X[a + 2] - self.floor
             reach, rounding = math.sqrt(x * x + y * y), ROUNDING * (size + L)
-            touching = False
-            if rests:
-                over = rise + clearance
-                slack = L - hanging_length(FLOAT, max(over, 0.0), softness) - hanging_length(FLOAT, clearance, softness)
-                if not (over > 0 and slack < reach):
-                    return None
-                lift = weight * hanging_force(FLOAT, H / weight, clearance / L, weight / EA) if clearance > 0 else 0.0
-                touching = V >= 0 and V + lift < weight
-            if not (reach > rounding and H > 0 and w != 0) or (touching and (clearance > 0 or friction > 0)):
+            law = _law(line, H, V, reach, rise, clearance) if reach > rounding else None
+            if law is None:
                 return None
-            l, h, V_anchor, C11, C12, C22 = suspended(FLOAT, H, V, w, EA, L, weight, touching)
-            c, s = x / reach, y / reach
+            l, h, V_anchor, C11, C12, C22 = law
+            c, s, gap_l, gap_h = x / reach, y / reach, l - reach, h - rise
             for end, pull, lift in ((a, H, V_anchor), (f, -H, -V)):
                 F[end] += pull * c
                 F[end + 1] += pull * s
                 F[end + 2] += lift
             lines.append((c, s, H / reach, V_anchor, C11, C12, C22))
-            largest = max(largest, H, abs(V), abs(V_anchor))
-            gap_l, gap_h = l - reach, h - rise
             gaps += gap_l, gap_h
-            gap = max(abs(gap_l), abs(gap_h))
+            largest, gap = max(largest, H, abs(V), abs(V_anchor)), max(abs(gap_l), abs(gap_h))
             if gap > rounding:  # as the line is, and stretched straight
                 dH, dV = C22 * gap_l - C12 * gap_h, C11 * gap_h - C12 * gap_l
                 gap_force = max(gap_force, gap * EA / L, max(abs(dH), abs(dV)) / (C11 * C22 - C12 * C12))
         F = [F[k] for k in self.free]
         Z = [force / self.force_unit for force in F] + [gap / self.length_unit for gap in gaps]
-        return Point(z, Z, math.hypot(*Z), lines, max(map(abs, F)), largest, gap_force)
+        norm = math.hypot(*Z)
+        return Point(z, Z, norm, lines, max(map(abs, F)), largest, gap_force) if math.isfinite(norm) else None
 
     def jacobian(self, point):
         """(3.7) scaled, rows of a symmetric matrix: [[-T, B], [B^T, C]] with the stiffness T across the lines, H/l."""

@@ -526,6 +526,17 @@ def test_potential_energy_is_least():
     assert energy_misses([case for case in NAMED if all(line.friction == 0 for line in case.elements)]) == []
 
 
+@pytest.mark.parametrize("case", NAMED, ids=lambda case: case.name)
+def test_floats_take_the_steps_of_arrays(case, monkeypatch):
+    """Few lines are iterated in floats, more in arrays: one path, from the nodes as they are given."""
+    few = solved(case, start="nodes", fallback=False, throw=False)
+    monkeypatch.setattr(network_monolithic, "FEWEST", 0)
+    many = solved(case, start="nodes", fallback=False, throw=False)
+    assert few.success == many.success and few.iterations == many.iterations
+    if few.success:
+        assert _same(case.name, few, many.r, many.V, largest(many)) == []
+
+
 @pytest.mark.parametrize("units", ["scaled", "N", "kN"])
 def test_units_of_the_iteration_do_not_matter(units):
     assert exact_misses(TWO_LINE[:1], units=units, start=PAPER_START) == []

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import scipy.sparse as sparse
 
-from solvers import network_balance, network_jacobian, solve_network
+from solvers import network_balance, network_few, network_jacobian, solve_network
 from solvers.catenary_excursion import excursion
 from solvers.network_balance import Balance
 from solvers.network_monolithic import Monolith
@@ -26,6 +26,7 @@ from .cases.networks import (
     bridle_system,
     chain,
     chain_wire_chain,
+    hanging_mass,
     spring_net,
     two_line,
 )
@@ -283,6 +284,29 @@ def step_misses() -> list[str]:
     return misses
 
 
+def float_misses() -> list[str]:
+    """The equations of few lines in plain floats against those in arrays; and none where they do not hold.
+
+    Residual and Jacobian, over the largest entry: two ways to round the same formulae.
+    """
+    misses = []
+    for name, now in iterates():
+        m = now.monolith
+        few = network_few.Few(m.balance, now.r, (m.force_unit, m.length_unit))
+        point = few.at([*now.r[now.moving].tolist(), *now.elements.Q[:2].T.ravel().tolist()])
+        rubs = now.geometry.friction * (now.elements.V_anchor == 0)
+        known = now.plain and not m.balance.any_massless and not rubs.any()
+        if (point is None) == known:
+            misses.append(f"{name}: {'refused' if known else 'taken for what floats know'}")
+        if point is not None:
+            pairs = (point.Z, now.residual), (few.jacobian(point), network_jacobian.analytic_jacobian(now))
+            for what, (got, wanted) in zip(("residual", "Jacobian"), pairs, strict=True):
+                error = np.abs(np.subtract(got, wanted)).max() / np.abs(wanted).max()
+                if not error <= ROUNDING:
+                    misses.append(f"{name}: {what} differs by {error:.3g} of the largest")
+    return misses
+
+
 # ---------------------------------------------------------------- stiffness of coupled nodes and of a body
 def stiffness_cases():
     """Coupled nodes everywhere: bridles, raised bights, a joint on the seabed, an anchor that is moved."""
@@ -371,6 +395,7 @@ CHECKS = {
     "assembled against differences": jacobian_misses,
     "assembled by hand": hand_misses,
     "Schur step against dense step": step_misses,
+    "floats": float_misses,
     "stiffness of coupled nodes": stiffness_misses,
     "stiffness of a body": body_misses,
 }
@@ -379,6 +404,25 @@ CHECKS = {
 @pytest.mark.parametrize("check", CHECKS.values(), ids=CHECKS)
 def test_network_derivatives(check):
     assert check() == []
+
+
+@pytest.mark.parametrize("case", [chain_wire_chain(), hanging_mass(), _raised(), spring_net()], ids=lambda case: case.name)
+def test_floats_leave_other_lines_and_resting_nodes_to_arrays(case):
+    balance, state = Balance(network_of(case)), solved(case)
+    few = network_few.Few(balance, state.r, (1.0, 1.0))
+    z = [*state.r[balance.free].ravel().tolist(), *np.array([state.H, state.V]).T.ravel().tolist()]
+    assert few.at(z) is None
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, 1e-320, 1e200])
+def test_floats_leave_what_they_cannot_carry_to_arrays(value):
+    balance, (r, H, V) = Balance(network_of(two_line())), (np.array(part) for part in PAPER_START)
+    few = network_few.Few(balance, r, (1.0, 1.0))
+    start = [*r[2].tolist(), *np.array([H, V]).T.ravel().tolist()]
+    assert few.at(start) is not None
+    for i in range(len(start)):
+        point = few.at([*start[:i], value, *start[i + 1 :]])
+        assert point is None or np.isfinite([*point.Z, *np.ravel(few.jacobian(point)), point.gap_force]).all()
 
 
 def test_every_regime_is_among_the_blocks():

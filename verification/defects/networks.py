@@ -182,6 +182,34 @@ DEFECTS = (
         "lines with a raised anchor end have friction, which statics cannot tell",
         "test_found_by_defects.py::test_friction_acts_only_where_the_anchor_end_lies",
     ),
+    # ------------------------------------------------------------ network_few
+    Defect(
+        "step past the smallest force",
+        "network_few",
+        "map(max, z[m::2], [LEAST * H for H in point.z[m::2]])",
+        "z[m::2]",
+        "term",
+        "a step may leave H negative, and the iteration ends there",
+        "test_network.py::test_floats_take_the_steps_of_arrays",
+    ),
+    Defect(
+        "lines pull their nodes apart, in floats",
+        "network_few",
+        "((a, H, V_anchor), (f, -H, -V))",
+        "((a, -H, V_anchor), (f, H, -V))",
+        "sign",
+        "the horizontal forces of few lines act outwards",
+        f"{_DERIVATIVES} -k floats",
+    ),
+    Defect(
+        "rubbing lines taken for smooth ones",
+        "network_few",
+        "touching and (clearance > 0 or friction > 0)",
+        "touching and clearance > 0",
+        "regime",
+        "few lines with friction of the seabed are solved without it",
+        f"{_DERIVATIVES} -k floats",
+    ),
     # ------------------------------------------------------------ network_jacobian
     Defect(
         "columns of the next element",
