@@ -18,6 +18,7 @@ import pytest
 
 from .defects.catalogue import CATALOGUE, FROZEN, LONG, PLANTING, WIDER, frozen, whole
 from .defects.defect import KINDS, Defect, arguments
+from .defects.interpreter import Interpreter
 from .defects.runner import CheckError, Copies, Log, Result, digest, key, run, run_check
 from .defects.verdict import as_json, kept, summary, verdicts
 from .test_report import Page, broken_anchors, misaligned, missing_files, report, section
@@ -216,8 +217,9 @@ def test_outcomes_and_verdicts(tiny, tmp_path):
     """Caught, not ended, not seen: each as it is; a survivor without a word of explanation breaks the promise."""
     results = finished(tiny, Log(tmp_path / "log"), ENDING, jobs=2)
     slow = TINY[3]
+    anew = Interpreter(tiny, forks=False)  # as where nothing can be forked
     slow.plant(tiny)  # whatever the load of the machine, it is not green after this time
-    results.append(Result("slow", slow.check, *run_check(tiny, slow.check, 1.0)))
+    results.append(Result("slow", slow.check, *run_check(anew, slow.check, 1.0)))
     assert {r.defect: r.outcome for r in results if r.defect} == {
         "tripled": "caught", "plus": "caught", "unseen": "missed", "slow": "timeout", "survivor": "missed",
     }  # fmt: skip
@@ -257,7 +259,7 @@ def test_a_check_that_does_not_exist_stops_the_run(tiny):
     """A name that pytest does not find is an error and not a result."""
     for check in ("test_numbers.py::test_nothing", "test_numbers.py -k nothing"):
         with pytest.raises(CheckError, match="pytest ended with status"):
-            run_check(tiny, check, 120.0)
+            run_check(Interpreter(tiny, forks=False), check, 120.0)
 
 
 def test_patches_that_do_not_fit_are_refused(tiny, tmp_path):
@@ -272,8 +274,8 @@ def test_copies_are_whole_again_after_a_defect(tiny, tmp_path):
     """A defect is removed with its bytecode: the next check on the copy, and the project itself, do not know of it."""
     folder = tmp_path / "copies"
     folder.mkdir()
-    copies = Copies(folder, tiny, 1)
-    outcomes = [copies.run(d, TINY[0].check, 120.0, set()).outcome for d in (TINY[0], None, TINY[1])]
+    with Copies(folder, tiny, 1) as copies:
+        outcomes = [copies.run(d, TINY[0].check, 120.0).outcome for d in (TINY[0], None, TINY[1])]
     assert outcomes == ["caught", "missed", "missed"]
     assert (tiny / "solvers" / "numbers.py").read_text() == MODULE
 
