@@ -18,7 +18,8 @@ import pytest
 
 from .defects.catalogue import CATALOGUE, FROZEN, LONG, PLANTING, WIDER, frozen, whole
 from .defects.defect import KINDS, Defect, arguments
-from .defects.interpreter import Interpreter
+from .defects.interpreter import Interpreter, Stopped
+from .defects.mutants import changes, mutant, sample
 from .defects.runner import CheckError, Copies, Log, Result, digest, key, run, run_check
 from .defects.verdict import as_json, kept, summary, verdicts
 from .test_report import Page, broken_anchors, misaligned, missing_files, report, section
@@ -280,6 +281,42 @@ def test_copies_are_whole_again_after_a_defect(tiny, tmp_path):
     assert (tiny / "solvers" / "numbers.py").read_text() == MODULE
 
 
+def test_forked_and_anew_are_one(tiny):
+    """Both ways of running pytest see the same, and both end what does not end; one that is closed runs no more."""
+    answers = []
+    for forks in (True, False) if hasattr(os, "fork") else (False,):
+        interpreter = Interpreter(tiny, forks)
+        (tiny / "solvers" / "numbers.py").write_text(MODULE)
+        answers.append([run_check(interpreter, "test_numbers.py::test_half", 120.0)[0]])
+        TINY[0].plant(tiny)
+        os.utime(tiny / "solvers" / "numbers.py", (1e9 + len(answers), 1e9 + len(answers)))  # no stale bytecode
+        answers[-1] += [run_check(interpreter, check, 120.0)[::2] for check in ("test_numbers.py::test_double",)]
+        answers[-1] += [run_check(interpreter, "test_numbers.py::test_that_waits", 2.0)[0]]
+        interpreter.close()
+        with pytest.raises(Stopped):
+            interpreter.run([], 1.0)
+    assert answers[0] == answers[-1] == ["missed", ("caught", "test_numbers.py::test_double"), "timeout"]
+
+
+def test_mutants_are_changes_of_one_place():
+    """Every place of every module can be changed, gives another programme that compiles, and a draw is repeated."""
+    texts = {p.stem: p.read_text(encoding="utf-8") for p in SOLVERS.glob("*.py") if p.stem != "__init__"}
+    plain = set()
+    for module, text in texts.items():
+        before, places = ast.dump(ast.parse(text)), list(changes(text))
+        assert len(set(places)) == len(places), module
+        if not places:
+            plain.add(module)
+        for place in places[:: max(1, len(places) // 5)]:
+            defect = mutant(module, text, *place)
+            assert ast.dump(ast.parse(defect.applied_to(text))) != before, defect.name
+            assert misnamed(defect.check) == []
+    drawn = sample(SOLVERS, 150)
+    assert drawn == sample(SOLVERS, 150) != sample(SOLVERS, 150, seed=1)
+    assert plain <= {"elementary"} and {d.module for d in drawn} == set(texts) - plain
+    assert len({d.name for d in drawn}) == len(drawn) >= 150
+
+
 # ---------------------------------------------------------------- resumption
 def test_results_are_kept_and_go_stale(tiny, tmp_path):
     """A second run runs nothing again; another source, another patch or another check runs what it concerns."""
@@ -368,6 +405,10 @@ def test_the_page_tells_what_was_found(tmp_path):
     shown = section(page.text, "defects")
     real = [d for d in defects if not d.blind]
     assert f"{len(real)} mistakes over every module" in shown and "It was left to show this sentence." in shown
+    assert shown.count('<td class="mark own">●</td>') == len(real) - 1
+    matrix = json.loads((tmp_path / "tables" / "defects_matrix.json").read_text(encoding="utf-8"))
+    assert matrix[-1]["planted"] == len(real) and matrix[-1]["found"] == len(real) - 1
+    assert "<h3>Which tests find mistakes in which module</h3>" in shown
     for module in {d.module for d in real}:
         count = sum(d.module == module for d in real)
         assert f"<b>{module}</b>" in shown and f"{count - (module == defects[0].module)} of {count} found" in shown

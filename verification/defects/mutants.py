@@ -19,7 +19,8 @@ from .defect import Defect
 TESTS = Path(__file__).parents[1]
 OPERATORS = {ast.Add: ("+", "-"), ast.Sub: ("-", "+"), ast.Mult: ("*", "/"), ast.Div: ("/", "*"), ast.Pow: ("**", "*"),
              ast.Lt: ("<", "<="), ast.LtE: ("<=", "<"), ast.Gt: (">", ">="), ast.GtE: (">=", ">"), ast.Eq: ("==", "!="),
-             ast.NotEq: ("!=", "=="), ast.And: ("and", "or"), ast.Or: ("or", "and")}  # fmt: skip
+             ast.NotEq: ("!=", "=="), ast.Is: ("is", "is not"), ast.IsNot: ("is not", "is"),
+             ast.And: ("and", "or"), ast.Or: ("or", "and")}  # fmt: skip
 NO_FORMULA = (ast.Raise, ast.JoinedStr, ast.AnnAssign, ast.arg, ast.Import, ast.ImportFrom)
 """Messages and types: to change them is no mistake of a solver."""
 
@@ -84,7 +85,7 @@ def mutant(module: str, text: str, start: int, end: int, new: str) -> Defect:
 
 @cache
 def check(module: str) -> str:
-    """All files of tests of a module at one go, but for what is long, plants mistakes itself or compares with a file."""
+    """All files of tests of a module at one go, without what is long, plants mistakes itself or compares with a file."""
     names, left_out = (*files(module), "test_found_by_defects.py"), []
     for name in names:
         words = (*PLANTING.get(name, ()), *LONG.get(name, ()))
