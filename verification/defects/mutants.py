@@ -85,7 +85,7 @@ def mutant(module: str, text: str, start: int, end: int, new: str) -> Defect:
 
 @cache
 def check(module: str) -> str:
-    """All files of tests of a module at one go, without what is long, plants mistakes itself or compares with a file."""
+    """All files of tests of a module at one go, but what is long, plants mistakes itself or compares with a file."""
     names, left_out = (*files(module), "test_found_by_defects.py"), []
     for name in names:
         words = (*PLANTING.get(name, ()), *LONG.get(name, ()))
