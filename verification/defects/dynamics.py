@@ -416,7 +416,7 @@ DEFECTS = (
         "        self.last, self.last_pivots, info = ",
         "        opened = -opened\n        self.last, self.last_pivots, info = ",
         "sign",
-        "the rows that the elimination leaves open change their sign before the last node, their right-hand side does not",
+        "the rows that the elimination leaves open change their sign at the last node, their right-hand side does not",
         _CHAIN,
     ),
     Defect(
