@@ -8,6 +8,10 @@ from .tables import Table
 from .verdicts import Verdict
 from .words import plural
 
+RANKS = OWN, OTHER, STORED, UNSEEN, VOID = "●○s·!"
+"""Seen by the check that was named, by another, by a comparison with stored numbers; not seen; red by itself."""
+FOUND = (OWN, OTHER, STORED)
+
 WANTED = 0.95
 """Share that is to be found by checks other than comparisons with stored numbers."""
 
@@ -28,20 +32,17 @@ def section(data: dict | None, table_folder: Path) -> dict | None:
     everything = Table("defects", "Every defect and every check", {
         key: key for key in ("module", "name", "kind", "what", "named", "found", "others", "misprint", "blind")
     }, [_flat(row) for row in data["defects"]])  # fmt: skip
-    tables = {
-        "modules": _counts("defects_modules", "By module", "module", real, lambda row: row["module"]),
-        "kinds": _counts("defects_kinds", "By kind of mistake", "mistake", real, lambda row: KINDS[row["kind"]]),
-    }
-    for table in (everything, *tables.values()):
-        table.write(table_folder)
+    kinds = _counts("defects_kinds", "By kind of mistake", "mistake", real, lambda row: KINDS[row["kind"]])
     shown = [_shown(row) for row in real]
-    return tables | {
+    matrix = _matrix(shown)
+    for table in (everything, kinds, matrix):
+        table.write(table_folder)
+    return {
         "everything": everything,
+        "kinds": kinds,
         "summary": data["summary"],
-        "groups": {
-            module: [row for row in shown if row["module"] == module]
-            for module in sorted({row["module"] for row in shown})
-        },
+        "matrix": matrix,
+        "groups": {module: _group(shown, module) for module in sorted({row["module"] for row in shown})},
         "misprints": [row for row in shown if row["misprint"]],
         "survivors": [row for row in shown if not row["by_other"]],
         "blind": [_shown(row) for row in data["defects"] if row["blind"]],
@@ -83,6 +84,45 @@ def _counts(name: str, title: str, heading: str, rows: list[dict], of) -> Table:
     return Table(name, title, columns, shown, {"rate": "{:.0%}".format})
 
 
+def _matrix(rows: list[dict]) -> Table:
+    """Module x file of tests: how many of the module's mistakes the file finds; none where it finds none."""
+    files = sorted({file for row in rows for file in row["marks"]})
+    found = []
+    for module in sorted({row["module"] for row in rows}):
+        mine = [row for row in rows if row["module"] == module]
+        seen = {file: sum(row["marks"].get(file, "") in FOUND for row in mine) or None for file in files}
+        found.append({"module": module, "planted": len(mine), "found": sum(row["by_other"] for row in mine)} | seen)
+    total = {file: sum(row[file] or 0 for row in found) for file in files}
+    found.append({"module": "all", "planted": len(rows), "found": sum(row["by_other"] for row in rows)} | total)
+    return Table("defects_matrix", "Modules and files of tests", {
+        "module": "module", "planted": "planted", "found": "found", **{file: file.replace("_", " ") for file in files}
+    }, found)  # fmt: skip
+
+
+def _group(rows: list[dict], module: str) -> dict:
+    """The mistakes of a module, and the files of tests that were shown one of them: its own checks first."""
+    mine = [row for row in rows if row["module"] == module]
+    own = list(dict.fromkeys(file for row in mine for file, mark in row["marks"].items() if mark == OWN))
+    return {"rows": mine, "files": [*own, *sorted({file for row in mine for file in row["marks"]} - {*own})]}
+
+
+def _marks(row: dict) -> dict[str, str]:
+    """File of tests -> what came of showing it the mistake; the stronger mark where it was shown twice."""
+    found = {}
+    for result in row["results"]:
+        file = (result["test"] or result["check"]).split()[0].split("::")[0].removesuffix(".py").removeprefix("test_")
+        if result["void"]:
+            mark = VOID
+        elif result["outcome"] == "missed":
+            mark = UNSEEN
+        elif result["check"] == row["check"]:
+            mark = OWN
+        else:
+            mark = STORED if result["frozen"] else OTHER
+        found[file] = min(mark, found.get(file, mark), key=RANKS.index)
+    return found
+
+
 def _flat(row: dict) -> dict:
     shown = _shown(row)
     return row | {
@@ -96,7 +136,9 @@ def _shown(row: dict) -> dict:
     """A defect as the page shows it: how its own check ended, and the other checks it was shown to."""
     own, *others = row["results"]
     return row | {
-        "test": own["check"].split(" -k ")[0].replace("::", " "),
+        "test": (own["test"] or own["check"]).split(" -k ")[0].replace("::", " "),
+        "seconds": own["seconds"],
+        "marks": _marks(row),
         "outcome": outcome(own),
         "good": own["outcome"] != "missed" and not own["void"],
         "others": [(other["check"].split()[0].removesuffix(".py"), outcome(other)) for other in others],

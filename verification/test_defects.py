@@ -18,6 +18,8 @@ import pytest
 
 from .defects.catalogue import CATALOGUE, FROZEN, LONG, PLANTING, WIDER, frozen, whole
 from .defects.defect import KINDS, Defect, arguments
+from .defects.interpreter import Interpreter, Stopped
+from .defects.mutants import changes, mutant, sample
 from .defects.runner import CheckError, Copies, Log, Result, digest, key, run, run_check
 from .defects.verdict import as_json, kept, summary, verdicts
 from .test_report import Page, broken_anchors, misaligned, missing_files, report, section
@@ -216,8 +218,9 @@ def test_outcomes_and_verdicts(tiny, tmp_path):
     """Caught, not ended, not seen: each as it is; a survivor without a word of explanation breaks the promise."""
     results = finished(tiny, Log(tmp_path / "log"), ENDING, jobs=2)
     slow = TINY[3]
+    anew = Interpreter(tiny, forks=False)  # as where nothing can be forked
     slow.plant(tiny)  # whatever the load of the machine, it is not green after this time
-    results.append(Result("slow", slow.check, *run_check(tiny, slow.check, 1.0)))
+    results.append(Result("slow", slow.check, *run_check(anew, slow.check, 1.0)))
     assert {r.defect: r.outcome for r in results if r.defect} == {
         "tripled": "caught", "plus": "caught", "unseen": "missed", "slow": "timeout", "survivor": "missed",
     }  # fmt: skip
@@ -257,7 +260,7 @@ def test_a_check_that_does_not_exist_stops_the_run(tiny):
     """A name that pytest does not find is an error and not a result."""
     for check in ("test_numbers.py::test_nothing", "test_numbers.py -k nothing"):
         with pytest.raises(CheckError, match="pytest ended with status"):
-            run_check(tiny, check, 120.0)
+            run_check(Interpreter(tiny, forks=False), check, 120.0)
 
 
 def test_patches_that_do_not_fit_are_refused(tiny, tmp_path):
@@ -272,10 +275,46 @@ def test_copies_are_whole_again_after_a_defect(tiny, tmp_path):
     """A defect is removed with its bytecode: the next check on the copy, and the project itself, do not know of it."""
     folder = tmp_path / "copies"
     folder.mkdir()
-    copies = Copies(folder, tiny, 1)
-    outcomes = [copies.run(d, TINY[0].check, 120.0, set()).outcome for d in (TINY[0], None, TINY[1])]
+    with Copies(folder, tiny, 1) as copies:
+        outcomes = [copies.run(d, TINY[0].check, 120.0).outcome for d in (TINY[0], None, TINY[1])]
     assert outcomes == ["caught", "missed", "missed"]
     assert (tiny / "solvers" / "numbers.py").read_text() == MODULE
+
+
+def test_forked_and_anew_are_one(tiny):
+    """Both ways of running pytest see the same, and both end what does not end; one that is closed runs no more."""
+    answers = []
+    for forks in (True, False) if hasattr(os, "fork") else (False,):
+        interpreter = Interpreter(tiny, forks)
+        (tiny / "solvers" / "numbers.py").write_text(MODULE)
+        answers.append([run_check(interpreter, "test_numbers.py::test_half", 120.0)[0]])
+        TINY[0].plant(tiny)
+        os.utime(tiny / "solvers" / "numbers.py", (1e9 + len(answers), 1e9 + len(answers)))  # no stale bytecode
+        answers[-1] += [run_check(interpreter, check, 120.0)[::2] for check in ("test_numbers.py::test_double",)]
+        answers[-1] += [run_check(interpreter, "test_numbers.py::test_that_waits", 2.0)[0]]
+        interpreter.close()
+        with pytest.raises(Stopped):
+            interpreter.run([], 1.0)
+    assert answers[0] == answers[-1] == ["missed", ("caught", "test_numbers.py::test_double"), "timeout"]
+
+
+def test_mutants_are_changes_of_one_place():
+    """Every place of every module can be changed, gives another programme that compiles, and a draw is repeated."""
+    texts = {p.stem: p.read_text(encoding="utf-8") for p in SOLVERS.glob("*.py") if p.stem != "__init__"}
+    plain = set()
+    for module, text in texts.items():
+        before, places = ast.dump(ast.parse(text)), list(changes(text))
+        assert len(set(places)) == len(places), module
+        if not places:
+            plain.add(module)
+        for place in places[:: max(1, len(places) // 5)]:
+            defect = mutant(module, text, *place)
+            assert ast.dump(ast.parse(defect.applied_to(text))) != before, defect.name
+            assert misnamed(defect.check) == []
+    drawn = sample(SOLVERS, 150)
+    assert drawn == sample(SOLVERS, 150) != sample(SOLVERS, 150, seed=1)
+    assert plain <= {"elementary"} and {d.module for d in drawn} == set(texts) - plain
+    assert len({d.name for d in drawn}) == len(drawn) >= 150
 
 
 # ---------------------------------------------------------------- resumption
@@ -366,6 +405,10 @@ def test_the_page_tells_what_was_found(tmp_path):
     shown = section(page.text, "defects")
     real = [d for d in defects if not d.blind]
     assert f"{len(real)} mistakes over every module" in shown and "It was left to show this sentence." in shown
+    assert shown.count('<td class="mark own">●</td>') == len(real) - 1
+    matrix = json.loads((tmp_path / "tables" / "defects_matrix.json").read_text(encoding="utf-8"))
+    assert matrix[-1]["planted"] == len(real) and matrix[-1]["found"] == len(real) - 1
+    assert "<h3>Which tests find mistakes in which module</h3>" in shown
     for module in {d.module for d in real}:
         count = sum(d.module == module for d in real)
         assert f"<b>{module}</b>" in shown and f"{count - (module == defects[0].module)} of {count} found" in shown

@@ -65,6 +65,7 @@ def test_ramp_starts_from_rest_and_ends_in_the_motion():
 def test_function_motion_is_its_functions():
     """Times one by one or many at once give what the functions give."""
     motion = FunctionMotion(lambda t: [t, 2 * t, t**2], lambda t: [1.0, 2.0, 2 * t])
+    assert motion.displacement([]).shape == motion.velocity([]).shape == (3, 0)  # no time, no value
     np.testing.assert_array_equal(motion.displacement(np.array([1.0, 3.0])), [[1, 3], [2, 6], [1, 9]])
     np.testing.assert_array_equal(motion.velocity(3.0), [1.0, 2.0, 6.0])
 

@@ -142,7 +142,7 @@ LOAD_FAULTS = [
     ("loads", "stiffness * (-depth - z)", "stiffness * (-depth + z)", "seabed above the water"),
     ("loads", "np.clip(support, 0.0, limit)", "support", "the seabed holds the line down"),
     ("loads", "(support < limit)", "(support < np.inf)", "the seabed's tangent beyond the weight"),
-    ("cable_planar", "np.sqrt(1 + eps))", "(1 + eps))", "(10), (11): 1 + eps for its root"),
+    ("cable_planar", "np.sqrt(1 + eps)", "(1 + eps)", "(10), (11): 1 + eps for its root"),
     ("cable_spatial", "stretch = np.sqrt(1 + eps)", "stretch = 1 + eps", "(10)-(12): 1 + eps for its root"),
     ("cable_planar", "F[1] += S_T * D_phi", "F[1] += 2 * T[1:] * D_phi", "(39): K of one node, not the mean"),
 ]
@@ -156,7 +156,7 @@ TIME_FAULTS = [
     ("generalized_alpha", "- ydot), t + f * h)", "- ydot), t + h)", "loads at the end of the step"),
     ("generalized_alpha", "ahead = (new, new_dot, t + h)", "ahead = (new, new_dot, t)", "the end a step late"),
     ("generalized_alpha", "(1 - g) / g * ydot", "(1 + g) / g * ydot", "the carried rate"),
-    ("generalized_alpha", "-self.rate - offset", "-self.rate + offset", "the hold pushes away"),
+    ("generalized_alpha", "correction = -self.rate - ", "correction = -self.rate + ", "the hold pushes away"),
     ("time_domain", "h * x * (1 - x) ** 2, h", "-h * x * (1 - x) ** 2, h", "Hermite's cubic"),
     (
         "time_domain",

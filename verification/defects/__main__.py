@@ -12,6 +12,7 @@ from pathlib import Path
 
 from .catalogue import CATALOGUE, WIDER, frozen
 from .defect import Defect
+from .mutants import sample
 from .runner import ROOT, CheckError, Log, run
 from .verdict import Verdict, as_json, kept, summary, verdicts
 
@@ -34,12 +35,14 @@ def _arguments(argv) -> argparse.Namespace:
     parser.add_argument("--timeout", type=float, default=120.0, metavar="S", help="after so long a check has seen it")
     parser.add_argument("--out", type=Path, default=DEFAULT_OUT, metavar="DIR", help="folder of the results")
     parser.add_argument("--fresh", action="store_true", help="run again what has not changed since the last run")
+    parser.add_argument("--mutants", type=int, metavar="N", help="plant N changes at random instead of the catalogue")
     parser.add_argument("--list", action="store_true", help="list the defects and their checks, and run nothing")
     arguments = parser.parse_args(argv)
-    if arguments.jobs < 1 or not arguments.timeout > 0:
-        parser.error("--jobs and --timeout must be > 0")
+    if arguments.jobs < 1 or not arguments.timeout > 0 or arguments.mutants == 0:
+        parser.error("--jobs, --timeout and --mutants must be > 0")
     words = arguments.only or [""]
-    arguments.catalogue = [d for d in CATALOGUE if any(w in d.name or w == d.module for w in words)]
+    arguments.catalogue = CATALOGUE if arguments.mutants is None else sample(ROOT / "solvers", arguments.mutants)
+    arguments.catalogue = [d for d in arguments.catalogue if any(w in d.name or w == d.module for w in words)]
     if not arguments.catalogue:
         parser.error(f"no defect has {' or '.join(map(repr, words))} in its name or as its module")
     return arguments
@@ -65,6 +68,9 @@ def main(argv=None) -> int:
         print(f"\n{error}", file=sys.stderr)
         return 2
     made = verdicts(arguments.catalogue, results)
+    if arguments.mutants is not None:
+        tell_mutants(made)
+        return 0
     tell(made)
     if arguments.only is None:
         write_atomically(arguments.out / "defects.json", json.dumps(as_json(made), indent=1))
@@ -112,6 +118,17 @@ def tell(found: list[Verdict]):
     ):
         if counts[name]:
             print(f"{what}:", *counts[name], sep="\n  ")
+
+
+def tell_mutants(found: list[Verdict]):
+    """Found and planted of each module, then the changes that no check saw."""
+    for module in sorted({v.defect.module for v in found}):
+        mine = [v for v in found if v.defect.module == module]
+        print(f"{module:>20}  {sum(bool(v.seen) for v in mine)} of {len(mine)}")
+    print(f"\n{sum(bool(v.seen) for v in found)} of {len(found)} mutants found; not seen:")
+    print(*(f"  {v.defect.name}" for v in found if not v.seen), sep="\n")
+    if void := sorted({check for v in found for check in v.void}):
+        print("checks that are red without any mutant:", *void, sep="\n  ")
 
 
 def _mark(verdict: Verdict, results) -> str:

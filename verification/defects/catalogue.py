@@ -97,6 +97,12 @@ _FILES = {
     "scene": ("test_failures.py", "test_invariants.py", "test_scene_dynamics.py"),
 }  # fmt: skip
 
+
+def files(module: str) -> tuple[str, ...]:
+    """The files of tests that say anything of a module of solvers."""
+    return _FILES[module]
+
+
 WIDER = {
     module: (*(whole(file) for file in files), "test_found_by_defects.py", STORED) for module, files in _FILES.items()
 }

@@ -16,8 +16,6 @@ import queue
 import re
 import shutil
 import signal
-import subprocess
-import sys
 import tempfile
 import threading
 import time
@@ -27,18 +25,13 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from .defect import Defect, arguments
+from .interpreter import Interpreter, Stopped
 
 ROOT = Path(__file__).parents[2]
 COPIED = ("solvers", "verification", "benchmarks", "reference_data", "pyproject.toml")
 SKIPPED = ("verification/defects", "verification/test_defects.py", "benchmarks")
 """What no check of a solver depends on: results stay valid when it changes."""
 
-# The child ends itself a little after its time is up: nobody else would if this process were killed.
-_CHILD = (
-    "import faulthandler, sys, pytest; faulthandler.dump_traceback_later(float(sys.argv[1]), exit=True); "
-    "sys.exit(pytest.main(sys.argv[2:]))"
-)
-_GRACE = 20.0  # s
 _OPTIONS = ("-x", "--tb=no", "--no-header", "-p", "no:cacheprovider", "-p", "no:faulthandler")
 _SUMMARY = re.compile(r"^(?:FAILED|ERROR) (\S+?\.py(?:::\w+)*)(\[.*?\])?(?: - (.*))?$", re.MULTILINE)
 _STOPPED = (-signal.SIGTERM, -signal.SIGINT, -9)
@@ -70,35 +63,16 @@ class Result:
 
 
 # ---------------------------------------------------------------- one check
-def run_check(root: Path, check: str, timeout: float, children: set | None = None) -> tuple[str, float, str, str]:
-    """(outcome, seconds, test, message) of a check on the project at ``root``. Raises CheckError, KeyboardInterrupt."""
-    environment = {k: v for k, v in os.environ.items() if not k.startswith(("PYTEST_", "MOORING_", "COV_"))}
-    environment |= {"OPENBLAS_NUM_THREADS": "1", "COLUMNS": "240", "PYTHONPATH": str(root)}
-    environment["PYTEST_DISABLE_PLUGIN_AUTOLOAD"] = "1"  # half of the start of a run, for nothing that the checks use
-    command = [sys.executable, "-c", _CHILD, str(timeout + _GRACE), *arguments(check), *_OPTIONS]
+def run_check(interpreter: Interpreter, check: str, timeout: float) -> tuple[str, float, str, str]:
+    """(outcome, seconds, test, message) of a check on a copy of the project. Raises CheckError, KeyboardInterrupt."""
     began = time.perf_counter()
-    process = subprocess.Popen(
-        command,
-        cwd=root,
-        env=environment,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        encoding="utf-8",
-        errors="replace",
-    )
-    children = set() if children is None else children
-    children.add(process)
     try:
-        output, late = process.communicate(timeout=timeout)[0], False
-    except subprocess.TimeoutExpired:
-        process.kill()
-        output, late = process.communicate()[0], True
-    finally:
-        children.discard(process)
+        code, output = interpreter.run([*arguments(check), *_OPTIONS], timeout)
+    except Stopped as stopped:
+        raise KeyboardInterrupt from stopped
     seconds = time.perf_counter() - began
-    if late:
+    if code is None:
         return "timeout", seconds, "", f"not ended after {timeout:g} s"
-    code = process.returncode
     if code in _STOPPED or "KeyboardInterrupt" in output:
         raise KeyboardInterrupt
     if code in (3, 4, 5):
@@ -116,25 +90,36 @@ class Copies:
 
     def __init__(self, folder: Path, project: Path, count: int):
         self.source, self.free = folder / "source", queue.SimpleQueue()
+        self.all: list[Interpreter] = []
         self.stamp = 1_000_000_000  # a time of last change of its own for each patch: no stale bytecode is ever taken
         self.lock = threading.Lock()
         _copy(project, self.source)
         for i in range(count):
             _copy(self.source, folder / f"copy{i}")
-            self.free.put(folder / f"copy{i}")
+            self.all.append(Interpreter(folder / f"copy{i}"))
+            self.free.put(self.all[-1])
 
-    def run(self, defect: Defect | None, check: str, timeout: float, children: set) -> Result:
+    def __enter__(self) -> Copies:
+        return self
+
+    def __exit__(self, *_):
+        """Ends what still runs."""
+        for interpreter in self.all:
+            interpreter.close()
+
+    def run(self, defect: Defect | None, check: str, timeout: float) -> Result:
         """One check on a free copy with the defect planted, and removed again."""
-        root = self.free.get()
+        interpreter = self.free.get()
+        root = interpreter.root
         try:
             if defect is not None:
                 self._plant(defect, root)
-            return Result(defect.name if defect else "", check, *run_check(root, check, timeout, children))
+            return Result(defect.name if defect else "", check, *run_check(interpreter, check, timeout))
         finally:
             if defect is not None:
                 name = f"solvers/{defect.module}.py"
                 shutil.copy2(self.source / name, root / name)
-            self.free.put(root)
+            self.free.put(interpreter)
 
     def _plant(self, defect, root):
         defect.plant(root)
@@ -223,10 +208,9 @@ def run(
         found = [] if fresh else [log.results[k] for k in pairs if k in log.results]
         left = {k: pair for k, pair in pairs.items() if fresh or k not in log.results}
         yield len(found), len(pairs), found
-        children: set[subprocess.Popen] = set()
         pool = ThreadPoolExecutor(jobs)
         try:
-            futures = [pool.submit(_results, copies, *group, timeout, children) for group in _groups(left)]
+            futures = [pool.submit(_results, copies, *group, timeout) for group in _groups(left)]
             for future in as_completed(futures):
                 for k, result in future.result().items():
                     log.append(k, result)
@@ -234,8 +218,7 @@ def run(
                 yield len(found), len(pairs), found
         finally:
             pool.shutdown(wait=False, cancel_futures=True)
-            for child in list(children):
-                child.kill()
+            copies.__exit__()
             pool.shutdown(wait=True)
 
 
@@ -267,10 +250,10 @@ def _groups(left: dict) -> list[tuple[str, dict]]:
     return [(joined(group) if len(group) > 1 else "", group) for group in together.values()]
 
 
-def _results(copies: Copies, joined: str, group: dict, timeout: float, children: set) -> dict[str, Result]:
+def _results(copies: Copies, joined: str, group: dict, timeout: float) -> dict[str, Result]:
     """Key -> result of a group; one by one where not all of it is green."""
     if joined:
-        one = copies.run(None, joined, timeout, children)
+        one = copies.run(None, joined, timeout)
         if not one.red:
             return {k: Result("", check, "missed", one.seconds / len(group)) for k, (_, check) in group.items()}
-    return {k: copies.run(*pair, timeout, children) for k, pair in group.items()}
+    return {k: copies.run(*pair, timeout) for k, pair in group.items()}
