@@ -10,9 +10,10 @@ import sys
 from pathlib import Path
 
 from . import published
-from .ledger import digest, write_atomically
-from .runner import Ended, run_all
-from .stages import GROUPS, ROOT, SLOW, Stage, plan, scene_plan
+from .ledger import digests, write_atomically
+from .runner import BusyError, Ended, run_all
+from .sources import ROOT, files_of
+from .stages import GROUPS, SLOW, Stage, plan, scene_plan
 
 DEFAULT_OUT = ROOT / "reports" / "out"
 
@@ -63,6 +64,9 @@ def main(argv=None) -> int:
     except KeyboardInterrupt:
         print("\ninterrupted; finished results are kept and the next run goes on from there", file=sys.stderr)
         return 130
+    except BusyError as error:
+        print(error, file=sys.stderr)
+        return 2
     return _told(path, ended)
 
 
@@ -76,7 +80,7 @@ def _planned(arguments, out: Path) -> tuple[list[Stage], str]:
 def _page(out: Path, name: str, stages: list[Stage], ended: list[Ended], whole: bool) -> Path:
     """Build the page, unless everything it is made of is as it was."""
     record = out / "results" / f"{name}.key"
-    made_of = [digest("reports"), digest("verification"), digest("reference_data")]
+    made_of = [digests(file for folder in ("reports", "verification", "reference_data") for file in files_of(folder))]
     made_of += [[end.stage.name, end.tail] for end in ended if end.state == "failed"]
     results = [out / "results" / output for output in ("stages.json", *(stage.output for stage in stages))]
     made_of += [hashlib.sha256(file.read_bytes()).hexdigest() if file.exists() else None for file in results]
@@ -84,6 +88,7 @@ def _page(out: Path, name: str, stages: list[Stage], ended: list[Ended], whole: 
     if not ((out / name).exists() and record.exists() and record.read_text(encoding="utf-8") == now):
         from . import page  # matplotlib only where something is drawn
 
+        record.unlink(missing_ok=True)  # from here on until the end the page is between two states
         page.build(out, name, stages, ended, whole)
         write_atomically(record, now)
     return out / name
@@ -95,9 +100,9 @@ def _told(path: Path, ended: list[Ended]) -> int:
     for end in failed:
         print(f"\nthe stage {end.stage.name} failed ({end.stage.shown}):", file=sys.stderr)
         print(*(f"  {line}" for line in end.tail), sep="\n", file=sys.stderr)
-    red = any(end.stage.name == "tests" and end.code for end in ended)
+    red = [end.stage.arguments[1] for end in ended if end.stage.group == "tests" and end.code == 1]
     if red:
-        print("\nsome verification tests fail: the page names them", file=sys.stderr)
+        print(f"\nverification tests fail in {', '.join(red)}: the page names them", file=sys.stderr)
     print(path)
     return 1 if failed or red else 0
 
