@@ -9,7 +9,7 @@ import signal
 import sys
 from pathlib import Path
 
-from . import published
+from . import compare, history, published
 from .ledger import digests, write_atomically
 from .runner import BusyError, Ended, run_all
 from .sources import ROOT, files_of
@@ -19,7 +19,12 @@ DEFAULT_OUT = ROOT / "reports" / "out"
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="python -m reports", description=__doc__)
+    parser = argparse.ArgumentParser(
+        prog="python -m reports",
+        description=__doc__,
+        epilog="python -m reports compare [A B]: what became slower, less accurate or failed between two runs; see its "
+        "own --help.",
+    )
     parser.add_argument("scenes", nargs="*", type=Path, metavar="SCENE.toml", help="a page about these lines only")
     parser.add_argument(
         "--quick",
@@ -51,6 +56,9 @@ def _checked(parser: argparse.ArgumentParser, argv) -> argparse.Namespace:
 
 def main(argv=None) -> int:
     """Exit status 0: all there and all tests passed; 1: something failed (the page says what); 2: bad arguments."""
+    argv = sys.argv[1:] if argv is None else argv
+    if argv[:1] == ["compare"]:
+        return compare.main(argv[1:])
     arguments = _checked(_parser(), argv)
     out = arguments.out.resolve()
     (out / "results").mkdir(parents=True, exist_ok=True)
@@ -60,6 +68,8 @@ def main(argv=None) -> int:
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         ended = run_all(chosen, out / "results", arguments.fresh)
+        if not arguments.scenes:
+            history.save(out, stages, [end.stage.title for end in ended if end.state == "failed"])
         path = _page(out, name, stages, ended, not arguments.scenes)
     except KeyboardInterrupt:
         print("\ninterrupted; finished results are kept and the next run goes on from there", file=sys.stderr)
