@@ -140,6 +140,7 @@ def assess(solver: Solver, case, truth: SpanTruth, tolerance=None) -> dict:
 
 
 REPEATS, SLOW_REPEATS = 7, 3
+LONG = 0.5  # s a call: one such call is enough, no interruption is as long
 SLOW = 5e-3  # s a call: such calls are repeated SLOW_REPEATS times, one by one
 BLOCK = 2e-3  # s: fast calls are timed in blocks of about this length, far above the resolution of the clock
 
@@ -148,6 +149,8 @@ def seconds_per_call(call) -> float:
     """Minimum over repeated blocks of calls; the caller has made the warm-up call."""
     with quiet():
         once = clock(call, 1)
+        if once > LONG:
+            return once
         count = 1 if once > SLOW else max(1, round(BLOCK / once))
         repeats = SLOW_REPEATS if once > SLOW else REPEATS
         return min(clock(call, count) for _ in range(repeats)) / count

@@ -28,8 +28,8 @@ STRONG = 100.0  # relative change of the tension over that of an input: 1 % of l
 NEAR_LIFT = 0.02  # of L on the seabed
 
 
-def line(span, scene: Scene, known: truth.TruthCache) -> dict:
-    """The part of the file for one friction coefficient."""
+def line(span, scene: Scene, known: truth.TruthCache, timed: bool = True) -> dict:
+    """The part of the file for one friction coefficient; without the ladder where nothing is timed."""
     label = f"friction {span.friction:g}"
     case = SpanCase(label, "scene", **asdict(span))
     state, exact = solve_span(span), known.of(case)
@@ -53,7 +53,7 @@ def line(span, scene: Scene, known: truth.TruthCache) -> dict:
         "limit": exact.limit,
         "exact": {"H": exact.H, "V": exact.V},
         "error": force_error(state.H, state.V, exact, case),
-        "ladder": _ladder(case, exact),
+        "ladder": _ladder(case, exact) if timed else [],
         "sensitivity": sensitivity,
         "warnings": list(warnings(span, state, exact, sensitivity, scene.tolerance)),
     }
@@ -143,10 +143,10 @@ def _sensitive(exact: SpanTruth, sensitivity: dict, tolerance: float):
         )
 
 
-def _work(scene: Scene, spans, known: truth.TruthCache):
+def _work(scene: Scene, spans, known: truth.TruthCache, timed: bool):
     """Yield the part of the file for each friction coefficient, then the steps of the moving line, its part last."""
     for span in spans:
-        yield line(span, scene, known)
+        yield line(span, scene, known, timed)
     if scene.motion is not None:
         yield from scene_dynamics.study(scene)
 
@@ -161,12 +161,13 @@ def main(argv=None) -> int:
     """Command line."""
     parser = console.parser("scene", __doc__)
     parser.add_argument("file", type=Path, metavar="FILE.toml", help="scene file, see solvers.Scene")
+    parser.add_argument("--forces", action="store_true", help="no ladder of settings: nothing is timed")
     arguments = parser.parse_args(argv)
     try:
         scene = Scene.load(arguments.file)
         spans, known = scene.spans(), truth.TruthCache(arguments.out)
         total = len(spans) + (scene_dynamics.steps(scene) if scene.motion else 0)
-        done = list(console.progress(_work(scene, spans, known), total, arguments.file.stem))
+        done = list(console.progress(_work(scene, spans, known, not arguments.forces), total, arguments.file.stem))
         lines, dynamics = done[: len(spans)], done[-1] if scene.motion else None
     except (InputError, ConvergenceError) as error:
         print(error, file=sys.stderr)

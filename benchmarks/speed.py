@@ -28,7 +28,7 @@ SPREAD = (5, 95)  # percentiles of the ratios: their extremes are single interru
 PROBES = 5  # calls, the shortest of which tells how many make a turn
 SEED = 2026
 SIZES = (100_000, 1_000_000)  # lines
-BATCH_TURNS = 7  # of each size, the smaller one repeated until it has solved as many lines
+BATCH_TURNS = 4  # of each size, the smaller one repeated until it has solved as many lines
 
 
 def our_cold_solve(case, tolerance=None) -> SpanAnswer:

@@ -35,11 +35,16 @@ def _finished(partial, digest):
     """Rows of an interrupted run by name; empty if it ran other code or inputs."""
     if not partial.exists():
         return {}
+    header, *rows = [_parsed(line) for line in partial.read_text(encoding="utf-8").splitlines()] or [None]
+    return {row["name"]: row for row in rows if row} if header == digest else {}
+
+
+def _parsed(line):
+    """A line of the log; None for one that was cut when the run was killed."""
     try:
-        header, *rows = (json.loads(line) for line in partial.read_text(encoding="utf-8").splitlines())
-    except ValueError:  # the run was cut in the middle of a line
-        return {}
-    return {row["name"]: row for row in rows} if header == digest else {}
+        return json.loads(line)
+    except ValueError:
+        return None
 
 
 def _computed(name, jobs, keep=None, done=()):
@@ -71,7 +76,7 @@ def _as_csv(generator, rows):
 
 def _replace(path, text):
     """Write atomically: readers see the old file or the new one."""
-    temporary = path.with_name(path.name + ".tmp")
+    temporary = path.with_name(f"{path.name}.{os.getpid()}.tmp")
     temporary.write_text(text, encoding="utf-8", newline="")
     os.replace(temporary, path)
 

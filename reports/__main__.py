@@ -9,16 +9,22 @@ import signal
 import sys
 from pathlib import Path
 
-from . import published
-from .ledger import digest, write_atomically
-from .runner import Ended, run_all
-from .stages import GROUPS, ROOT, SLOW, Stage, plan, scene_plan
+from . import compare, history, published
+from .ledger import digests, write_atomically
+from .runner import BusyError, Ended, run_all
+from .sources import ROOT, files_of
+from .stages import GROUPS, SLOW, Stage, plan, scene_plan
 
 DEFAULT_OUT = ROOT / "reports" / "out"
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="python -m reports", description=__doc__)
+    parser = argparse.ArgumentParser(
+        prog="python -m reports",
+        description=__doc__,
+        epilog="python -m reports compare [A B]: what became slower, less accurate or failed between two runs; see its "
+        "own --help.",
+    )
     parser.add_argument("scenes", nargs="*", type=Path, metavar="SCENE.toml", help="a page about these lines only")
     parser.add_argument(
         "--quick",
@@ -50,6 +56,9 @@ def _checked(parser: argparse.ArgumentParser, argv) -> argparse.Namespace:
 
 def main(argv=None) -> int:
     """Exit status 0: all there and all tests passed; 1: something failed (the page says what); 2: bad arguments."""
+    argv = sys.argv[1:] if argv is None else argv
+    if argv[:1] == ["compare"]:
+        return compare.main(argv[1:])
     arguments = _checked(_parser(), argv)
     out = arguments.out.resolve()
     (out / "results").mkdir(parents=True, exist_ok=True)
@@ -59,10 +68,15 @@ def main(argv=None) -> int:
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         ended = run_all(chosen, out / "results", arguments.fresh)
+        if not arguments.scenes:
+            history.save(out, stages, [end.stage.title for end in ended if end.state == "failed"])
         path = _page(out, name, stages, ended, not arguments.scenes)
     except KeyboardInterrupt:
         print("\ninterrupted; finished results are kept and the next run goes on from there", file=sys.stderr)
         return 130
+    except BusyError as error:
+        print(error, file=sys.stderr)
+        return 2
     return _told(path, ended)
 
 
@@ -76,7 +90,7 @@ def _planned(arguments, out: Path) -> tuple[list[Stage], str]:
 def _page(out: Path, name: str, stages: list[Stage], ended: list[Ended], whole: bool) -> Path:
     """Build the page, unless everything it is made of is as it was."""
     record = out / "results" / f"{name}.key"
-    made_of = [digest("reports"), digest("verification"), digest("reference_data")]
+    made_of = [digests(file for folder in ("reports", "verification", "reference_data") for file in files_of(folder))]
     made_of += [[end.stage.name, end.tail] for end in ended if end.state == "failed"]
     results = [out / "results" / output for output in ("stages.json", *(stage.output for stage in stages))]
     made_of += [hashlib.sha256(file.read_bytes()).hexdigest() if file.exists() else None for file in results]
@@ -84,6 +98,7 @@ def _page(out: Path, name: str, stages: list[Stage], ended: list[Ended], whole: 
     if not ((out / name).exists() and record.exists() and record.read_text(encoding="utf-8") == now):
         from . import page  # matplotlib only where something is drawn
 
+        record.unlink(missing_ok=True)  # from here on until the end the page is between two states
         page.build(out, name, stages, ended, whole)
         write_atomically(record, now)
     return out / name
@@ -95,9 +110,9 @@ def _told(path: Path, ended: list[Ended]) -> int:
     for end in failed:
         print(f"\nthe stage {end.stage.name} failed ({end.stage.shown}):", file=sys.stderr)
         print(*(f"  {line}" for line in end.tail), sep="\n", file=sys.stderr)
-    red = any(end.stage.name == "tests" and end.code for end in ended)
+    red = [end.stage.arguments[1] for end in ended if end.stage.group == "tests" and end.code == 1]
     if red:
-        print("\nsome verification tests fail: the page names them", file=sys.stderr)
+        print(f"\nverification tests fail in {', '.join(red)}: the page names them", file=sys.stderr)
     print(path)
     return 1 if failed or red else 0
 

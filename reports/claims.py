@@ -1,10 +1,11 @@
-"""What is claimed and which test shows it: docstrings of the tests, read as text, with the outcomes in tests.xml."""
+"""What is claimed and which test shows it: docstrings of the tests, read as text, with the outcomes in tests/*.xml."""
 
 from __future__ import annotations
 
 import ast
 import re
 import xml.etree.ElementTree as ElementTree
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -75,14 +76,15 @@ def _words(name: str) -> str:
     return name.removeprefix("test_").replace("_", " ")
 
 
-def questions(folder: Path, xml: Path | None) -> list[Question]:
+def questions(folder: Path, outcomes: Iterable[Path]) -> list[Question]:
     """The test files by name, their claims in the order of the file, with the outcomes of the last run."""
     found = {
         module: Question(module, text, [Claim(name, claim) for name, claim in claims.items()])
         for module, (text, claims) in read_sources(folder).items()
     }
-    for case in ElementTree.parse(xml).iter("testcase") if xml else ():
-        _count(case, found)
+    for xml in outcomes:
+        for case in ElementTree.parse(xml).iter("testcase"):
+            _count(case, found)
     return list(found.values())
 
 

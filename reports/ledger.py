@@ -15,9 +15,11 @@ from functools import cache
 from itertools import chain
 from pathlib import Path
 
-from .stages import ROOT, Stage
+from .sources import ROOT, depends_on, files_of
+from .stages import Stage
 
-SUFFIXES = {".py", ".toml", ".csv", ".j2", ".css"}
+DRAWING = ("matplotlib", "jinja2", "tqdm", "ruff")
+"""Packages that no result depends on, only the page or the progress bar."""
 
 
 def write_atomically(path: Path, text: str):
@@ -28,23 +30,22 @@ def write_atomically(path: Path, text: str):
 
 
 @cache
-def digest(source: str) -> str:
-    """Digest of a file, or of the sources in a folder, by content; ``source`` from the repository's root."""
-    path = ROOT / source
-    files = [path] if path.is_file() else sorted(p for p in path.rglob("*") if p.suffix in SUFFIXES)
-    total = hashlib.sha256()
-    for file in files:
-        if ROOT / "reports" / "out" not in file.parents or file == path:
-            total.update(f"{file.relative_to(path).as_posix()}\0".encode() + file.read_bytes())
-    return total.hexdigest()
+def digest(path: str) -> str:
+    """Digest of a file by content; ``path`` from the repository's root."""
+    return hashlib.sha256((ROOT / path).read_bytes()).hexdigest()
+
+
+def digests(files) -> list[tuple[str, str]]:
+    """(path, digest) of every file; where it lies outside the repository, its name only."""
+    return [(Path(file).name if Path(file).is_absolute() else file, digest(file)) for file in files]
 
 
 @cache
 def packages() -> dict:
-    """Installed versions of everything that pyproject.toml names, None where it is not installed."""
+    """Installed versions of what pyproject.toml names and results may depend on, None where it is not installed."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     wanted = [*project["dependencies"], *chain.from_iterable(project["optional-dependencies"].values())]
-    names = sorted({re.match(r"[\w.-]+", item)[0] for item in wanted} - {project["name"]})
+    names = sorted({re.match(r"[\w.-]+", item)[0] for item in wanted} - {project["name"], *DRAWING})
     return {name: _version(name) for name in names}
 
 
@@ -65,18 +66,25 @@ def commit() -> str:
         return ""
 
 
+def machine() -> str:
+    """The machine that a timing belongs to."""
+    return " ".join([platform.node(), platform.machine(), platform.processor(), str(os.cpu_count())])
+
+
+@cache
 def key(stage: Stage, arguments: tuple[str, ...]) -> str:
-    """Digest of sources, arguments and versions; of the machine too where the result is a timing."""
-    parts = [[digest(source) for source in stage.sources], arguments, packages(), sys.version]
+    """Digest of what the programs import, of sources, arguments and versions; of the machine too for a timing."""
+    files = {*depends_on(stage.programs), *(file for source in stage.sources for file in files_of(source))}
+    parts = [digests(sorted(files)), arguments, packages(), sys.version]
     if stage.timed or stage.name == "machine":
-        parts.append([platform.node(), platform.machine(), platform.processor(), os.cpu_count()])
+        parts.append(machine())
     if stage.name == "machine":
         parts.append(commit())
     return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
 
 
 class Ledger:
-    """Record of the finished stages beside their results: key, seconds, date, load before. Written after each stage."""
+    """Record of the finished stages beside their results: key, digest, seconds, date, load. Written after each stage."""
 
     def __init__(self, results: Path):
         self.results, self.path = results, results / "stages.json"
@@ -86,10 +94,14 @@ class Ledger:
             self.entries = {}
 
     def current(self, stage: Stage) -> bool:
-        """The result is there, it is no failure, and nothing that it depends on has changed."""
+        """The result is there as it was written, it is no failure, and nothing that it depends on has changed."""
         keys = [key(stage, arguments) for arguments in (stage.arguments, stage.better) if arguments]
         entry = self.entries.get(stage.name, {})
-        return (self.results / stage.output).exists() and entry.get("good", False) and entry.get("key") in keys
+        return bool(entry.get("good") and entry.get("key") in keys and entry.get("result") == self._result(stage))
+
+    def _result(self, stage: Stage) -> str | None:
+        path = self.results / stage.output
+        return hashlib.sha256(path.read_bytes()).hexdigest() if path.exists() else None
 
     def valid(self, stage: Stage) -> bool:
         """The recorded result belongs to the present sources, whatever its arguments were (a shorter run, say)."""
@@ -108,7 +120,8 @@ class Ledger:
 
     def record(self, stage: Stage, **facts):
         """After a successful run."""
-        self.entries[stage.name] = {"arguments": list(stage.arguments), **facts}
+        result = self._result(stage)
+        self.entries[stage.name] = {"arguments": list(stage.arguments), "result": result, **facts}
         self._write()
 
     def _write(self):

@@ -28,7 +28,8 @@ from . import (
 from .claims import OUTCOMES, questions
 from .ledger import Ledger, write_atomically
 from .runner import Ended
-from .stages import DYNAMICS, GROUPS, ROOT, Stage
+from .sources import ROOT
+from .stages import DYNAMICS, GROUPS, Stage
 
 TEMPLATES = Path(__file__).parent / "templates"
 _SINGLE = {"accuracy": "accuracy", "benchmarks": "benchmark", "work_precision": "work_precision", "speed": "speed"}
@@ -66,6 +67,11 @@ class Results:
             return json.loads((self.folder / output).read_text(encoding="utf-8")) if output else None
         except (OSError, ValueError):
             return None
+
+    def outcomes(self) -> list[Path]:
+        """The files that the tests left, one for each file of tests."""
+        paths = (self.folder / stage.output for stage in self.stages if stage.group == "tests")
+        return [path for path in paths if path.exists()]
 
     def scenes(self, group: str) -> dict[str, dict]:
         """Stem -> result of the scenes that were computed, with their file."""
@@ -138,14 +144,23 @@ def _common(results: Results, figure_folder: Path, table_folder: Path) -> dict:
 
 
 def _stages(results: Results) -> list[dict]:
-    """The stages as they were run last."""
-    shown = []
-    for stage in results.stages:
-        entry = results.ledger.entries.get(stage.name, {})
-        command = replace(stage, arguments=tuple(entry.get("arguments", stage.arguments))).shown
-        facts = {key: entry.get(key) for key in ("seconds", "finished", "load")}
-        shown.append({"title": stage.title, "command": command, **facts})
-    return shown
+    """The stages as they were run last, the tests as one."""
+    shown = [_stage(results, stage) for stage in results.stages if stage.group != "tests"]
+    tests = [_stage(results, stage) for stage in results.stages if stage.group == "tests"]
+    ran = [entry for entry in tests if entry["finished"]]
+    if not tests:
+        return shown
+    whole = {"title": f"verification tests, {len(ran)} of {len(tests)} files", "command": "python -m pytest verification",
+             "seconds": sum(entry["seconds"] for entry in ran) if ran else None,
+             "finished": max((entry["finished"] for entry in ran), default=None),
+             "load": ran[0]["load"] if ran else None}  # fmt: skip
+    return [whole, *shown]
+
+
+def _stage(results: Results, stage: Stage) -> dict:
+    entry = results.ledger.entries.get(stage.name, {})
+    command = replace(stage, arguments=tuple(entry.get("arguments", stage.arguments))).shown
+    return {"title": stage.title, "command": command} | {key: entry.get(key) for key in ("seconds", "finished", "load")}
 
 
 def _scene(scene: dict, stem: str, looks: dict, figure_folder: Path, table_folder: Path) -> dict:
@@ -181,8 +196,8 @@ def _whole(results: Results, looks: dict, figure_folder: Path, table_folder: Pat
     data = {name: results.json(name) for name in _SINGLE}
     accuracy, work, speed = data["accuracy"], data["work_precision"], data["speed"]
     timings = analysis.benchmark_rows(data["benchmarks"]) if data["benchmarks"] else []
-    xml = results.folder / "tests.xml"
-    found = questions(ROOT / "verification", xml if xml.exists() else None)
+    outcomes = results.outcomes()
+    found = questions(ROOT / "verification", outcomes)
     errata = tomllib.loads((ROOT / "reference_data" / "errata.toml").read_text(encoding="utf-8"))
     moving = dynamics.section({name: results.json(name) for name in DYNAMICS}, figure_folder, table_folder)
     made = {
@@ -200,7 +215,7 @@ def _whole(results: Results, looks: dict, figure_folder: Path, table_folder: Pat
     return made | moving | {
         "questions": found,
         "counts": {outcome: sum(question.total(outcome) for question in found) for outcome in OUTCOMES},
-        "verdicts": [*verdicts.strip(accuracy, speed, found, xml.exists()), *moving["dynamics_verdicts"],
+        "verdicts": [*verdicts.strip(accuracy, speed, found, bool(outcomes)), *moving["dynamics_verdicts"],
                      *stability.verdicts(results.json("stability")), *defects.verdicts(results.json("defects"))],
         "accuracy": accuracy,
         "finding": verdicts.sentence(accuracy) if accuracy else None,

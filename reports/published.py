@@ -8,7 +8,7 @@ import tomllib
 from pathlib import Path
 
 from .ledger import write_atomically
-from .stages import ROOT
+from .sources import ROOT
 
 DATA = ROOT / "reference_data"
 SETS = ("openfast_r_test", "msqs_two_line")

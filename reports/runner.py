@@ -1,29 +1,31 @@
-"""Runs the stages one after another as child processes, with one progress bar and the time left."""
+"""Runs the stages as child processes: those that time nothing beside one another, then the timings one at a time."""
 
 from __future__ import annotations
 
 import contextlib
 import os
 import queue
-import re
 import signal
 import subprocess
 import sys
 import threading
 import time
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import datetime
 from pathlib import Path
 
-from tqdm import tqdm
-
 from .ledger import Ledger, key
-from .stages import ROOT, Stage
+from .progress import Progress
+from .sources import ROOT
+from .stages import CORES, Stage
 
 TAIL = 15  # last lines of a failing child that are shown
-_LINES = re.compile(r"progress (\d+(?:\.\d+)?) (\d+(?:\.\d+)?)\s*$")  # of our programs
-_PERCENT = re.compile(r"\[\s*(\d+)%\]\s*$")  # of pytest
+ONE_THREAD = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL", "VECLIB", "BLIS")}
+
+
+class BusyError(RuntimeError):
+    """Another report is being made in the same folder."""
 
 
 @dataclass(frozen=True)
@@ -40,136 +42,157 @@ class Ended:
 
 
 def run_all(stages: list[Stage], results: Path, fresh: bool) -> list[Ended]:
-    """Run what is not current, one at a time, so that nothing disturbs a timing. A failure does not stop the others."""
-    ledger = Ledger(results)
-    todo = {stage.name for stage in stages if fresh or not ledger.current(stage)}
-    bar = _Bar([(stage, ledger.expected(stage)) for stage in stages if stage.name in todo])
-    with bar:
-        return [_ended(stage, ledger, bar) if stage.name in todo else Ended(stage, "reused") for stage in stages]
+    """Run what is not current; a failure does not stop the others. Raises BusyError."""
+    with _only_run(results):
+        ledger = Ledger(results)
+        todo = [stage for stage in stages if fresh or not ledger.current(stage)]
+        for left in (path for stage in todo for path in _unfinished(results, stage)):
+            left.unlink()  # by a run that was killed
+        ended = {stage.name: Ended(stage, "reused") for stage in stages}
+        with Progress({stage: ledger.expected(stage) for stage in todo}) as progress:
+            ended |= {end.stage.name: end for end in _Run(todo, ledger, progress).ended()}
+    return [ended[stage.name] for stage in stages]
 
 
-def _ended(stage: Stage, ledger: Ledger, bar: _Bar) -> Ended:
-    bar.start(stage)
-    ledger.forget(stage)
-    load, began = _load(), time.perf_counter()
-    part = ledger.results / f"{stage.output}.part"
-    code, lines = _child(stage, ledger.results, part, bar)
-    seconds = time.perf_counter() - began
-    bar.finish(stage)
-    if part.exists() and part.stat().st_size:
-        os.replace(part, ledger.results / stage.output)
-    if code not in stage.codes or not (ledger.results / stage.output).exists():
-        return Ended(stage, "failed", (*lines, f"(exit status {code})")[-TAIL:], code)
-    finished = datetime.now().astimezone().isoformat(" ", "minutes")
-    good = code == 0  # failing tests are a result, but not one to be reused
-    ledger.record(stage, key=key(stage, stage.arguments), good=good, seconds=seconds, finished=finished, load=load)
-    return Ended(stage, "measured", code=code)
+def _part(results: Path, stage: Stage) -> Path:
+    return results / f"{stage.output}.part"
 
 
-def _load() -> list[float] | None:
-    return [round(value, 2) for value in os.getloadavg()] if hasattr(os, "getloadavg") else None
+def _unfinished(results: Path, stage: Stage) -> list[Path]:
+    path = results / stage.output
+    return [*path.parent.glob(f"{path.name}.part"), *path.parent.glob(f"{path.name}.*.tmp")]
 
 
-def _child(stage: Stage, results: Path, part: Path, bar: _Bar) -> tuple[int, list[str]]:
-    """Exit status and last lines of the child; ends it and what it started if we are interrupted."""
-    words = [word.replace("{results}", str(results)).replace("{part}", str(part)) for word in stage.arguments]
-    process = subprocess.Popen(
-        [sys.executable, "-m", *words],
-        cwd=ROOT,
-        env=os.environ | {"MOORING_PROGRESS": "lines", "PYTHONUNBUFFERED": "1", "PYTHONIOENCODING": "utf-8"},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        encoding="utf-8",
-        errors="replace",
-        start_new_session=True,
-    )
+@contextlib.contextmanager
+def _only_run(results: Path):
+    """Hold the folder's lock, which the system takes back however this process ends (where it has such locks)."""
     try:
-        tail = _follow(process, bar)
-        return process.returncode, tail
-    except BaseException:
-        _end(process)
-        raise
-
-
-def _follow(process, bar: _Bar) -> list[str]:
-    """Show the child's progress until it ends; its last lines that are not progress."""
-    lines, tail = queue.Queue(), deque(maxlen=4 * TAIL)
-    threading.Thread(target=_pump, args=(process.stdout, lines), daemon=True).start()
-    while True:
+        import fcntl
+    except ImportError:
+        yield
+        return
+    with (results / "lock").open("w") as lock:
         try:
-            line = lines.get(timeout=0.5)
-        except queue.Empty:
-            bar.tick()
-            continue
-        if line is None:
-            process.wait()
-            return list(tail)
-        if not bar.read(line) and line.strip():
-            tail.append(line.rstrip())
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            raise BusyError(f"another report is being made in {results.parent}: wait for it, or give --out") from None
+        yield
 
 
-def _pump(stream, lines: queue.Queue):
-    for line in stream:
-        lines.put(line)
-    lines.put(None)
+@dataclass
+class _Child:
+    """A stage under way."""
+
+    stage: Stage
+    process: subprocess.Popen
+    load: list[float] | None
+    began: float
+    tail: deque = field(default_factory=lambda: deque(maxlen=4 * TAIL))
 
 
-def _end(process):
-    with contextlib.suppress(ProcessLookupError):
-        if hasattr(os, "killpg"):
-            os.killpg(process.pid, signal.SIGTERM)
-        else:
-            process.terminate()
-    with contextlib.suppress(subprocess.TimeoutExpired):
-        process.wait(timeout=10)
+class _Run:
+    """The stages of one run, and those of them that are under way."""
 
+    def __init__(self, todo: list[Stage], ledger: Ledger, progress: Progress):
+        self.ledger, self.progress = ledger, progress
+        self.waiting = sorted(todo, key=lambda stage: (stage.timed, -ledger.expected(stage)))  # the longest first
+        self.running: dict[str, _Child] = {}
+        self.lines: queue.Queue = queue.Queue()  # (name of the stage, line it printed or None at its end)
 
-class _Bar:
-    """One bar over all stages, in expected seconds; a stage moves it by the share that it reports done."""
+    def ended(self):
+        """Yield what becomes of each stage; interrupted, end those under way and what they started."""
+        try:
+            while self.waiting or self.running:
+                while stage := self._startable():
+                    self._start(stage)
+                if end := self._next():
+                    yield end
+        finally:
+            _end([child.process for child in self.running.values()])
 
-    def __init__(self, expected: list[tuple[Stage, float]]):
-        self.expected = {stage.name: seconds for stage, seconds in expected}
-        self.count, self.index, self.before = len(expected), 0, 0.0
-        form = "{desc:<34} {percentage:3.0f}% |{bar}| {elapsed} gone, {remaining} left"
-        self.bar = tqdm(
-            total=max(sum(self.expected.values()), 1e-9), bar_format=form, smoothing=0, disable=not expected
+    def _startable(self) -> Stage | None:
+        """The first stage that finds its cores free; a timing has the machine for itself."""
+        busy = sum(child.stage.jobs for child in self.running.values())
+        for stage in self.waiting:
+            if stage.timed:  # all others are over, or would have come first
+                return None if self.running else stage
+            if not busy or busy + stage.jobs <= CORES:
+                return stage
+        return None
+
+    def _start(self, stage: Stage):
+        self.waiting.remove(stage)
+        self.ledger.forget(stage)
+        part = _part(self.ledger.results, stage)
+        part.parent.mkdir(parents=True, exist_ok=True)
+        words = [stage.filled(word, self.ledger.results, part) for word in stage.arguments]
+        load = [round(value, 2) for value in os.getloadavg()] if hasattr(os, "getloadavg") else None
+        process = subprocess.Popen(
+            [sys.executable, "-m", "reports.guard", "alone" if stage.timed else "beside", *words],
+            cwd=ROOT,
+            env=os.environ
+            | ONE_THREAD
+            | {"MOORING_PROGRESS": "lines", "PYTHONUNBUFFERED": "1", "PYTHONIOENCODING": "utf-8"},
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            encoding="utf-8",
+            errors="replace",
+            start_new_session=True,
         )
+        self.running[stage.name] = _Child(stage, process, load, time.perf_counter())
+        threading.Thread(target=self._pump, args=(stage.name, process.stdout), daemon=True).start()
+        self.progress.start(stage)
 
-    def __enter__(self):
-        return self
+    def _pump(self, name: str, stream):
+        for line in stream:
+            self.lines.put((name, line))
+        self.lines.put((name, None))
 
-    def __exit__(self, *error):
-        self.bar.close()
+    def _next(self) -> Ended | None:
+        """Take one line of a child; the end of a stage if it was the last one."""
+        try:
+            name, line = self.lines.get(timeout=0.5)
+        except queue.Empty:
+            self.progress.tick()
+            return None
+        child = self.running[name]
+        if line is not None:
+            if not self.progress.read(child.stage, line) and line.strip():
+                child.tail.append(line.rstrip())
+            return None
+        child.process.wait()
+        child.process.stdin.close()
+        del self.running[name]
+        end = self._kept(child)
+        self.progress.finish(child.stage, end.state, time.perf_counter() - child.began)
+        return end
 
-    def start(self, stage: Stage):
-        """A stage begins."""
-        self.index, self.span = self.index + 1, self.expected[stage.name]
-        self.began, self.reported = time.perf_counter(), None
-        self.bar.set_description_str(f"{self.index}/{self.count} {stage.title}", refresh=False)
-        self.bar.refresh()
+    def _kept(self, child: _Child) -> Ended:
+        """Take the result of a child that is over into the ledger."""
+        stage, code, seconds = child.stage, child.process.returncode, time.perf_counter() - child.began
+        output, part = self.ledger.results / stage.output, _part(self.ledger.results, stage)
+        if code in stage.codes and part.exists():
+            os.replace(part, output)
+        if code not in stage.codes or not output.exists():
+            return Ended(stage, "failed", (*child.tail, f"(exit status {code})")[-TAIL:], code)
+        finished = datetime.now().astimezone().isoformat(" ", "minutes")
+        good = code == 0  # failing tests are a result, but not one to be reused
+        self.ledger.record(
+            stage, key=key(stage, stage.arguments), good=good, seconds=seconds, finished=finished, load=child.load
+        )
+        return Ended(stage, "measured", code=code)
 
-    def read(self, line: str) -> bool:
-        """Take a line of the child: True if it tells progress."""
-        if ours := _LINES.match(line):
-            done, total = map(float, ours.groups())
-            self.reported = done / total if total else 1.0
-        elif percent := _PERCENT.search(line):
-            self.reported = float(percent[1]) / 100
-        self.tick()
-        return bool(ours)
 
-    def tick(self):
-        """Redraw: by what the child reports, else by the clock and never beyond nine tenths."""
-        clock = min((time.perf_counter() - self.began) / self.span, 0.9)
-        self._to(self.before + self.span * (clock if self.reported is None else min(self.reported, 1.0)))
-
-    def finish(self, stage: Stage):
-        """A stage is over, however long it took."""
-        self.before += self.span
-        self._to(self.before)
-        self.bar.refresh()
-
-    def _to(self, value: float):
-        self.bar.n = min(value, self.bar.total)
-        if sys.stderr.isatty():  # in a log one line at each end of a stage is enough
-            self.bar.refresh()
+def _end(processes: list[subprocess.Popen]):
+    for process in processes:
+        with contextlib.suppress(ProcessLookupError):
+            if hasattr(os, "killpg"):
+                os.killpg(process.pid, signal.SIGTERM)
+            else:
+                process.terminate()
+    for process in processes:
+        try:
+            process.wait(timeout=10)
+        except subprocess.TimeoutExpired:
+            process.kill()

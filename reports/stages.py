@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-import importlib.util
 import os
 from dataclasses import dataclass
 from pathlib import Path
 
-ROOT = Path(__file__).parents[1]
+from .sources import ROOT, program
+
 SCENES = ROOT / "reference_data" / "scenes"
+TESTS = ROOT / "verification"
 
 RANDOM, QUICK_RANDOM = 1000, 150
 """Random lines judged against 50 digits: enough to see a wrong answer in a few thousand; a look in two minutes."""
 
-CODE = ("solvers", "verification/cases", "verification/exact", "verification/reference.py", "verification/registry.py")
-MEASURED = (*CODE, "benchmarks", "reference_data")
-EVERYTHING = ("solvers", "verification", "benchmarks", "reference_data", "reports", "pyproject.toml")
+CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+JOBS = max(1, CORES // 2)
+"""Processes of a stage that can use several: with half of the cores there is always another stage beside it, so that
+no core waits for the end of the longest one."""
 
 
 @dataclass(frozen=True)
@@ -24,9 +26,11 @@ class Stage:
 
     name : unique; group : what --only takes; title : for the progress bar and the page
     arguments : after ``python -m``; {results} is the folder of the results, {part} a file that becomes ``output`` when
-        the child succeeds (for programs that do not write atomically themselves)
-    output : file in the folder of the results; sources : folders and files the result depends on
-    timed : a timing, which belongs to one machine; seconds : expected time before the first run
+        the child succeeds (for programs that do not write atomically themselves), {jobs} the number of its processes
+    output : file in the folder of the results
+    programs : files whose own text and imports the result depends on; sources : files and folders beside those
+    timed : a timing, which belongs to one machine and runs alone, pinned to a core
+    seconds : expected time before the first run; jobs : cores that it keeps busy
     codes : exit statuses with a result (pytest: 1 = some tests fail)
     better : arguments of a longer run whose result serves as well
     """
@@ -36,9 +40,11 @@ class Stage:
     title: str
     arguments: tuple[str, ...]
     output: str
-    sources: tuple[str, ...]
+    programs: tuple[str, ...] = ()
+    sources: tuple[str, ...] = ()
     timed: bool = False
-    seconds: float = 5.0
+    seconds: float = 3.0
+    jobs: int = 1
     codes: tuple[int, ...] = (0,)
     better: tuple[str, ...] = ()
 
@@ -48,105 +54,129 @@ class Stage:
         words = [
             Path(word).relative_to(ROOT).as_posix() if word.startswith(str(ROOT)) else word for word in self.arguments
         ]
-        return (
-            " ".join(["python -m", *words]).replace("{results}", "reports/out/results").replace("{part}", self.output)
-        )
+        return self.filled(" ".join(["python -m", *words]), "reports/out/results", self.output)
+
+    def filled(self, text: str, results, part) -> str:
+        """``text`` with the places of folder, file and number of processes filled in."""
+        filling = {"{results}": results, "{part}": part, "{jobs}": self.jobs}
+        for place, value in filling.items():
+            text = text.replace(place, str(value))
+        return text
 
 
-LONG_TESTS = ("50_digits", "random_lines", "test_report", "test_network", "test_harmonic", "test_oscillators",
-              "test_time_domain", "test_cable", "test_exact_dynamics", "test_fuzz", "test_stability", "test_defects",
-              "test_found_by_defects")  # fmt: skip
-QUICK_TESTS = " and ".join(f"not {name}" for name in LONG_TESTS)
-"""Tests of the quick run: without those that take long, and without a report in a report."""
+# ---------------------------------------------------------------- tests: a stage for each file
+LONG_TESTS = {"test_exact": 75, "test_defects": 40, "test_network": 35, "test_harmonic_balance": 25, "test_fuzz": 15,
+              "test_network_properties": 15, "test_found_by_defects": 15, "test_exact_dynamics": 12,
+              "test_dynamics_report": 15, "test_report": 25, "test_stability": 12, "test_time_domain": 10,
+              "test_oscillators": 10, "test_cable_order": 10, "test_harmonic_jacobian": 8,
+              "test_cable_invariants": 8, "test_cable_statics": 6, "test_network_jacobian": 6}  # fmt: skip
+"""Test files that take long -> expected seconds."""
+IN_QUICK = {"test_exact": "not 50_digits and not random_lines"}
+"""Files among them that the quick run takes in part: what pytest -k chooses."""
+WHOLE_TREE = {"test_architecture": ("solvers", "verification", "benchmarks", "reference_data", "reports")}
+"""Tests that read sources which they do not name one by one."""
 
-SLOW = ("work_precision", "defects")
-"""Groups left out by --quick; results of an earlier whole run are still shown."""
+
+def _tests(quick: bool) -> list[Stage]:
+    stems = [path.stem for path in sorted(TESTS.glob("test_*.py"))]
+    return [_test(stem, quick) for stem in stems if not quick or stem not in LONG_TESTS or stem in IN_QUICK]
 
 
-def _tests(quick: bool) -> Stage:
-    parallel = ("-n", "2") if importlib.util.find_spec("xdist") and (os.cpu_count() or 1) > 1 else ()
-    arguments = ("pytest", "verification", "--junitxml={part}", *parallel)
-    fewer, better = (("-k", QUICK_TESTS), arguments) if quick else ((), ())
-    title, seconds = "verification tests", 20 if quick else 75
-    arguments = (*arguments, *fewer)
+def _test(stem: str, quick: bool) -> Stage:
+    file = f"verification/{stem}.py"
+    whole = ("pytest", file, "--junitxml={part}")
+    fewer = ("-k", IN_QUICK[stem]) if quick and stem in IN_QUICK else ()
     return Stage(
-        "tests", "tests", title, arguments, "tests.xml", EVERYTHING, seconds=seconds, codes=(0, 1), better=better
-    )
+        stem, "tests", f"tests: {stem.removeprefix('test_').replace('_', ' ')}", (*whole, *fewer), f"tests/{stem}.xml",
+        (file, "verification/conftest.py"), ("pyproject.toml", *WHOLE_TREE.get(stem, ())),
+        seconds=8 if fewer else LONG_TESTS.get(stem, 3), codes=(0, 1), better=whole if fewer else (),
+    )  # fmt: skip
 
 
-def _accuracy(random: int) -> tuple[str, ...]:
-    return ("benchmarks.accuracy", "--out", "{results}", "--random", str(random), "--jobs", str(os.cpu_count() or 1))
+# ---------------------------------------------------------------- measurements
+def _measured(name: str, title: str, arguments: tuple[str, ...], seconds: float, **more) -> Stage:
+    """The stage of a program of ours whose file is named as the stage."""
+    arguments = (arguments[0], "--out", "{results}", *arguments[1:])
+    return Stage(name, name, title, arguments, f"{name}.json", (program(arguments[0]),), seconds=seconds, **more)
 
 
 def _machine() -> Stage:
-    return Stage(
-        "machine", "machine", "machine", ("benchmarks.machine", "--out", "{results}"), "machine.json", EVERYTHING
-    )
+    everything = ("solvers", "verification", "benchmarks", "reference_data", "reports", "pyproject.toml")
+    return _measured("machine", "machine", ("benchmarks.machine",), 1, sources=everything)
 
 
-DYNAMICS = {"dynamics": ("moving cable", "benchmarks.cable_dynamics", 60, 15),
-            "harmonic_balance": ("harmonic balance", "benchmarks.harmonic_balance", 110, 30),
-            "stability": ("stability maps", "benchmarks.stability", 150, 15)}  # fmt: skip
+def _sized(name: str, title: str, module: str, seconds: tuple[float, float], quick: bool, **more) -> Stage:
+    """A program with --quick, whose whole run serves the quick report as well; seconds of the whole and the quick."""
+    if not quick:
+        return _measured(name, title, (module,), seconds[0], **more)
+    whole = (module, "--out", "{results}")
+    return _measured(name, title, (module, "--quick"), seconds[1], better=whole, **more)
+
+
+def _accuracy(quick: bool) -> Stage:
+    arguments = ("benchmarks.accuracy", "--jobs", "{jobs}", "--random")
+    better = (arguments[0], "--out", "{results}", *arguments[1:], str(RANDOM)) if quick else ()
+    random = QUICK_RANDOM if quick else RANDOM
+    seconds = 90 * (random + 1000) / (RANDOM + 1000)
+    return _measured("accuracy", "error of every solver", (*arguments, str(random)), seconds, jobs=JOBS, better=better)
+
+
+def _benchmarks() -> Stage:
+    files = tuple(f"benchmarks/{path.name}" for path in sorted((ROOT / "benchmarks").glob("bench_*.py")))
+    arguments = ("pytest", *files, "--benchmark-enable", "--benchmark-only", "--benchmark-json={part}")
+    return Stage("benchmarks", "benchmarks", "timings", arguments, "benchmark.json", files, ("pyproject.toml",),
+                 timed=True, seconds=16)  # fmt: skip
+
+
+DYNAMICS = {"dynamics": ("moving cable", "benchmarks.cable_dynamics", 40, 15),
+            "harmonic_balance": ("harmonic balance", "benchmarks.harmonic_balance", 75, 25),
+            "stability": ("stability maps", "benchmarks.stability", 120, 15)}  # fmt: skip
 """Stage -> title, program, expected seconds of the whole and of the quick run."""
-
-
-def _dynamics(quick: bool) -> list[Stage]:
-    """The moving cable; the quick run measures fewer sizes, and a whole one serves as well."""
-    stages = []
-    for name, (title, program, long, short) in DYNAMICS.items():
-        whole = (program, "--out", "{results}")
-        arguments, better = ((*whole, "--quick"), whole) if quick else (whole, ())
-        expected = short if quick else long
-        stages.append(Stage(name, name, title, arguments, f"{name}.json", MEASURED, True, expected, better=better))
-    return stages
 
 
 def _defects() -> Stage:
     """Every seeded defect and the check named for it, or all of its module; status 1: some promise is broken."""
-    named = ("verification.defects", "--out", "{results}", "--jobs", str(os.cpu_count() or 1))
+    named = ("verification.defects", "--out", "{results}", "--jobs", "{jobs}")
     sources = ("solvers", "verification", "reference_data", "pyproject.toml")
-    return Stage("defects", "defects", "seeded defects", named, "defects.json", sources, seconds=400, codes=(0, 1),
-                 better=(*named, "--all"))  # fmt: skip
+    return Stage("defects", "defects", "seeded defects", named, "defects.json", (), sources, seconds=180, jobs=JOBS,
+                 codes=(0, 1), better=(*named, "--all"))  # fmt: skip
 
 
-def scene_stage(path: Path, group: str = "scenes") -> Stage:
-    """The stage of one scene file; its result is named after the stem."""
-    title = f"{'scene' if group == 'scenes' else 'published value'} {path.stem}"
-    arguments = ("benchmarks.scene", str(path.resolve()), "--out", "{results}")
-    sources = (*MEASURED, str(path.resolve()))
-    return Stage(f"scene_{path.stem}", group, title, arguments, f"scene_{path.stem}.json", sources, True, 2)
+def scene_stage(path: Path, published: bool = False) -> Stage:
+    """The stage of one scene file, its result named after the stem; of a published line the forces only, no times."""
+    title = f"{'published value' if published else 'scene'} {path.stem}"
+    arguments = ("benchmarks.scene", str(path.resolve()), "--out", "{results}", *(("--forces",) if published else ()))
+    return Stage(f"scene_{path.stem}", "published" if published else "scenes", title, arguments,
+                 f"scene_{path.stem}.json", (program("benchmarks.scene"),), (str(path.resolve()),),
+                 timed=not published, seconds=2 if published else 4)  # fmt: skip
+
+
+# ---------------------------------------------------------------- the whole
+SLOW = ("work_precision", "defects")
+"""Groups left out by --quick; results of an earlier whole run are still shown."""
+
+GROUPS = ("tests", "machine", "accuracy", "benchmarks", "work_precision", "speed", "networks", *DYNAMICS, "defects",
+          "scenes", "published")  # fmt: skip
 
 
 def plan(quick: bool, published: list[Path]) -> list[Stage]:
-    """The stages of the whole report, timings last; ``published`` are scene files made from published tables."""
-    random = QUICK_RANDOM if quick else RANDOM
-    better = _accuracy(RANDOM) if quick else ()
-    chosen = ("-o", "python_files=bench_*.py", "--benchmark-enable", "--benchmark-only")
-    timings = ("pytest", "benchmarks", *chosen, "--benchmark-json={part}")
-    networks = ("benchmarks.networks", "--out", "{results}")
+    """The stages of the whole report; ``published`` are scene files made from published tables."""
     return [
-        _tests(quick),
+        *_tests(quick),
         _machine(),
-        Stage("accuracy", "accuracy", "error of every solver", _accuracy(random), "accuracy.json", MEASURED,
-              seconds=60 * random / RANDOM, better=better),
-        Stage("benchmarks", "benchmarks", "timings", timings, "benchmark.json", MEASURED, True, 15),
-        Stage("work_precision", "work_precision", "error against time",
-              ("benchmarks.work_precision", "--out", "{results}"), "work_precision.json", MEASURED, True, 60),
-        Stage("speed", "speed", "speed side by side",
-              ("benchmarks.speed", "--out", "{results}"), "speed.json", MEASURED, True, 15),
-        Stage("networks", "networks", "networks of lines", (*networks, *(("--quick",) if quick else ())),
-              "networks.json", MEASURED, True, 25 if quick else 75, better=networks if quick else ()),
-        *_dynamics(quick),
+        _accuracy(quick),
+        _benchmarks(),
+        _measured("work_precision", "error against time", ("benchmarks.work_precision",), 45, timed=True),
+        _measured("speed", "speed side by side", ("benchmarks.speed",), 15, timed=True),
+        _sized("networks", "networks of lines", "benchmarks.networks", (40, 20), quick, timed=True),
+        *(_sized(name, title, module, tuple(seconds), quick, timed=name != "stability")
+          for name, (title, module, *seconds) in DYNAMICS.items()),
         _defects(),
         *(scene_stage(path) for path in sorted(SCENES.glob("*.toml"))),
-        *(scene_stage(path, "published") for path in published),
+        *(scene_stage(path, published=True) for path in published),
     ]  # fmt: skip
 
 
 def scene_plan(paths: list[Path]) -> list[Stage]:
     """The stages of a page about somebody's own lines."""
     return [_machine(), *(scene_stage(path) for path in paths)]
-
-
-GROUPS = ("tests", "machine", "accuracy", "benchmarks", "work_precision", "speed", "networks", *DYNAMICS, "defects",
-          "scenes", "published")  # fmt: skip

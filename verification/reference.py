@@ -14,7 +14,7 @@ from .cases.spans import SpanCase
 from .exact import catenary_mp, network_mp
 
 EPS = 2.0**-52
-DATA = Path(__file__).parents[1] / "reference_data"
+SPANS = Path(__file__).parents[1] / "reference_data" / "spans" / "data.csv"
 
 ORACLE = Path(catenary_mp.__file__)
 """The oracle's source: results kept between runs are valid as long as it does not change."""
@@ -58,7 +58,7 @@ _NUMBERS = ("H", "V", "H_anchor", "V_anchor", "grounded_length", "K11", "K12", "
 @cache
 def span_references() -> tuple[tuple[SpanCase, SpanTruth], ...]:
     """The reference table reference_data/spans, row by row."""
-    with (DATA / "spans" / "data.csv").open(newline="") as file:
+    with SPANS.open(newline="") as file:
         return tuple((_case(row), _truth(row)) for row in csv.DictReader(file))
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import lru_cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -24,8 +25,8 @@ from solvers.time_domain import solve_time_domain
 
 from .exact import catenary_mp
 from .orders import assert_order, differences, extrapolated
-from .reference import DATA
 
+DATA = Path(__file__).parents[1] / "reference_data"
 KN = 1e3
 CASES = (1, 2, 3, 4)
 each_case = pytest.mark.parametrize("case", CASES)

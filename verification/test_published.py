@@ -18,9 +18,10 @@ from mpmath import mp
 from solvers import CableProperties, Environment, Regime, Span, solve_span
 
 from .exact import catenary_mp
-from .reference import DATA, EPS
+from .reference import EPS
 
 ROOT = Path(__file__).parents[1]
+DATA = ROOT / "reference_data"
 
 
 def published(name: str) -> tuple[list[dict], dict]:

@@ -1,0 +1,264 @@
+"""Does a report that is interrupted, repeated or compared keep what it has, and only what is right?"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+LONGEST = 60  # s that any command here may take
+ENDS_WITHIN = 5.0  # s in which the children of a killed run are gone
+
+needs_kill = pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="kill -9 is of POSIX systems")
+
+
+def python(code: str, *arguments, **environment) -> subprocess.CompletedProcess:
+    """A program given as text, from the repository's root."""
+    command = [sys.executable, "-c", code, *map(str, arguments)]
+    return subprocess.run(
+        command, cwd=ROOT, env=os.environ | environment, capture_output=True, text=True, timeout=LONGEST
+    )
+
+
+def report(*arguments) -> subprocess.CompletedProcess:
+    command = [sys.executable, "-m", "reports", *map(str, arguments)]
+    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=LONGEST)
+
+
+def wait_for(condition, seconds: float = LONGEST / 2):
+    """Wait until ``condition()`` holds and return what it gives."""
+    end = time.monotonic() + seconds
+    while not (found := condition()):
+        assert time.monotonic() < end, f"not within {seconds:g} s"
+        time.sleep(0.02)
+    return found
+
+
+# ---------------------------------------------------------------- planted stages, killed in the middle
+STAGE = """
+import pathlib, subprocess, sys, time
+number, part, beats, pause = int(sys.argv[1]), pathlib.Path(sys.argv[2]), sys.argv[3], float(sys.argv[4])
+beat = "import sys, time\\nwhile True:\\n    open(sys.argv[1], 'a').write('.'); time.sleep(0.02)"
+child = subprocess.Popen([sys.executable, "-c", beat, beats])
+text = "".join(f"{number} {line}\\\\n" for line in range(1000))
+with part.open("w") as file:
+    file.write(text[: len(text) // 2])
+    file.flush()
+    for step in range(10):
+        time.sleep(pause / 10)
+        print("progress", step, 10, flush=True)
+    file.write(text[len(text) // 2 :])
+child.kill()
+"""
+"""A stage that does not write atomically and has a child of its own, which tells that it lives."""
+
+RUN = """
+import pathlib, sys
+from reports.runner import run_all
+from reports.stages import Stage
+folder, pause = pathlib.Path(sys.argv[1]), sys.argv[2]
+stages = [Stage(f"s{i}", "tests", f"stage {i}", ("planted_stage", str(i), "{part}", str(folder / "beats"), pause),
+                f"deep/{i}.txt", timed=i > 3, seconds=1.0) for i in range(6)]
+print(*(f"{end.stage.name} {end.state}" for end in run_all(stages, folder, False)), sep="\\n")
+"""
+
+
+@pytest.fixture
+def planted(tmp_path):
+    """(start, folder): starts a run of six planted stages with their results in the folder."""
+    (tmp_path / "planted_stage.py").write_text(STAGE.replace("\\\\n", "\\n"))
+
+    def start(folder, pause=0.2):
+        folder.mkdir(exist_ok=True)
+        command = [sys.executable, "-c", RUN, str(folder), str(pause)]
+        environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])}
+        return subprocess.Popen(command, cwd=ROOT, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                encoding="utf-8")  # fmt: skip
+
+    return start
+
+
+def outputs(folder: Path) -> dict[str, str]:
+    return {path.name: path.read_text() for path in (folder / "deep").glob("*.txt")}
+
+
+def states(run: subprocess.Popen) -> list[str]:
+    out, err = run.communicate(timeout=LONGEST)
+    assert run.returncode == 0, err
+    return [line.split()[1] for line in out.splitlines()]
+
+
+def silent(path: Path) -> bool:
+    """Nobody has written to the file for half a second."""
+    before = path.stat().st_size
+    time.sleep(0.5)
+    return path.stat().st_size == before
+
+
+@needs_kill
+def test_killed_run_goes_on_where_it_was(tmp_path, planted):
+    """kill -9 at four places, each in the middle of a half-written file: no child lives on, nothing finished is run
+    again, no half file is taken as a result, and in the end all is as after an undisturbed run."""
+    whole, folder = tmp_path / "whole", tmp_path / "killed"
+    assert states(planted(whole)) == ["measured"] * 6
+    kept: dict[Path, int] = {}
+    for finished in range(4):
+        run = planted(folder, pause=0.4)
+        wait_for(lambda done=finished: len(outputs(folder)) > done and list((folder / "deep").glob("*.part")))
+        run.kill()
+        run.communicate()
+        wait_for(lambda: silent(folder / "beats"), ENDS_WITHIN)
+        assert all(path.stat().st_mtime_ns == stamp for path, stamp in kept.items())
+        kept = {path: path.stat().st_mtime_ns for path in (folder / "deep").glob("*.txt")}
+        assert outputs(folder).items() <= outputs(whole).items()
+    ended = states(planted(folder, pause=0.4))
+    assert ended.count("reused") >= 4 and set(ended) <= {"reused", "measured"}
+    assert outputs(folder) == outputs(whole) and len(outputs(whole)) == 6
+    assert not list(folder.rglob("*.part")) and not list(folder.rglob("*.tmp"))
+    assert states(planted(folder, pause=0.4)) == ["reused"] * 6
+
+
+@needs_kill
+def test_result_that_was_cut_is_made_again(tmp_path, planted):
+    """A result file that is not as it was written (cut by a full disk, edited) is not valid, whatever the record says."""
+    states(planted(tmp_path / "run"))
+    path = tmp_path / "run" / "deep" / "2.txt"
+    whole = path.read_text()
+    path.write_text(whole[:100])
+    assert states(planted(tmp_path / "run")) == ["reused", "reused", "measured", "reused", "reused", "reused"]
+    assert path.read_text() == whole
+
+
+@needs_kill
+def test_timings_run_alone(tmp_path, planted):
+    """Two stages that time nothing run beside each other where there are two cores; timings never beside anything."""
+    run = planted(tmp_path / "run")
+    _, log = run.communicate(timeout=LONGEST)
+    events = re.findall(r": stage (\d)( \.\.\.)?", log)
+    under_way, most = set(), 0
+    for number, begins in events:
+        if begins:
+            assert not under_way or (int(number) <= 3 and max(map(int, under_way)) <= 3), log
+            under_way.add(number)
+        else:
+            under_way.discard(number)
+        most = max(most, len(under_way))
+    assert len(events) == 12 and most >= min(2, len(os.sched_getaffinity(0)))
+
+
+@needs_kill
+def test_two_reports_in_one_folder_are_refused(tmp_path, planted):
+    """A second run in the same folder says so and changes nothing; the first goes on."""
+    first = planted(tmp_path / "run", pause=0.5)
+    wait_for(lambda: list((tmp_path / "run").glob("deep/*.part")))
+    second = planted(tmp_path / "run")
+    _, err = second.communicate(timeout=LONGEST)
+    assert second.returncode == 1 and "another report is being made in" in err
+    assert states(first) == ["measured"] * 6
+
+
+# ---------------------------------------------------------------- the report itself, killed
+def without_machine(page: Path) -> str:
+    """The page without its section on machine, dates and times."""
+    head, _, rest = page.read_text(encoding="utf-8").partition('<h2 id="machine">')
+    assert rest
+    return head
+
+
+@needs_kill
+def test_killed_report_ends_in_the_same_page(tmp_path):
+    """`python -m reports --only published`, killed after its first result, then again: the same results, byte for byte,
+    and the same page apart from the section on machine, dates and times."""
+    arguments = ("--only", "machine", "published", "--out")
+    run = report(*arguments, tmp_path / "whole")
+    assert run.returncode == 0, run.stderr
+    command = [sys.executable, "-m", "reports", *arguments, str(tmp_path / "killed")]
+    process = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    results = tmp_path / "killed" / "results"
+    wait_for(lambda: (results / "stages.json").exists() and "scene_" in (results / "stages.json").read_text())
+    process.kill()
+    process.wait()
+    entries = json.loads((results / "stages.json").read_text(encoding="utf-8"))
+    recorded = [results / f"{name}.json" for name, entry in entries.items() if "scene_" in name and entry.get("key")]
+    kept = {path: path.stat().st_mtime_ns for path in recorded}
+    assert kept and not (tmp_path / "killed" / "index.html").exists()
+    again = report(*arguments, tmp_path / "killed")
+    assert again.returncode == 0, again.stderr
+    assert all(path.stat().st_mtime_ns == stamp for path, stamp in kept.items())
+    pages = [tmp_path / name for name in ("whole", "killed")]
+    names = [sorted(path.relative_to(page).as_posix() for path in page.rglob("*") if path.is_file()) for page in pages]
+    assert names[0] == names[1] and any(name.startswith("results/scene_") for name in names[0])
+    for name in names[0]:
+        if re.match(r"results/scene_|tables/|figures/", name):
+            assert (pages[0] / name).read_bytes() == (pages[1] / name).read_bytes(), name
+    assert without_machine(pages[0] / "index.html") == without_machine(pages[1] / "index.html")
+
+
+
+# ---------------------------------------------------------------- comparisons
+RUN_A = {"commit": "a1", "machine": "one", "date": "1", "packages": {}, "failed": [],
+         "times": {"benchmark | case": [1.0, 0.9, 1.1]} | {f"work ours | {i}": [1.0 + 0.1 * i] for i in range(8)},
+         "errors": {"accuracy | x": [1e-9, 1e-13], "accuracy | y": [1e-16, 1e-13]},
+         "states": {"tests | t": "passed", "accuracy | x": "right"}}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("part", "change", "code", "says"),
+    [
+        ("times", {}, 0, "nothing is worse"),
+        ("times", {"benchmark | case": [2.0, 1.8, 2.2]}, 1, "slower: 1"),
+        ("times", {"benchmark | case": [1.6, 1.0, 2.2]}, 0, "nothing is worse"),  # within its spread
+        ("times", {"benchmark | case": [1.3, 1.25, 1.35]}, 0, "nothing is worse"),  # within the threshold
+        ("times", {f"work ours | {i}": [2.0 + 0.2 * i] for i in range(8)}, 1, "work ours, 8 timings"),
+        ("times", {"work ours | 3": [9.0]}, 0, "nothing is worse"),  # one interruption among many
+        ("times", {"benchmark | case": [0.5, 0.4, 0.6]}, 0, "faster: 1"),
+        ("errors", {"accuracy | x": [3e-9, 1e-13]}, 1, "less accurate: 1"),
+        ("errors", {"accuracy | y": [9e-15, 1e-13]}, 0, "nothing is worse"),  # rounding
+        ("states", {"tests | t": "failed"}, 1, "failed: 1"),
+        ("states", {"accuracy | x": "wrong"}, 1, "right -> wrong"),
+        ("states", {"tests | new": "failed"}, 1, "not there -> failed"),
+    ],
+)
+def test_comparison_sees_what_is_worse_and_no_noise(tmp_path, part, change, code, says):
+    """Planted: a slow-down, a lost digit and a failure alarm with status 1; what is within the spread does not."""
+    for name, run in (("a", RUN_A), ("b", RUN_A | {"commit": "b2", part: RUN_A[part] | change})):
+        (tmp_path / f"{name}.json").write_text(json.dumps(run))
+    found = report("compare", tmp_path / "a.json", tmp_path / "b.json")
+    assert found.returncode == code, found.stdout + found.stderr
+    assert says in found.stdout
+
+
+def test_times_of_two_machines_are_not_compared(tmp_path):
+    """They are marked, and errors and outcomes are compared all the same."""
+    slow = RUN_A | {"machine": "two", "times": {"benchmark | case": [9.0, 9.0, 9.0]}}
+    for name, run in (("a", RUN_A), ("b", slow)):
+        (tmp_path / f"{name}.json").write_text(json.dumps(run))
+    found = report("compare", tmp_path / "a.json", tmp_path / "b.json")
+    assert found.returncode == 0 and "different machines" in found.stdout
+
+
+def test_comparison_of_what_is_not_there(tmp_path):
+    """Status 2 and a sentence; without any run, the list says how to get one."""
+    found = report("compare", "no-such-commit", "--out", tmp_path)
+    assert found.returncode == 2 and "no file and no saved commit" in found.stderr and "Traceback" not in found.stderr
+    found = report("compare", "--out", tmp_path)
+    assert found.returncode == 0 and "nothing is saved" in found.stdout
+
+
+# ---------------------------------------------------------------- what a result depends on
+def test_results_depend_on_what_is_imported():
+    """Timings of lines need neither networks nor templates; what names a folder or a program needs it."""
+    code = "from reports.sources import *; import sys, json; print(json.dumps(depends_on([program(sys.argv[1])])))"
+    found = {name: json.loads(python(code, name).stdout) for name in ("benchmarks.speed", "reports")}
+    assert {"solvers/catenary.py", "benchmarks/harness.py", "benchmarks/peers/moorpy.py",
+            "reference_data/spans/data.csv"} <= set(found["benchmarks.speed"])  # fmt: skip
+    assert not [name for name in found["benchmarks.speed"] if "network.py" in name or name.startswith("reports")]
+    assert {"reports/templates/index.html.j2", "benchmarks/accuracy.py"} <= set(found["reports"])
