@@ -21,7 +21,7 @@ from .properties import one_of, positive_number
 from .response import Response
 from .threads import one_blas_thread
 
-_COARSE, _START = 3, 1e-3  # harmonics of the driving for a start, and the error (76) that is good enough there
+_COARSE, _START = 3, 5e-3  # harmonics of the driving for a start, and the error (76) that is good enough there
 _SMALLEST_RISE = 2.0**-5  # of the amplitude, in the continuation
 _BETWEEN = 4  # instants for each sample at which a state must be valid
 _PATIENCE = 200  # Newton steps of a continuation; the hardest that ever succeeded took fifty
