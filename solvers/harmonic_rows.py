@@ -195,21 +195,19 @@ class Balance:
     def _blocks(self, by_y, by_ydot, active, precision):
         """P^T diag(dF/dy) Q + P^T diag(dF/dydot) Q_t: (..., nodes, rows, n) of tangents (..., n_r, n_f, nodes, Nt)."""
         *lead, _, _, nodes, _ = by_y.shape
-        out = np.zeros((*lead, nodes, sum(map(len, active)), self.n), precision)
-        row = 0
-        for a, rows in enumerate(active):
-            column = 0
-            for b, columns in enumerate(self.columns):
-                place = out[..., row : row + rows.size, column : column + columns.size]
-                for tangent, of_rate in ((by_y, False), (by_ydot, True)):
-                    if tangent is None or not (part := tangent[..., a, b, :, :]).any():
-                        continue
-                    weight = self._weight(rows, columns, of_rate, precision)
-                    if (part == part[..., :1]).all():  # the same at all times
-                        part, weight = part[..., :1], weight.sum(axis=0, keepdims=True)
-                    place += (part.astype(precision) @ weight).reshape(place.shape)
-                column += columns.size
-            row += rows.size
+        ends = [np.cumsum([0, *map(len, parts)]) for parts in (active, self.columns)]
+        out = np.zeros((*lead, nodes, ends[0][-1], self.n), precision)
+        for tangent, of_rate in ((by_y, False), (by_ydot, True)):
+            if tangent is None:
+                continue
+            others = *range(len(lead)), -2, -1
+            still = (tangent == tangent[..., :1]).all(axis=others)  # the same at all times
+            for a, b in np.argwhere(tangent.any(axis=others)):
+                part, weight = tangent[..., a, b, :, :], self._weight(active[a], self.columns[b], of_rate, precision)
+                if still[a, b]:
+                    part, weight = part[..., :1], weight.sum(axis=0, keepdims=True)
+                place = out[..., ends[0][a] : ends[0][a + 1], ends[1][b] : ends[1][b + 1]]
+                place += (part.astype(precision) @ weight).reshape(place.shape)
         return out
 
     def _weight(self, rows, columns, of_rate, precision):
