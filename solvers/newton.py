@@ -137,7 +137,7 @@ def damped_newton(linearise, residual, x, tolerance, norm, limit=50):
             return x + full, steps, True
         steps.append(Step(error, relaxation))
         x, last, taken = trial, (full, simplified, relaxation), [full]
-        while relaxation == 1.0 and size <= _KEEP * error and len(steps) < limit:
+        while relaxation == 1.0 and size <= max(_KEEP * error, tolerance) and len(steps) < limit:
             taken.append(_updated(simplified, taken))
             x, error = x + taken[-1], norm(taken[-1])
             steps.append(Step(error, 1.0))
