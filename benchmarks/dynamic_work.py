@@ -19,14 +19,15 @@ SETTINGS = {
     "harmonic balance": ((10, 3), (13, 3), (17, 5), (25, 5), (25, 9), (35, 9), (50, 9), (50, 15), (100, 15), (200, 24)),
     "harmonic balance, extrapolated": ((13, 5), (13, 7), (13, 9), (13, 12), (17, 15), (25, 15), (25, 20), (25, 30),
                                        (50, 30)),
-    "time domain": ((25, 0.8, 2), (25, 0.4, 2), (50, 0.4, 2), (50, 0.2, 2), (50, 0.1), (100, 0.2), (100, 0.1),
-                    (200, 0.1), (200, 0.05)),
+    "time domain": ((25, 0.8, 2), (25, 0.4, 2), (50, 0.4, 2), (50, 0.2, 2), (100, 0.2), (100, 0.1), (200, 0.1),
+                    (200, 0.05)),
     "time domain, extrapolated": ((13, 0.8, 2), (13, 0.4), (25, 0.4), (25, 0.2)),
-    "MoorDyn": ((12, 0.1), (24, 0.04), (49, 0.02), (98, 0.01), (196, 0.01)),
+    "MoorDyn": ((12, 0.1), (24, 0.04), (49, 0.02), (98, 0.01)),
 }  # fmt: skip
 """(nodes, harmonics), (nodes of the coarser of two meshes, harmonics), (nodes, dt in s), (nodes and dt of the coarser of
 two runs), (segments, coupling step in s): pairs that grow together, for of two errors the larger hides the other. Two
-periods, where they are given, are enough for the errors of large steps; finer ones need PERIODS."""
+periods, where they are given, are enough for the errors of large steps; finer ones need PERIODS. 196 segments take
+MoorDyn four times as long as 98 and, but for case 3, no further: they are left out."""
 QUICK = {
     "harmonic balance": ((13, 3), (25, 5), (50, 9), (50, 15)),
     "harmonic balance, extrapolated": ((13, 9), (17, 15), (25, 20)),
