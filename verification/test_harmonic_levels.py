@@ -80,6 +80,13 @@ def test_one_factorisation_on_all_nodes(case, monkeypatch):
     assert kept.count((50, "float32")) == 1 and all(precision == "float32" for _, precision in kept)
 
 
+def test_many_nodes_and_harmonics(deep):
+    """1000 nodes and 60 harmonics with --deep (3 GB): found like few of both, with one factorisation on all nodes."""
+    nodes, harmonics = (1000, 60) if deep else (120, 20)
+    found = solve_periodic(system(1, nodes), harmonics=harmonics)
+    assert found.iterations <= 5 and found.steps[-1].error <= 1e-10
+
+
 # ---------------------------------------------------------------- starts
 @each_case
 def test_starts_change_nothing(case):
