@@ -24,8 +24,8 @@ SETTINGS = {
     "time domain, extrapolated": ((13, 0.8, 2), (13, 0.4), (25, 0.4), (25, 0.2)),
     "MoorDyn": ((12, 0.1), (24, 0.04), (49, 0.02), (98, 0.01)),
 }  # fmt: skip
-"""(nodes, harmonics), (nodes of the coarser of two meshes, harmonics), (nodes, dt in s), (nodes and dt of the coarser of
-two runs), (segments, coupling step in s): pairs that grow together, for of two errors the larger hides the other. Two
+"""(nodes, harmonics), (nodes of the coarser of two meshes, harmonics), (nodes, dt in s), (nodes and dt of the coarser
+of two runs), (segments, coupling step in s): pairs that grow together, for of two errors the larger hides the other. Two
 periods, where they are given, are enough for the errors of large steps; finer ones need PERIODS. 196 segments take
 MoorDyn four times as long as 98 and, but for case 3, no further: they are left out."""
 QUICK = {

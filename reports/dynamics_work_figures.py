@@ -43,7 +43,8 @@ def work(data: dict, folder: Path) -> style.Group:
         "are, "
         f"{'; '.join(said)}. {' '.join(_equal_error(data['points']))} The grey band is the uncertainty of the "
         "reference. "
-        "“Extrapolated” solves on two meshes, the second from the first (or with two steps), and takes the error of second order out."
+        "“Extrapolated” solves on two meshes, the second from the first (or with two steps), and takes the error of "
+        "second order out."
     )
     return style.Group(caption, figures)
 
@@ -58,7 +59,7 @@ def pareto(points: list[dict]) -> list[dict]:
 
 
 def at_equal_error(points: list[dict], method: str, family: str = "harmonic") -> list[float]:
-    """For every point of a method's own Pareto front: its time over the least of harmonic balance with at most its error.
+    """Of every point of a method's own Pareto front: its time over the least of harmonic balance with at most its error.
 
     Names that begin with ``method`` are one method, so are those of the family: each side has its best settings.
     """
@@ -81,8 +82,8 @@ def _equal_error(points) -> list[str]:
             faster = sum(r < 1 for r in ratios)
             end = f"; in {faster} of them it is the faster one" if faster else ""
             said.append(
-                f"At the error of each of its best settings (its own Pareto front), {method} takes {times(median(ratios))} as long as harmonic "
-                "balance "
+                f"At the error of each of its best settings (its own Pareto front), {method} takes "
+                f"{times(median(ratios))} as long as harmonic balance "
                 f"(median of {len(ratios)}, {number(min(ratios), 2)} to {number(max(ratios), 2)}{end})."
             )
     return said

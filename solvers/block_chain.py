@@ -95,7 +95,8 @@ class BlockChain:
             if q:
                 found[p:] = self._trsv(step.second, b[:q], lower=1, diag=1)
             over = b[q:] - step.left @ found[p:]
-        b = self._laswp(np.concatenate([over[:p], end, over[p:]]).astype(self.precision)[:, None], self.last_pivots)[:, 0]
+        b = np.concatenate([over[:p], end, over[p:]]).astype(self.precision)
+        b = self._laswp(b[:, None], self.last_pivots)[:, 0]
         x[-1] = self._trsv(self.last, self._trsv(self.last, b, lower=1, diag=1))
         for i in range(len(self.steps) - 1, -1, -1):
             step, found = self.steps[i], y[i]

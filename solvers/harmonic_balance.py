@@ -32,7 +32,8 @@ class PeriodicResponse(Response, Outcome):
     """Periodic state: coefficients z (n_f, N, C) about ``system.rest()`` in the order of ``basis.harmonic``.
 
     time (Nt,) s; y, ydot (n_f, N, Nt): the samples. iterations: Newton steps with these harmonics, at all amplitudes;
-    coarse_iterations: those with fewer harmonics or nodes before; steps: error (76) and relaxation of those of the last solve.
+    coarse_iterations: those with fewer harmonics or nodes before; steps: error (76) and relaxation of those of
+    the last solve.
     residual_norm: largest coefficient of the rows.
     amplitude: share of the motion that was reached, 1 on success. event: (time, node) of an invalid state, or None.
     mean: False marks the paper's variant without constant term: its mean forces are not in balance.

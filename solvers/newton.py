@@ -104,8 +104,8 @@ def damped_newton(linearise, residual, x, tolerance, norm, limit=50):
 
     linearise(x) -> (F, solve) with solve(F) = J^-1 F, or None where J is singular; residual(x) -> F;
     norm(step) -> float: the damping asks that the simplified Newton step gets shorter, so it does not see the scaling
-    of F. A Jacobian is kept, with Broyden's updates, while the steps with it shrink by _KEEP. Returns (x, steps, converged): converged when
-    norm(step) <= tolerance.
+    of F. A Jacobian is kept, with Broyden's updates, while the steps with it shrink by _KEEP. Returns
+    (x, steps, converged): converged when norm(step) <= tolerance.
     """
     steps, relaxation, last = [], 1.0, None
     while len(steps) < limit:

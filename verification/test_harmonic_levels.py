@@ -100,7 +100,7 @@ def test_starts_change_nothing(case):
 
 @pytest.mark.parametrize("nodes", (20, 21, 50))
 def test_a_coarser_cable_is_the_cable_on_that_mesh(nodes):
-    """Both ends stay, nodes are about half as many; its response is that of the line on its mesh, about its own rest."""
+    """Both ends stay, nodes are about half as many; the response is that of the line on this mesh."""
     coarse, _ = system(1, nodes).coarser()
     assert coarse.s[0] == 0 and coarse.s[-1] == scene(1).length and coarse.nodes == nodes // 2 + 1
     wanted = cable_system(scene(1), mesh=coarse.s)
