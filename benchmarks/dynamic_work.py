@@ -25,8 +25,8 @@ SETTINGS = {
     "MoorDyn": ((12, 0.1), (24, 0.04), (49, 0.02), (98, 0.01)),
 }  # fmt: skip
 """(nodes, harmonics), (nodes of the coarser of two meshes, harmonics), (nodes, dt in s), (nodes and dt of the coarser
-of two runs), (segments, coupling step in s): pairs that grow together, for of two errors the larger hides the other. Two
-periods, where they are given, are enough for the errors of large steps; finer ones need PERIODS. 196 segments take
+of two runs), (segments, coupling step in s): pairs that grow together, for of two errors the larger hides the other.
+Two periods, where they are given, are enough for the errors of large steps; finer ones need PERIODS. 196 segments take
 MoorDyn four times as long as 98 and, but for case 3, no further: they are left out."""
 QUICK = {
     "harmonic balance": ((13, 3), (25, 5), (50, 9), (50, 15)),

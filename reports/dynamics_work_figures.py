@@ -59,7 +59,7 @@ def pareto(points: list[dict]) -> list[dict]:
 
 
 def at_equal_error(points: list[dict], method: str, family: str = "harmonic") -> list[float]:
-    """Of every point of a method's own Pareto front: its time over the least of harmonic balance with at most its error.
+    """Of the points of a method's own Pareto front: the time over the least of harmonic balance with at most the error.
 
     Names that begin with ``method`` are one method, so are those of the family: each side has its best settings.
     """
