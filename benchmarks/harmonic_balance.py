@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import time
 
 import numpy as np
@@ -18,6 +19,7 @@ from .dynamic_cases import (
     NODES,
     PAPER_CASES,
     PERIODS,
+    ROOT,
     SAMPLES,
     References,
     axial_ratio,
@@ -28,13 +30,7 @@ from .dynamic_cases import (
 )
 from .harness import clock
 
-PRINTED = {
-    "case_1": {"time domain": 6.03, "harmonic balance": 1.40, "description": "motion in Y direction"},
-    "case_2": {"time domain": 6.07, "harmonic balance": 1.40, "description": "motion in X direction"},
-    "case_3": {"time domain": 6.47, "harmonic balance": 2.43, "description": "motion in Z direction"},
-    "case_4": {"time domain": 6.74, "harmonic balance": 3.01, "description": "motion in both Y and Z direction"},
-}
-"""HB Table 2, s: C++ on an Intel i7-8700; the time domain computes three periods."""
+TABLE_2 = ROOT / "reference_data" / "hb_paper" / "data.csv"
 
 INDEPENDENT = {"max": 1377.82, "min": 603.93, "harmonics": (970.68, 361.56, 39.84, 28.80, 8.41, 8.20), "within": 0.02}
 """kN, case 1: greatest and least fairlead tension, its mean and harmonics 1 to 5, converged by two other programs with
@@ -69,6 +65,13 @@ QUICK_CONSTANT = [key for key in CONSTANT if key[1] == (3 if key[0] == "case_1_l
 EXTREMES = 4000  # instants for greatest and least values
 
 
+def printed() -> dict:
+    """Seconds of HB Table 2 by case and method: C++ on an Intel i7-8700; its time domain computes three periods."""
+    with TABLE_2.open(encoding="utf-8", newline="") as file:
+        rows = [row for row in csv.DictReader(file) if row["where"] == "Table 2"]
+    return {(row["name"].replace(" ", "_"), row["quantity"]): float(row["value"]) for row in rows}
+
+
 def newton(quick: bool, references):
     """Fig. 3 and Fig. 4: error of every Newton step and the tension, by (Nh, Nt), for 5 m and 9 m."""
     rows = []
@@ -98,7 +101,7 @@ def newton(quick: bool, references):
 
 def cases(quick: bool, references):
     """Table 2 and Figs. 6-9: both methods with the paper's settings, and MoorDyn, turn and turn about."""
-    rows = []
+    rows, paper = [], printed()
     for case in PAPER_CASES:
         calls = _calls(case)
         found, seconds = {}, {}
@@ -113,7 +116,7 @@ def cases(quick: bool, references):
         reference = references.of(case)
         for name, result in found.items():
             rows.append({"case": case, "method": name, "seconds": seconds[name], "uncertainty": reference.uncertainty,
-                         "range": reference.range, "printed": PRINTED[case].get(name),
+                         "range": reference.range, "printed": paper.get((case, name)),
                          "iterations": getattr(result, "iterations", None)}
                         | dynamic_work.errors(reference, result) | _shape(result, reference.period))  # fmt: skip
         rows.append(

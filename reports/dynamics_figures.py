@@ -24,6 +24,7 @@ METHODS = {
     "harmonic balance": {"color": style.PALETTE[0], "marker": "o"},
     "harmonic balance, extrapolated": {"color": style.PALETTE[3], "marker": "P"},
     "time domain": {"color": style.PALETTE[1], "marker": "s"},
+    "time domain, extrapolated": {"color": style.PALETTE[1], "marker": "X"},
     "MoorDyn": {"color": style.PALETTE[2], "marker": "D"},
     "reference": {"color": style.INK, "marker": ""},
 }

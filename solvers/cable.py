@@ -12,6 +12,7 @@ import math
 from functools import cached_property
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from . import cable_planar, cable_spatial
 from .chain import ChainSystem, Rows
@@ -21,6 +22,7 @@ from .outcome import InputError, Status
 from .properties import one_of
 
 _LONGEST = 0.3  # strain; chain breaks at 0.01, polyester at 0.15, nylon near 0.3
+_FEWEST = 20  # nodes below which coarser ones save nothing
 _IN_PLANE = 1e-12  # out-of-plane parts below this share of a vector come from rounding its direction
 
 
@@ -126,6 +128,17 @@ class CableSystem(ChainSystem):
         scaled = copy.copy(self)
         scaled.motion = self.motion.scaled(share)
         return scaled
+
+    def coarser(self):
+        """The cable on every second node, about the same rest; splines between its nodes."""
+        if self.nodes < _FEWEST:
+            return None
+        at = np.append(np.arange(0, self.nodes - 1, 2), self.nodes - 1)
+        coarse = CableSystem(self.scene, self.s[at], self.planar, self.motion)
+        coarse._equilibrium = self.rest()[:, at]
+        if self.source is not None:
+            coarse.source = lambda t: self.source(t)[:, at]
+        return coarse, lambda z: CubicSpline(coarse.s, z, axis=1)(self.s)
 
     def mirror(self) -> tuple[tuple[int, ...], ...] | None:
         """Reflection at the plane of the line: w, theta, row 3, row 6 and the sideways velocity change sign."""

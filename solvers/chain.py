@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -62,6 +63,10 @@ class ChainSystem:
     def scaled(self, share) -> ChainSystem:
         """The same chain with its driving multiplied by a number from 0 to 1."""
         raise NotImplementedError
+
+    def coarser(self) -> tuple[ChainSystem, Callable] | None:
+        """The chain on about half the nodes, and what carries z (n_f, nodes, C) from there to here; None: no such."""
+        return None
 
     def mirror(self) -> tuple[tuple[int, ...], ...] | None:
         """Signs +1 or -1 of the fields and of the start, cell and end rows under a mirror that may map it to itself."""

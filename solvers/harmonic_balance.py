@@ -21,7 +21,7 @@ from .properties import one_of, positive_number
 from .response import Response
 from .threads import one_blas_thread
 
-_COARSE, _START = 3, 1e-3  # harmonics of the driving for a start, and the error (76) that is good enough there
+_COARSE, _START = 3, 5e-3  # harmonics of the driving for a start, and the error (76) that is good enough there
 _SMALLEST_RISE = 2.0**-5  # of the amplitude, in the continuation
 _BETWEEN = 4  # instants for each sample at which a state must be valid
 _PATIENCE = 200  # Newton steps of a continuation; the hardest that ever succeeded took fifty
@@ -32,7 +32,8 @@ class PeriodicResponse(Response, Outcome):
     """Periodic state: coefficients z (n_f, N, C) about ``system.rest()`` in the order of ``basis.harmonic``.
 
     time (Nt,) s; y, ydot (n_f, N, Nt): the samples. iterations: Newton steps with these harmonics, at all amplitudes;
-    coarse_iterations: those with fewer harmonics before; steps: error (76) and relaxation of those of the last solve.
+    coarse_iterations: those with fewer harmonics or nodes before; steps: error (76) and relaxation of those of
+    the last solve.
     residual_norm: largest coefficient of the rows.
     amplitude: share of the motion that was reached, 1 on success. event: (time, node) of an invalid state, or None.
     mean: False marks the paper's variant without constant term: its mean forces are not in balance.
@@ -102,8 +103,8 @@ def solve_periodic(
     4 Nh: aliasing of the drag then falls below its truncation. mean: keep the constant term; False is the paper's way.
     start: a PeriodicResponse of the same nodes and fields, or coefficients z (n_f, N, C), in place of rest.
     tolerance: error (76), the mean |dz| of the last Newton step. globalisation: "damped" (error-oriented damping, old
-    Jacobians kept while they serve) or "relaxation" (the paper's factor, a new Jacobian at every step).
-    multilevel: start from a solution with three harmonics, then twelve, and so on.
+    Jacobians kept, and updated, while they serve) or "relaxation" (the paper's factor, a new Jacobian at every step).
+    multilevel: start from a solution with three harmonics on the fewest nodes, then with more of both.
     linear_solver: "direct" (blocks, storage N Nh^2, work N Nh^3) or "iterative" (GMRES preconditioned by the harmonics
     of the averaged chain, storage N Nh; for motions that change the tension by less than about a third of its mean).
     symmetry: use a mirror symmetry of the chain where its rows show it.
@@ -124,12 +125,8 @@ def solve_periodic(
     how = _NEWTON[globalisation], symmetry, linear_solver == "iterative"
     z, spent = _start(system, basis, start), 0
     with one_blas_thread(), np.errstate(all="ignore"):  # a diverging step is found by its size
-        few = _COARSE * nu if multilevel and start is None else Nh
-        while few < Nh:
-            coarse = Basis(few, 4 * few, basis.omega, basis.mean)
-            z, steps, *_ = _continued(system, coarse, _resized(z, basis, coarse), _START, *how)
-            z, spent = _resized(z, coarse, basis), spent + steps
-            few = 4 * few if 8 * few < Nh else Nh
+        if multilevel and start is None:
+            z, spent = _climbed(system, basis, _COARSE * nu, how)
         z, iterations, steps, reached, balance = _continued(system, basis, z, tolerance, *how)
         response = _response(system, basis, z, nu, iterations, spent, steps, reached, balance)
     given = f"{Nh} harmonics, {Nt} samples, amplitude reached: {reached:.4g}"
@@ -137,6 +134,45 @@ def solve_periodic(
         t, node = response.event
         given += f"; a state is invalid at t = {t:.4g} s, node {node + 1} of {system.nodes}"
     return response.or_throw(given) if throw else response
+
+
+def _climbed(system, basis, fewest, how):
+    """A start from fewer nodes and harmonics: coefficients z, and the steps that it took."""
+    chains, carry = [system], []
+    while (coarser := chains[-1].coarser()) is not None:
+        chains.append(coarser[0])
+        carry.append(coarser[1])
+    at, of, spent = len(chains) - 1, basis, 0
+    z = np.zeros((len(system.fields), chains[at].nodes, basis.harmonic.size))
+    for coarse, harmonics in _levels(at, fewest, basis.harmonics):
+        for step in reversed(carry[coarse:at]):
+            z = step(z)
+        at, to = coarse, Basis(harmonics, 4 * harmonics, basis.omega, basis.mean)
+        z, steps, *_ = _continued(chains[at], to, _resized(z, of, to), _START, *how)
+        of, spent = to, spent + steps
+    for step in reversed(carry[:at]):
+        z = step(z)
+    return _resized(z, of, basis), spent
+
+
+def _levels(coarsest, fewest, harmonics):
+    """(How many times coarser, harmonics) of the starts: each has twice the nodes, and up to three times the harmonics.
+
+    The last has half the nodes and all harmonics: one factorisation is then left for all nodes. Where nodes cannot be
+    fewer, harmonics grow fourfold.
+    """
+    if coarsest == 0:
+        ladder = [fewest] if fewest < harmonics else []
+        while ladder and 8 * ladder[-1] < harmonics:
+            ladder.append(4 * ladder[-1])
+        return [(0, few) for few in ladder]
+    levels, few, coarse = [(1, harmonics)], -(-harmonics // 3), 2
+    while few > fewest:
+        levels.append((min(coarse, coarsest), few))
+        few, coarse = -(-few // 3), coarse + 1
+    if fewest < harmonics:
+        levels.append((coarsest, fewest))
+    return levels[::-1]
 
 
 def _continued(system, basis, z, tolerance, newton, symmetry, iterative):

@@ -53,14 +53,7 @@ class HarmonicKrylov:
 
     def product(self, x) -> np.ndarray:
         """J x as a vector of rows, x (N, n)."""
-        balance, (start, cells, end) = self.balance, self.rows
-        z = balance.unpack(x)
-        moved = (z @ balance.basis.Q.T, "y"), (z @ balance.basis.Q_t.T, "ydot")
-        one = lambda part, node: sum(np.einsum("ijt,jt->it", getattr(part, by), d[:, node]) for d, by in moved)
-        sides = (0, slice(None, -1)), (1, slice(1, None))
-        between = sum(np.einsum("ijnt,jnt->int", getattr(cells, by)[i], d[:, at]) for d, by in moved for i, at in sides)
-        drift = None if self.slope is None else np.einsum("djnt,jnt->dt", self.slope, moved[0][0])
-        return balance.vector(one(start, 0), between, one(end, -1), drift)
+        return self.balance.product(self.rows, self.slope, x)
 
     def precondition(self, F) -> np.ndarray:
         """The averaged Jacobian's inverse times a vector of rows, (N, n)."""

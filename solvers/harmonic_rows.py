@@ -15,6 +15,7 @@ from .block_chain import BlockChain
 from .harmonic_krylov import HarmonicKrylov
 
 _PART = 64  # cells whose blocks exist at once, beside the factors
+_REFINED = 1e-2  # size of a refinement beside its solution above which single precision does not do
 _SYMMETRIC = 1e-9  # share of the rows that may be left where a symmetry says zero
 
 
@@ -149,54 +150,73 @@ class Balance:
         if self.iterative:
             factors = HarmonicKrylov(self, rows, state)
             return F, None if factors.singular else factors.solve
-        factors = BlockChain(*self.jacobian(rows, state, _PART))
-        return F, None if factors.singular else lambda F: factors.solve(*self._split(F))
+        slope = self.slope(state)
+        for precision in (np.float32, float):
+            factors = BlockChain(*self.jacobian(rows, slope, _PART, precision))
+            solve = lambda F: factors.solve(*self._split(F))  # noqa: B023 (returned, or not used again)
+            step = solve(F)
+            more = solve(F - self.product(rows, slope, step))
+            if not factors.singular and abs(more).mean() <= _REFINED * abs(step).mean():
+                return F, lambda right: step + more if right is F else solve(right)
+        return F, None if factors.singular else solve
 
-    def jacobian(self, rows, state, part=None):
+    def slope(self, state):
+        """d(drift)/dy at the samples, (n_d, n_f, N, Nt), or None where no mean is closed with it."""
+        return self.system.drift_tangent(state[0]) if self.closed else None
+
+    def product(self, rows, slope, x) -> np.ndarray:
+        """The Jacobian at sampled rows times x (N, n), as a vector of rows."""
+        (start, cells, end), z = rows, self.unpack(x)
+        moved = (z @ self.basis.Q.T, "y"), (z @ self.basis.Q_t.T, "ydot")
+        one = lambda part, node: sum(np.einsum("ijt,jt->it", getattr(part, by), d[:, node]) for d, by in moved)
+        sides = (0, slice(None, -1)), (1, slice(1, None))
+        between = sum(np.einsum("ijnt,jnt->int", getattr(cells, by)[i], d[:, at]) for d, by in moved for i, at in sides)
+        drift = None if slope is None else np.einsum("djnt,jnt->dt", slope, moved[0][0])
+        return self.vector(one(start, 0), between, one(end, -1), drift)
+
+    def jacobian(self, rows, slope, part=None, precision=float):
         """Blocks of BlockChain: start (p, n), cells (2, N - 1, n, n), end (e, n), border (k, N, n).
 
-        part: cells come as an iterator over parts of so many.
+        part: cells come as an iterator over parts of so many. precision: np.float32 or float.
         """
         start, cells, end = rows
         nodes = self.rest.shape[1]
-        some = lambda at: self._blocks(cells.y[..., at, :], cells.ydot[..., at, :], self.cell_rows)
+        some = lambda at: self._blocks(cells.y[..., at, :], cells.ydot[..., at, :], self.cell_rows, precision)
         blocks = (
-            self._blocks(start.y[:, :, None], start.ydot[:, :, None], self.start_rows)[0],
+            self._blocks(start.y[:, :, None], start.ydot[:, :, None], self.start_rows, precision)[0],
             some(slice(None)) if part is None else (some(slice(i, i + part)) for i in range(0, nodes - 1, part)),
-            self._blocks(end.y[:, :, None], end.ydot[:, :, None], self.end_rows)[0],
+            self._blocks(end.y[:, :, None], end.ydot[:, :, None], self.end_rows, precision)[0],
         )
         if not self.closed:
-            return *blocks, np.zeros((0, nodes, self.n))
-        slope = self.system.drift_tangent(state[0])[self.closed]
-        return *blocks, self._blocks(slope, None, [np.array([0])] * len(self.closed)).swapaxes(0, 1)
+            return *blocks, np.zeros((0, nodes, self.n), precision)
+        means = [np.array([0])] * len(self.closed)
+        return *blocks, self._blocks(slope[self.closed], None, means, precision).swapaxes(0, 1)
 
-    def _blocks(self, by_y, by_ydot, active):
+    def _blocks(self, by_y, by_ydot, active, precision):
         """P^T diag(dF/dy) Q + P^T diag(dF/dydot) Q_t: (..., nodes, rows, n) of tangents (..., n_r, n_f, nodes, Nt)."""
         *lead, _, _, nodes, _ = by_y.shape
-        out = np.zeros((*lead, nodes, sum(map(len, active)), self.n))
-        row = 0
-        for a, rows in enumerate(active):
-            column = 0
-            for b, columns in enumerate(self.columns):
-                for tangent, of_rate in ((by_y, False), (by_ydot, True)):
-                    if tangent is None:
-                        continue
-                    part = tangent[..., a, b, :, :]
-                    if part.any():
-                        block = part @ self._weight(rows, columns, of_rate)
-                        shape = (*block.shape[:-1], rows.size, columns.size)
-                        out[..., row : row + rows.size, column : column + columns.size] += block.reshape(shape)
-                column += columns.size
-            row += rows.size
+        ends = [np.cumsum([0, *map(len, parts)]) for parts in (active, self.columns)]
+        out = np.zeros((*lead, nodes, ends[0][-1], self.n), precision)
+        for tangent, of_rate in ((by_y, False), (by_ydot, True)):
+            if tangent is None:
+                continue
+            others = *range(len(lead)), -2, -1
+            still = (tangent == tangent[..., :1]).all(axis=others)  # the same at all times
+            for a, b in np.argwhere(tangent.any(axis=others)):
+                part, weight = tangent[..., a, b, :, :], self._weight(active[a], self.columns[b], of_rate, precision)
+                if still[a, b]:
+                    part, weight = part[..., :1], weight.sum(axis=0, keepdims=True)
+                place = out[..., ends[0][a] : ends[0][a + 1], ends[1][b] : ends[1][b + 1]]
+                place += (part.astype(precision) @ weight).reshape(place.shape)
         return out
 
-    def _weight(self, rows, columns, of_rate):
+    def _weight(self, rows, columns, of_rate, precision):
         """P[t, i] Q[t, j] or P[t, i] Q_t[t, j], (Nt, rows columns)."""
-        key = (rows.tobytes(), columns.tobytes(), of_rate)
+        key = (rows.tobytes(), columns.tobytes(), of_rate, precision)
         if key not in self.weights:
             Q = self.basis.Q_t if of_rate else self.basis.Q
             weight = self.basis.P[:, rows, None] * Q[:, None, columns]
-            self.weights[key] = weight.reshape(len(weight), -1)
+            self.weights[key] = weight.reshape(len(weight), -1).astype(precision)
         return self.weights[key]
 
     def _split(self, F):

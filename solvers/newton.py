@@ -8,6 +8,7 @@ Then for systems: ``damped_newton``.
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -103,8 +104,8 @@ def damped_newton(linearise, residual, x, tolerance, norm, limit=50):
 
     linearise(x) -> (F, solve) with solve(F) = J^-1 F, or None where J is singular; residual(x) -> F;
     norm(step) -> float: the damping asks that the simplified Newton step gets shorter, so it does not see the scaling
-    of F. A Jacobian is kept while the steps with it shrink by _KEEP. Returns (x, steps, converged): converged when
-    norm(step) <= tolerance.
+    of F. A Jacobian is kept, with Broyden's updates, while the steps with it shrink by _KEEP. Returns
+    (x, steps, converged): converged when norm(step) <= tolerance.
     """
     steps, relaxation, last = [], 1.0, None
     while len(steps) < limit:
@@ -135,12 +136,21 @@ def damped_newton(linearise, residual, x, tolerance, norm, limit=50):
             steps.append(Step(error, 1.0))
             return x + full, steps, True
         steps.append(Step(error, relaxation))
-        x, last = trial, (full, simplified, relaxation)
-        while relaxation == 1.0 and size <= _KEEP * error and len(steps) < limit:
-            x, error = x + simplified, size
+        x, last, taken = trial, (full, simplified, relaxation), [full]
+        while relaxation == 1.0 and size <= max(_KEEP * error, tolerance) and len(steps) < limit:
+            taken.append(_updated(simplified, taken))
+            x, error = x + taken[-1], norm(taken[-1])
             steps.append(Step(error, 1.0))
             if error <= tolerance:
                 return x, steps, True
             simplified = -solve(residual(x))
             size, last = norm(simplified), None
     return x, steps, False
+
+
+def _updated(simplified, taken):
+    """The step of Broyden's update of an old Jacobian from its own step and those taken with it before."""
+    share = lambda step: np.vdot(step, simplified) / np.vdot(step, step)
+    for step, after in pairwise(taken):
+        simplified = simplified + share(step) * after
+    return simplified / (1 - share(taken[-1]))

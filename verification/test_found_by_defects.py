@@ -286,8 +286,9 @@ def test_blocks_in_parts_are_all_blocks(nodes):
     chain = cubic_chain(nodes)
     balance = Balance(chain, Basis(1, 4, 0.4, True), False)
     x = np.random.default_rng(4).normal(size=(nodes, balance.n))
-    whole = balance.jacobian(*balance.rows(x, True))[1]
-    parts = list(balance.jacobian(*balance.rows(x, True), 64)[1])
+    rows, state = balance.rows(x, True)
+    whole = balance.jacobian(rows, balance.slope(state))[1]
+    parts = list(balance.jacobian(rows, balance.slope(state), 64)[1])
     made = np.concatenate(parts, axis=1)
     assert made.shape == whole.shape and abs(made - whole).max() <= ROUNDING * abs(whole).max()
 

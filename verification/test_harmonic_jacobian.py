@@ -243,7 +243,8 @@ def truth(balance, setting, x, complex_step=True):
 
 def assembled(balance, x):
     """The solver's Jacobian as a dense matrix."""
-    blocks = balance.jacobian(*balance.rows(x, True))
+    rows, state = balance.rows(x, True)
+    blocks = balance.jacobian(rows, balance.slope(state))
     nodes, n = blocks[3].shape[1], balance.n
     right = np.zeros(len(blocks[0])), np.zeros((nodes - 1, n)), np.zeros(len(blocks[2])), np.zeros(len(blocks[3]))
     return Chain(blocks, right).dense()[0]

@@ -114,6 +114,10 @@ class MassChain:
         """All at zero."""
         return np.zeros((3, self.nodes))
 
+    def coarser(self) -> None:
+        """Masses are what they are: there are no fewer."""
+        return None
+
     def scale(self) -> np.ndarray:
         """One unit of each."""
         return np.ones(3)

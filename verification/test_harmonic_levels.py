@@ -1,0 +1,171 @@
+"""What makes the harmonic balance quick: does it leave the answer alone, and does it do less work?
+
+Starts on fewer nodes and harmonics, factors in single precision that are checked, Broyden's updates of an old Jacobian.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from solvers import harmonic_balance, harmonic_rows, newton
+from solvers.block_chain import BlockChain
+from solvers.cable import cable_system
+from solvers.fourier import Basis
+from solvers.harmonic_balance import solve_periodic
+from solvers.harmonic_rows import Balance
+
+from .cases.oscillators import MassChain, harmonic_force
+from .test_block_chain import FORWARD, Chain
+from .test_harmonic_balance import ROUND_OFF, each_case, largest, scene, system
+
+SINGLE = np.finfo(np.float32).eps
+DETUNED = 2e-7  # share of the stiffness, twice the spacing of single precision: the condition is the inverse
+NEAR_RESONANCE = 1e-7  # of the amplitude: rounding, 1e-16, times that condition, and a hundred
+CUBIC = 1e-12  # of the values: splines reproduce cubic polynomials
+
+
+# ---------------------------------------------------------------- single precision
+@pytest.mark.parametrize("shape", [(9, 8, 4, 2), (7, 18, 9, 3), (300, 3, 2, 1)], ids=str)
+def test_single_precision_is_as_good_as_it_can_be(shape):
+    """Factors of a chain in single precision: its rounding times the condition."""
+    chain = Chain.random(*shape)
+    A, b = chain.dense()
+    factors = BlockChain(*(part.astype(np.float32) for part in chain.blocks))
+    x, wanted = factors.solve(*chain.right).ravel(), np.linalg.solve(A, b)
+    allowed = FORWARD * SINGLE * np.linalg.cond(A / abs(A).max(axis=1)[:, None])
+    error = np.linalg.norm(x - wanted) / np.linalg.norm(wanted)
+    assert x.dtype == float and SINGLE / FORWARD < error <= allowed  # and single it is
+
+
+def step_error() -> float:
+    """Of the first Newton step of a mass without damping, driven at 1 rad/s, DETUNED below its resonance; relative.
+
+    The problem is linear, so the step is the solution: a place of F / (k - omega^2 m).
+    """
+    chain = MassChain("detuned", 2 * math.pi, harmonic_force(1.0, 1.0), k=1.0 + DETUNED)
+    balance = Balance(chain, Basis(1, 8, 1.0, True), False)
+    F, solve = balance.linearise(np.zeros((1, balance.n)))
+    place = abs(balance.unpack(solve(F))[0]).max()
+    return abs(place * DETUNED - 1)
+
+
+def test_double_precision_where_single_does_not_do(monkeypatch):
+    """Single precision cannot tell the frequencies apart; that is seen, and the step is right all the same."""
+    assert step_error() < NEAR_RESONANCE
+    monkeypatch.setattr(harmonic_rows, "_REFINED", np.inf)
+    assert not step_error() < NEAR_RESONANCE
+
+
+def made(monkeypatch) -> list:
+    """(nodes, precision) of every factorisation from now on."""
+    kept, solve = [], BlockChain
+
+    class Counted(solve):
+        def __init__(self, *blocks):
+            super().__init__(*blocks)
+            kept.append((len(self.steps) + 1, self.precision.name))
+
+    monkeypatch.setattr(harmonic_rows, "BlockChain", Counted)
+    return kept
+
+
+@each_case
+def test_one_factorisation_on_all_nodes(case, monkeypatch):
+    """Of the paper's cases, in single precision; starts are on fewer nodes."""
+    kept = made(monkeypatch)
+    solve_periodic(system(case), harmonics=9)
+    assert kept.count((50, "float32")) == 1 and all(precision == "float32" for _, precision in kept)
+
+
+def test_many_nodes_and_harmonics(deep):
+    """1000 nodes and 60 harmonics with --deep (3 GB): found like few of both, with one factorisation on all nodes."""
+    nodes, harmonics = (1000, 60) if deep else (120, 20)
+    found = solve_periodic(system(1, nodes), harmonics=harmonics)
+    assert found.iterations <= 5 and found.steps[-1].error <= 1e-10
+
+
+# ---------------------------------------------------------------- starts
+@each_case
+def test_starts_change_nothing(case):
+    """With and without starts on fewer nodes and harmonics."""
+    for mean in (True, False):
+        with_starts, without = (
+            solve_periodic(system(case), harmonics=6, mean=mean, multilevel=multilevel) for multilevel in (True, False)
+        )
+        assert largest(with_starts.z - without.z) < ROUND_OFF
+
+
+@pytest.mark.parametrize("nodes", (20, 21, 50))
+def test_a_coarser_cable_is_the_cable_on_that_mesh(nodes):
+    """Both ends stay, nodes are about half as many; the response is that of the line on this mesh."""
+    coarse, _ = system(1, nodes).coarser()
+    assert coarse.s[0] == 0 and coarse.s[-1] == scene(1).length and coarse.nodes == nodes // 2 + 1
+    wanted = cable_system(scene(1), mesh=coarse.s)
+    found = (solve_periodic(of, harmonics=4) for of in (coarse, wanted))
+    t = np.linspace(0.0, coarse.period, 50)
+    got, other = (response.fairlead_tension(t) for response in found)
+    assert largest(got - other) < ROUND_OFF * np.ptp(other)
+
+
+def test_few_nodes_have_no_coarser_ones():
+    """Below twenty."""
+    assert system(1, 19).coarser() is None
+
+
+def test_coefficients_are_carried_by_cubic_splines():
+    """Cubic polynomials of s arrive as they are, on the nodes of the finer mesh."""
+    fine = system(1, 40)
+    coarse, carry = fine.coarser()
+    powers = np.arange(4)[:, None, None]
+    wanted, given = ((of.s / of.s[-1])[None, :, None] ** powers for of in (fine, coarse))
+    assert largest(carry(given) - wanted) < CUBIC
+
+
+@pytest.mark.parametrize("coarsest, harmonics", [(0, 3), (0, 60), (1, 3), (2, 9), (2, 24), (6, 60), (6, 2)])
+def test_levels_grow_to_all(coarsest, harmonics):
+    """Nodes and harmonics never fall; with coarser chains the last level has all harmonics and half the nodes."""
+    levels = harmonic_balance._levels(coarsest, 3, harmonics)
+    assert all(0 <= coarse <= coarsest and 1 <= few <= harmonics for coarse, few in levels)
+    assert levels == sorted(levels, key=lambda level: (-level[0], level[1]))
+    assert (levels[-1] == (1, harmonics)) if coarsest else all(few < harmonics for _, few in levels)
+
+
+# ---------------------------------------------------------------- updates
+def newton_steps() -> int:
+    """Newton steps of the case 1 from rest with all harmonics."""
+    found = solve_periodic(system(1), harmonics=15, tolerance=1e-12)
+    return found.iterations
+
+
+def test_updates_of_an_old_jacobian_save_steps(monkeypatch):
+    """Broyden's updates: fewer steps on all nodes than with the old Jacobian as it was."""
+    updated = newton_steps()
+    monkeypatch.setattr(newton, "_updated", lambda simplified, taken: simplified)
+    assert updated < newton_steps()
+
+
+def test_an_update_makes_a_secant_step():
+    """In one unknown the second step with an old slope is that of the secant, worked by hand: 1/2 / (1 - 1/4)."""
+    first, simplified = np.array([2.0]), np.array([0.5])
+    assert newton._updated(simplified, [first]) == pytest.approx(0.5 / (1 - 0.25), rel=1e-15)
+
+
+# ---------------------------------------------------------------- the checks turn red
+def test_a_shifted_mesh_is_found(monkeypatch):
+    """Coefficients put one node off are no cubic polynomials any more."""
+    fine = system(1, 40)
+    coarse, carry = fine.coarser()
+    given = ((coarse.s / coarse.s[-1])[None, :, None]) ** 3
+    wanted = ((fine.s / fine.s[-1])[None, :, None]) ** 3
+    assert largest(np.roll(carry(given), 1, axis=1) - wanted) > CUBIC
+
+
+def test_double_precision_is_not_called_single():
+    """Factors in double precision fail the lower bound of the first check."""
+    chain = Chain.random(9, 8, 4, 2)
+    A, b = chain.dense()
+    wanted = np.linalg.solve(A, b)
+    assert np.linalg.norm(chain.solved() - wanted) / np.linalg.norm(wanted) < SINGLE / FORWARD
