@@ -65,21 +65,31 @@ def maps() -> list[Map]:
     text = "relative error of the fairlead tension"
     return [
         Map("statics_current", "statics", "Current by nodes", NODES, CURRENT, text, claim,
-            lambda nodes, current: _solve(nodes, _flowing(current), _shot(_flowing(current)))),
+            lambda nodes, current: _solve(nodes, *_shot_of(flowing(current)))),
         Map("statics_seabed", "statics", "Seabed stiffness by nodes", NODES, SEABED, text, claim,
-            lambda nodes, stiffness: _solve(nodes, _resting(stiffness), _rested(stiffness)),
+            lambda nodes, stiffness: _solve(nodes, _in(resting(stiffness)), _rested(stiffness)),
             "A stiff seabed is raised in steps from one that the mesh resolves; where the support changes from none "
             "to all within a small part of a cell, Newton's method jumps between the two.",
             ((3, 10, 100), (0.0, 100.0, 1e4))),
     ]  # fmt: skip
 
 
-def _flowing(speed) -> Scene:
-    return replace(line(), environment=Environment(current=tuple(speed * c for c in DIRECTION)))
+def flowing(speed) -> Environment:
+    """Water with a current of so many m/s."""
+    return Environment(current=tuple(speed * c for c in DIRECTION))
 
 
-def _resting(stiffness) -> Scene:
-    return replace(line(), environment=Environment(depth=DEPTH, seabed_stiffness=stiffness))
+def resting(stiffness) -> Environment:
+    """Water over a seabed of so many N/m^2."""
+    return Environment(depth=DEPTH, seabed_stiffness=stiffness)
+
+
+def _in(environment) -> Scene:
+    return replace(line(), environment=environment)
+
+
+def _shot_of(environment) -> tuple[Scene, float]:
+    return _in(environment), _shot(_in(environment))
 
 
 @cache
@@ -90,7 +100,7 @@ def _shot(at) -> float:
 
 def _rested(stiffness) -> float:
     if stiffness <= SHOT_TO:
-        return _shot(_resting(stiffness))
+        return _shot(_in(resting(stiffness)))
     at, weight = line(), line().cable.submerged_weight
     reach = math.dist(at.anchor[:2], at.fairlead[:2])
     rise = at.fairlead[2] - at.anchor[2] + weight / (2 * stiffness)

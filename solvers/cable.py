@@ -21,6 +21,7 @@ from .outcome import InputError, Status
 from .properties import one_of
 
 _LONGEST = 0.3  # strain; chain breaks at 0.01, polyester at 0.15, nylon near 0.3
+_MOST_NODES = 10**6  # of a mesh; a state then takes 50 MB
 _IN_PLANE = 1e-12  # out-of-plane parts below this share of a vector come from rounding its direction
 
 
@@ -227,8 +228,8 @@ def _planar(fields, scene, motion) -> bool:
 
 def _mesh(nodes, mesh, length) -> np.ndarray:
     if mesh is None:
-        if isinstance(nodes, bool) or not isinstance(nodes, (int, np.integer)) or nodes < 3:
-            raise InputError(f"nodes: {nodes!r} must be a whole number >= 3")
+        if isinstance(nodes, bool) or not isinstance(nodes, (int, np.integer)) or not 3 <= nodes <= _MOST_NODES:
+            raise InputError(f"nodes: {nodes!r} must be a whole number from 3 to {_MOST_NODES}")
         return np.linspace(0.0, length, nodes)
     try:
         s = np.asarray(mesh, dtype=float)
