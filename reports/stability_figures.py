@@ -96,11 +96,12 @@ def _tick(value: float) -> str:
 
 def _caption(entry: dict) -> str:
     solved = [point for point in entry["points"] if point["verdict"] == "solved"]
-    text = f"{entry['title']}: {len(solved)} of {plural(len(entry['points']), 'point')} solved"
+    counts = "".join(f", {count} {v}" for v, count in entry["counts"].items() if count and v != "solved")
+    text = f"{entry['title']}: {len(solved)} of {plural(len(entry['points']), 'point')} solved{counts}"
     if solved:
         worst = max(solved, key=lambda point: point["error"])
         place = ", ".join(f"{entry[key]['label']} {_tick(entry[key]['values'][worst[key]])}" for key in ("x", "y"))
-        text += f", greatest error {number(worst['error'], 2)} ({place})"
+        text += f"; greatest error of the solved {number(worst['error'], 2)} ({place})"
     return f"{text}. {entry['left_out']}".strip()
 
 

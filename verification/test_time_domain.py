@@ -455,7 +455,7 @@ def test_bad_series_are_refused(time, samples, message):
         ({"dt": -0.1, "periods": 1}, r"dt: -0.1 s must be > 0"),
         ({"dt": math.nan, "periods": 1}, r"dt: nan s must be finite"),
         ({"dt": "0.1", "periods": 1}, r"dt: '0.1' must be a real number \(s\)"),
-        ({"dt": 30.0, "periods": 1}, r"dt: 30 s must not exceed the duration, 20 s"),
+        ({"dt": 30.0, "periods": 1}, r"dt: 30 s must not exceed the duration \(or periods\), 20 s"),
         ({"dt": 0.1}, r"periods: give either periods .* or duration"),
         ({"dt": 0.1, "periods": 1, "duration": 20.0}, r"periods: give either periods .* or duration"),
         ({"dt": 0.1, "periods": 0}, r"periods: 0 \(a number of periods\) must be > 0"),
