@@ -7,7 +7,7 @@ import numpy as np
 DRIFT = 0.05  # of the excursion of the fairlead: coarse meshes miss their place by that much
 CURVED = 0.08  # of the range of the tension: its change of slope in a step, about the error of a second-order method
 SETTLED = 1e-2  # of the range of the tension: the difference of two periods
-TAIL = 1e-2  # of the range of the tension: the amplitude of the last two harmonics
+TAIL = 5e-3  # of the range of the tension: the amplitude of the last two harmonics
 _INSTANTS = 16  # for each harmonic
 _PLACES = 200  # of the fairlead, for its excursion
 

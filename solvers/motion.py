@@ -223,6 +223,8 @@ class Ramped:
 
     def velocity(self, t) -> np.ndarray:
         """Velocity, m/s: t in s, number -> (3,) or (S,) -> (3, S)."""
+        if np.ndim(t) == 0 and t.real >= self.duration:  # the motion itself, at nearly every step
+            return self.motion.velocity(t)
         q, q_t, _ = self._ramp(t)
         return q_t * self.motion.displacement(t) + q * self.motion.velocity(t)
 

@@ -267,10 +267,18 @@ def test_steps_too_long_for_the_motion_are_told(rho_inf, hold):
 
 def test_drift_is_told():
     """Without a hold the fairlead of a violent motion moves away from its place; held, it does not."""
-    system = at(SURGE_5, 10, amplitude=(8.0, 0.0, 0.0))
-    free, held = (solve_time_domain(system, dt=0.2, periods=4, hold=hold) for hold in (None, "position"))
+    system = at(SURGE_5, 20, amplitude=(8.0, 0.0, 0.0))
+    free, held = (solve_time_domain(system, dt=0.2, periods=6, hold=hold) for hold in (None, "position"))
     assert "drift" in warned(free) and "drift" not in warned(held)
     assert f"{free.drift().max():.3g} m" in free.warnings[0]
+
+
+@pytest.mark.parametrize("nodes", [3, 5, 10, 20])
+def test_the_hold_feeds_no_wave(nodes):
+    """A millimetre of surge, in which nothing damps, for 20 periods: held, the end stays as near as it does free."""
+    system = at(SURGE_5, nodes, amplitude=(1e-3, 0.0, 0.0))
+    free, held = (solve_time_domain(system, dt=0.5, periods=20, hold=hold).drift().max() for hold in (None, "position"))
+    assert held < 1.2 * free
 
 
 def test_a_motion_that_has_not_settled_is_told():
