@@ -400,6 +400,6 @@ def test_a_spoiled_success_is_found(factor):
         (response, _spoil(response, "z", (0, 2, 0), 1 + 100 * (factor - 1)), check_response),
     ):
         check(good)
-        with pytest.raises(AssertionError), np.errstate(all="ignore"):
+        with pytest.raises(AssertionError), np.errstate(all="ignore"):  # NaN among them
             check(bad)
     assert isinstance(system.motion, Motion)

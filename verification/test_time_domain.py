@@ -523,5 +523,5 @@ def test_a_fault_of_the_time_integration_is_seen(module, old, new, what):
     """A wrong weight, a wrong level of time or a wrong sign of the hold: one of the checks turns red."""
     with planted(module, old, new) as faulty:
         red = AssertionError, faulty.outcome.ConvergenceError, FloatingPointError
-        with np.errstate(all="ignore"), pytest.raises(red):
+        with np.errstate(all="ignore"), pytest.raises(red):  # a planted fault may overflow
             time_checks(faulty)
