@@ -108,7 +108,8 @@ def solve_time_domain(
 
     dt: step in s, made to divide the duration; with step_tolerance (error of a step relative to the largest value of
     each field, or the chain's scale) the longest step.
-    rho_inf: spectral radius at infinite frequency; or scheme, a Scheme.
+    rho_inf: spectral radius at infinite frequency (near 1 the shortest waves are not damped, and a motion may feed
+    them); or scheme, a Scheme.
     tolerance: mean |dy| of the last Newton step, HB (76).
     ramp: time in s over which the motion grows from rest (default half a period, HB 4.3; none from a ``start``).
     hold: what keeps the last node from drifting, for the rows of the end see velocities only. "position": a velocity

@@ -281,6 +281,15 @@ def test_the_hold_feeds_no_wave(nodes):
     assert held < 1.2 * free
 
 
+def test_waves_that_nothing_damps_end_with_a_reason():
+    """Steps of 2 ms at rho_inf = 1: the alternating wave of the box scheme grows from rounding; 0.9 damps it."""
+    system = at(SURGE_5, 10, amplitude=(2.0, 0.0, 0.0))
+    run = lambda rho: solve_time_domain(system, dt=2e-3, duration=10.0, rho_inf=rho, hold="mean", throw=False)
+    failed = run(1.0)
+    assert failed.status is Status.STEP_FAILED and failed.event is not None and "smaller rho_inf" in failed.status.value
+    assert run(0.9).success
+
+
 def test_a_motion_that_has_not_settled_is_told():
     """Nearly undamped, the second period differs from the first; settled, the sixth does not from the fifth."""
     calm = at(SURGE_5, 20, amplitude=(0.5, 0.0, 0.0), Cdn=0.02)
