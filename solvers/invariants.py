@@ -8,6 +8,7 @@ DRIFT = 0.05  # of the excursion of the fairlead: coarse meshes miss their place
 CURVED = 0.08  # of the range of the tension: its change of slope in a step, about the error of a second-order method
 SETTLED = 1e-2  # of the range of the tension: the difference of two periods
 TAIL = 5e-3  # of the range of the tension: the amplitude of the last two harmonics
+FEW = 4  # harmonics; with less, a resonance of the next one, of 0.02 of the range, was not seen
 _INSTANTS = 16  # for each harmonic
 _PLACES = 200  # of the fairlead, for its excursion
 
@@ -48,7 +49,9 @@ def of_response(response):
     yield from _compressed(tension, t, "more harmonics")
     amplitudes = 2 * abs(np.fft.rfft(tension[-1])[1 : basis.harmonics + 1]) / count
     last, spread = amplitudes[-2:].max(), np.ptp(tension[-1])  # of two: a symmetric motion has every second only
-    if last > TAIL * spread:
+    if basis.harmonics < FEW:
+        yield f"harmonics: {basis.harmonics} are too few to show how the response falls off: use {FEW} or more"
+    elif last > TAIL * spread:
         yield f"harmonics: the last of {basis.harmonics} carry {last / spread:.2g} of the range of the tension: use more"
     if not response.mean:
         yield "mean: without the constant term the mean forces are not in balance"
