@@ -40,8 +40,9 @@ def maps() -> list[Map]:
     )
     costly = {
         "brief": ((1, 3, 9), (0.1, 3.0, 9.0)),
-        "skip": lambda k, a: k >= COSTLY and a > LARGE,
-        "left_out": f"Blank: {COSTLY} harmonics and more where the tension is lost; giving up takes up to a minute.",
+        "skip": lambda k, a: k >= COSTLY and a > (LARGE if k < 2 * COSTLY else 1.0),
+        "left_out": f"Blank: {COSTLY} harmonics and more where the tension is lost; giving up takes up to a minute; and "
+        f"{2 * COSTLY} above 1 m.",
     }
     return [
         make("orders", "Harmonics by amplitude", ORDERS, AMPLITUDES, lambda k, a: _solve(line(a), k), **costly),
@@ -51,7 +52,8 @@ def maps() -> list[Map]:
         make("current", "Current by amplitude", FLOW, SURGES, lambda v, a: _solve(line(a, around=flowing(v))),
              brief=((0.0, 1.0, 5.0), (0.1, 3.0))),
         make("frequency", "Frequency by amplitude", HERTZ, SMALL, lambda f, a: _solve(line(a, f))),
-        make("drag", "Drag by amplitude", DRAG, AMPLITUDES, lambda c, a: _solve(line(a, Cdn=c))),
+        make("drag", "Drag by amplitude", DRAG, AMPLITUDES, lambda c, a: _solve(line(a, Cdn=c)),
+             brief=((0.0, 1.0, 100.0), (0.1, 3.0))),
     ]  # fmt: skip
 
 

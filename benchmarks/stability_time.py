@@ -71,9 +71,10 @@ def maps() -> list[Map]:
         return Map(f"time_{name}", "time domain", title, x, y, error, said, solve, **more)
 
     return [
-        make("drag", "Drag by amplitude", DRAG, AMPLITUDES, lambda c, a, hold: _solve(line(a, Cdn=c), hold)),
+        make("drag", "Drag by amplitude", DRAG, AMPLITUDES, lambda c, a, hold: _solve(line(a, Cdn=c), hold),
+             brief=((0.0, 1.0, 100.0), (0.1, 2.0, 20.0))),
         make("step", "Step by spectral radius, end held", STEP, RADIUS, _stepped, "position",
-             brief=((1e-3, 0.01, 0.1, 0.5), (0.0, 0.6, 1.0))),
+             brief=((0.01, 0.1, 0.5), (0.0, 0.6, 1.0))),
         make("step_mean", "Step by spectral radius, mean held", STEP, RADIUS, _stepped,
              brief=((0.01, 0.1, 0.5), (0.0, 0.6, 1.0))),
         make("mass", "Mass by added mass", MASS, ADDED,

@@ -84,9 +84,9 @@ def _machine() -> Stage:
     )
 
 
-DYNAMICS = {"dynamics": ("moving cable", "benchmarks.cable_dynamics", 60, 15),
+DYNAMICS = {"dynamics": ("moving cable", "benchmarks.cable_dynamics", 32, 10),
             "harmonic_balance": ("harmonic balance", "benchmarks.harmonic_balance", 110, 30),
-            "stability": ("stability maps", "benchmarks.stability", 150, 15)}  # fmt: skip
+            "stability": ("stability maps", "benchmarks.stability", 65, 10)}  # fmt: skip
 """Stage -> title, program, expected seconds of the whole and of the quick run."""
 
 
