@@ -26,10 +26,11 @@ COSTLY, LARGE = 30, 7.5  # harmonics, m: giving up takes seconds to a minute the
 
 def maps() -> list[Map]:
     """All of the harmonic balance."""
-    error = "error of the fairlead tension over its range, against twice as many harmonics, from 30 on half as many again"
+    error = "error of the fairlead tension over its range, against twice the harmonics, from 30 on half as many more"
     claim = (
         f"the Fourier coefficients of the rows zero to {ROWS:g} of their terms, the fairlead's mean place kept to "
-        f"{MEAN:g} m, no tension below zero at any instant; and without a warning the error within {ERROR:g} of the range"
+        f"{MEAN:g} m, no tension below zero at any instant; and without a warning the error within {ERROR:g} of the "
+        "range"
     )
     why = (
         "Not converged: Newton's method gets nowhere even with the amplitude raised in small steps. Invalid: the "
@@ -41,8 +42,8 @@ def maps() -> list[Map]:
     costly = {
         "brief": ((1, 3, 9), (0.1, 3.0, 9.0)),
         "skip": lambda k, a: k >= COSTLY and a > (LARGE if k < 2 * COSTLY else 1.0),
-        "left_out": f"Blank: {COSTLY} harmonics and more where the tension is lost; giving up takes up to a minute; and "
-        f"{2 * COSTLY} above 1 m.",
+        "left_out": f"Blank: {COSTLY} harmonics and more where the tension is lost, as giving up takes up to a minute; "
+        f"and {2 * COSTLY} above 1 m.",
     }
     return [
         make("orders", "Harmonics by amplitude", ORDERS, AMPLITUDES, lambda k, a: _solve(line(a), k), **costly),

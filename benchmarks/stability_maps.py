@@ -1,9 +1,10 @@
 """What a stability map is: two axes pushed to where a solver breaks, and a verdict at every point.
 
-Verdicts: solved (a success whose claims hold), warned (a success that warns of its error itself), refused (InputError before any work), not converged (a status that says
-so, or ConvergenceError), invalid (a status that says that no cable is like this: in compression, or stretched beyond
-breaking), too coarse (a success that keeps its claims, where a finer run has no answer or is invalid), wrong (a success
-that does not keep its own claims), crashed (any other exception, a floating-point error or a warning among them).
+Verdicts: solved (a success whose claims hold), warned (a success that warns of its error itself), refused (InputError
+before any work), not converged (a status that says so, or ConvergenceError), invalid (a status that says that no
+cable is like this: in compression, or stretched beyond breaking), too coarse (a success that keeps its claims, where
+a finer run has no answer or is invalid), wrong (a success that does not keep its own claims), crashed (any other
+exception, a floating-point error or a warning among them).
 """
 
 from __future__ import annotations

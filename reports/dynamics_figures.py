@@ -236,7 +236,7 @@ def drift(rows: list[dict], folder: Path) -> style.Group:
         "step."
     )
     if within:
-        caption += f" Within the last period the held end is up to {within} away, which comes and goes and does not add up."
+        caption += f" Within the last period the held end is up to {within} away, which does not add up."
     return style.Group(caption, [drawn])
 
 

@@ -52,7 +52,7 @@ def of_response(response):
     if basis.harmonics < FEW:
         yield f"harmonics: {basis.harmonics} are too few to show how the response falls off: use {FEW} or more"
     elif last > TAIL * spread:
-        yield f"harmonics: the last of {basis.harmonics} carry {last / spread:.2g} of the range of the tension: use more"
+        yield f"harmonics: the last of {basis.harmonics} carry {last / spread:.2g} of the tension's range: use more"
     if not response.mean:
         yield "mean: without the constant term the mean forces are not in balance"
 
@@ -70,7 +70,7 @@ def _misplaced(drift, system, end, cure):
 def _compressed(tension, t, cure):
     node, k = np.unravel_index(tension.argmin(), tension.shape)
     if tension[node, k] < 0:
-        yield f"tension: {tension[node, k]:.3g} N between two instants, at t = {t[k]:.4g} s, node {node + 1}: use {cure}"
+        yield f"tension: {tension[node, k]:.3g} N between instants, at t = {t[k]:.4g} s, node {node + 1}: use {cure}"
 
 
 def bends(values, time) -> float:
