@@ -160,6 +160,7 @@ def _report(made: Study, statics: dict, reference: dict, ladder: list[dict]) -> 
     rows = []
     for point in ladder:
         row = {key: value for key, value in point.items() if key not in ("wave", "response")}
+        row["warnings"] = list(point["response"].warnings) if point["wave"] is not None else []
         right = point["wave"] is not None and known is not None
         rows.append(row | {"error": _error(point["wave"], known) if right else None})
     best = _recommended(rows, reference, scene.tolerance)
@@ -234,6 +235,8 @@ def _warnings(made: Study, found: dict):
         nearest = min(found["modes"], key=lambda mode: abs(mode - driven))
         if abs(nearest - driven) < NEAR_RESONANCE * driven:
             yield f"The motion at {driven:.4g} Hz is near a natural frequency of the line at rest, {nearest:.4g} Hz."
+    if found["recommended"] is not None:
+        yield from (f"The recommended setting warns: {text}." for text in found["recommended"].get("warnings", ()))
     if made.scene.cable.Cdn == 0:
         yield "The line has no transverse drag (Cdn = 0): transients do not die out, a time history has no steady end."
     smallest = found.get("smallest")

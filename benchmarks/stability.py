@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import json
+import os
+import signal
 from collections.abc import Callable
-from functools import partial
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from functools import cache, partial
 from pathlib import Path
-from typing import NamedTuple
+
+from threadpoolctl import threadpool_limits
 
 from . import (
     console,
@@ -23,66 +27,64 @@ from . import (
 from .stability_maps import VERDICTS, Map, sources
 
 
-class Piece(NamedTuple):
-    """A part of the file that is kept when it is done: ``made()`` yields steps and returns the entry."""
-
-    name: str
-    steps: int
-    made: Callable
+MODULES = stability_networks, stability_cables, stability_time, stability_harmonic
 
 
-def maps(known) -> list[Map]:
-    """Every map, in the order of the page; ``known`` is a truth.TruthCache."""
-    modules = stability_networks, stability_cables, stability_time, stability_harmonic
-    return [*stability_spans.maps(known), *(one for module in modules for one in module.maps())]
+@cache
+def work(folder: Path, quick: bool) -> dict[str, Map | Callable]:
+    """What the file is made of: every map in the order of the page, and functions that yield rows, by name."""
+    known = truth.TruthCache(folder)
+    maps = [*stability_spans.maps(known), *(one for module in MODULES for one in module.maps())]
+    return {one.name: one.quick() if quick else one for one in maps} | {
+        "explicit": stability_stiff.explicit,
+        "axial": stability_stiff.axial,
+        "peers_spans": partial(stability_peers.spans, known, quick),
+        "peers_dynamics": partial(stability_peers.dynamics, quick),
+    }
 
 
-def pieces(known, quick: bool) -> list[Piece]:
-    """The maps, the figures on stiffness, and the other codes."""
-    found = [one.quick() if quick else one for one in maps(known)]
-    return [
-        *(Piece(one.name, one.size, partial(_map, one)) for one in found),
-        Piece("explicit", 1, partial(_listed, stability_stiff.explicit)),
-        Piece("axial", 1, partial(_listed, stability_stiff.axial)),
-        Piece("peers_spans", 1, partial(_listed, stability_peers.spans, known, quick)),
-        Piece("peers_dynamics", 1, partial(_listed, stability_peers.dynamics, quick)),
-    ]
-
-
-def _map(one: Map):
-    points = []
-    for point in one.points():
-        points.append(point)
-        yield
-    return one.entry(points)
-
-
-def _listed(rows, *arguments):
-    found = list(rows(*arguments))
-    yield
-    return found
+def part(folder: Path, quick: bool, name: str, row: int | None):
+    """A row of a map, or all rows of the other pieces; in a process of its own."""
+    made = work(folder, quick)[name]
+    return made.row(row) if isinstance(made, Map) else results.plain(list(made()))
 
 
 def measured(folder: Path, chosen, quick: bool) -> dict:
     """The file; each piece is kept in folder/cache when it is finished, by the content of what it is made with."""
-    work = [piece for piece in pieces(truth.TruthCache(folder), quick) if not chosen or piece.name in chosen]
-    found = {}
-
-    def steps():
-        for piece in work:
-            path = folder / "cache" / f"stability-{piece.name}{'-quick' if quick else ''}-{sources()}.json"
-            if path.exists():
-                found[piece.name] = json.loads(path.read_text(encoding="utf-8"))
-                yield from range(piece.steps)
-                continue
-            found[piece.name] = results.plain((yield from piece.made()))
-            results.write(path, found[piece.name])
-
-    for _ in console.progress(steps(), sum(piece.steps for piece in work), "stability"):
-        pass
+    pieces = {name: made for name, made in work(folder, quick).items() if not chosen or name in chosen}
+    path = lambda name: folder / "cache" / f"stability-{name}{'-quick' if quick else ''}-{sources()}.json"
+    new = [name for name in pieces if not path(name).exists()]
+    rows = {name: _rows(pieces[name]) for name in new}
+    with ProcessPoolExecutor(os.cpu_count(), initializer=_start_process) as pool:
+        heavy = sorted(new, key=lambda name: isinstance(pieces[name], Map))  # what cannot be cut comes first
+        sent = {pool.submit(part, folder, quick, name, row): (name, row) for name in heavy for row in rows[name]}
+        done = {name: {} for name in new}
+        try:
+            for future in console.progress(as_completed(sent), len(sent), "stability"):
+                name, row = sent[future]
+                done[name][row] = future.result()
+                if len(done[name]) == len(rows[name]):
+                    results.write(path(name), _entry(pieces[name], done[name]))
+        except BaseException:
+            pool.shutdown(cancel_futures=True)
+            raise
+    found = {name: json.loads(path(name).read_text(encoding="utf-8")) for name in pieces}
     entries = [entry for entry in found.values() if isinstance(entry, dict)]
     others = {name: entry for name, entry in found.items() if not isinstance(entry, dict)}
     return {"quick": quick, "verdicts": VERDICTS, "maps": entries} | others
+
+
+def _start_process():
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent ends its processes
+    threadpool_limits(1)
+
+
+def _rows(made) -> list:
+    return list(range(len(made.y.values))) if isinstance(made, Map) else [None]
+
+
+def _entry(made, done: dict):
+    return made.entry([point for row in sorted(done) for point in done[row]]) if isinstance(made, Map) else done[None]
 
 
 def main(argv=None) -> int:

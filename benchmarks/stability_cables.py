@@ -26,6 +26,7 @@ a cell moves the error of a mesh by its own size."""
 FLOOR = 1e-8  # of the tension: rounding, which a mesh of 2000 cells shows
 
 NODES = Axis("nodes", (3, 5, 10, 20, 50, 100, 300, 1000, 2000))
+RESTING_NODES = Axis("nodes", (3, 5, 10, 20, 50, 100, 300, 2000))
 CURRENT = Axis("current, m/s", (0.0, 0.1, 0.3, 1.0, 2.0, 3.0, 5.0))
 SEABED = Axis("seabed stiffness, N/m²", (0.0, 1.0, 100.0, 1e3, 1e4, 1e5, 1e7, 1e9))
 DIRECTION = (0.8, 0.6, 0.0)  # of the current: not in the plane of the line
@@ -65,21 +66,31 @@ def maps() -> list[Map]:
     text = "relative error of the fairlead tension"
     return [
         Map("statics_current", "statics", "Current by nodes", NODES, CURRENT, text, claim,
-            lambda nodes, current: _solve(nodes, _flowing(current), _shot(_flowing(current)))),
-        Map("statics_seabed", "statics", "Seabed stiffness by nodes", NODES, SEABED, text, claim,
-            lambda nodes, stiffness: _solve(nodes, _resting(stiffness), _rested(stiffness)),
+            lambda nodes, current: _solve(nodes, *_shot_of(flowing(current)))),
+        Map("statics_seabed", "statics", "Seabed stiffness by nodes", RESTING_NODES, SEABED, text, claim,
+            lambda nodes, stiffness: _solve(nodes, _in(resting(stiffness)), _rested(stiffness)),
             "A stiff seabed is raised in steps from one that the mesh resolves; where the support changes from none "
             "to all within a small part of a cell, Newton's method jumps between the two.",
             ((3, 10, 100), (0.0, 100.0, 1e4))),
     ]  # fmt: skip
 
 
-def _flowing(speed) -> Scene:
-    return replace(line(), environment=Environment(current=tuple(speed * c for c in DIRECTION)))
+def flowing(speed) -> Environment:
+    """Water with a current of so many m/s."""
+    return Environment(current=tuple(speed * c for c in DIRECTION))
 
 
-def _resting(stiffness) -> Scene:
-    return replace(line(), environment=Environment(depth=DEPTH, seabed_stiffness=stiffness))
+def resting(stiffness) -> Environment:
+    """Water over a seabed of so many N/m^2."""
+    return Environment(depth=DEPTH, seabed_stiffness=stiffness)
+
+
+def _in(environment) -> Scene:
+    return replace(line(), environment=environment)
+
+
+def _shot_of(environment) -> tuple[Scene, float]:
+    return _in(environment), _shot(_in(environment))
 
 
 @cache
@@ -90,7 +101,7 @@ def _shot(at) -> float:
 
 def _rested(stiffness) -> float:
     if stiffness <= SHOT_TO:
-        return _shot(_resting(stiffness))
+        return _shot(_in(resting(stiffness)))
     at, weight = line(), line().cable.submerged_weight
     reach = math.dist(at.anchor[:2], at.fairlead[:2])
     rise = at.fairlead[2] - at.anchor[2] + weight / (2 * stiffness)

@@ -1,9 +1,10 @@
 """What a stability map is: two axes pushed to where a solver breaks, and a verdict at every point.
 
-Verdicts: solved (a success whose claims hold), refused (InputError before any work), not converged (a status that says
-so, or ConvergenceError), invalid (a status that says that no cable is like this: in compression, or stretched beyond
-breaking), too coarse (a success that keeps its claims, where a finer run has no answer or is invalid), wrong (a success
-that does not keep its own claims), crashed (any other exception, a floating-point error or a warning among them).
+Verdicts: solved (a success whose claims hold), warned (a success that warns of its error itself), refused (InputError
+before any work), not converged (a status that says so, or ConvergenceError), invalid (a status that says that no
+cable is like this: in compression, or stretched beyond breaking), too coarse (a success that keeps its claims, where
+a finer run has no answer or is invalid), wrong (a success that does not keep its own claims), crashed (any other
+exception, a floating-point error or a warning among them).
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ import numpy as np
 from solvers import ConvergenceError, InputError, Status
 
 INVALID = (Status.COMPRESSION, Status.OVERSTRETCHED)
-VERDICTS = ("solved", "refused", "not converged", "invalid", "too coarse", "wrong", "crashed")
+VERDICTS = ("solved", "warned", "refused", "not converged", "invalid", "too coarse", "wrong", "crashed")
 ROOT = Path(__file__).parents[1]
 
 
@@ -44,12 +45,14 @@ class Found:
     """What a solver made of a point: its status, the error that the map draws, and the claims that do not hold.
 
     finer : status of the finer run that was to give the error, where that is no success
+    warned : the warnings of the result itself
     """
 
     status: Status
     error: float = math.nan
     lost: Sequence[str] = ()
     finer: Status | None = None
+    warned: Sequence[str] = ()
     values: dict = field(default_factory=dict)
 
 
@@ -83,17 +86,14 @@ class Map:
             x, y = (Axis(axis.label, values) for axis, values in zip((x, y), self.brief, strict=True))
         return replace(self, x=x, y=y)
 
-    def points(self):
-        """Yield each point, row by row."""
-        for j, y in enumerate(self.y.values):
-            for i, x in enumerate(self.x.values):
-                if not self.skip(x, y):
-                    yield {"x": i, "y": j} | judged(self.solve, x, y)
+    def places(self, j: int) -> list[int]:
+        """Indices of x in row j that are not left out."""
+        return [i for i, x in enumerate(self.x.values) if not self.skip(x, self.y.values[j])]
 
-    @property
-    def size(self) -> int:
-        """Number of points."""
-        return sum(not self.skip(x, y) for y in self.y.values for x in self.x.values)
+    def row(self, j: int) -> list[dict]:
+        """The points of row j."""
+        y = self.y.values[j]
+        return [{"x": i, "y": j} | judged(self.solve, self.x.values[i], y) for i in self.places(j)]
 
     def entry(self, points: list[dict]) -> dict:
         """The map in the result file."""
@@ -117,7 +117,8 @@ def judged(solve, *at) -> dict:
     except Exception as error:
         row = {"verdict": "crashed", "status": type(error).__name__, "message": str(error)}
     else:
-        row = {"verdict": _verdict(found), "status": found.status.name, "message": "; ".join(found.lost)}
+        message = "; ".join([*found.lost, *found.warned])
+        row = {"verdict": _verdict(found), "status": found.status.name, "message": message}
         row |= {"error": found.error} | ({"finer": found.finer.name} if found.finer else {}) | found.values
     return row | {"seconds": time.process_time() - start}
 
@@ -125,7 +126,9 @@ def judged(solve, *at) -> dict:
 def _verdict(found: Found) -> str:
     if found.status is Status.SUCCESS:
         unknown = found.finer is None and math.isnan(found.error)
-        return "wrong" if found.lost or unknown else "too coarse" if found.finer else "solved"
+        if found.lost or unknown:
+            return "wrong"
+        return "warned" if found.warned else "too coarse" if found.finer else "solved"
     return "invalid" if found.status in INVALID else "not converged"
 
 

@@ -229,11 +229,15 @@ def drift(rows: list[dict], folder: Path) -> style.Group:
         for row in rows
     )
     periods = len(rows[0]["period"]) - 1
+    held = [row for row in rows if row["hold"] and "within" in row]
+    within = " and ".join(f"{number(1e3 * row['within'], 2)} mm ({metres(row['case'])})" for row in held)
     caption = (
         f"After {plural(periods, 'period')} with dt = {rows[0]['dt']:g} s: {said}. The rows of the fairlead see only "
         "its velocity, and the paper accepts the drift that follows; here a small velocity leads the end back at every "
         "step."
     )
+    if within:
+        caption += f" Within the last period the held end is up to {within} away, which does not add up."
     return style.Group(caption, [drawn])
 
 

@@ -14,6 +14,7 @@ from . import style
 from .words import MINUS, number, plural
 
 MARKS = {
+    "warned": {"marker": ".", "c": "white", "edgecolors": style.INK, "s": 42, "linewidths": 0.6},
     "refused": {"marker": "s", "c": style.INK, "s": 26},
     "not converged": {"marker": "x", "c": style.INK, "s": 30, "linewidths": 1.3},
     "invalid": {"marker": "o", "facecolors": "none", "edgecolors": style.INK, "s": 26, "linewidths": 1.1},
@@ -21,7 +22,8 @@ MARKS = {
     "wrong": {"marker": "X", "c": style.WRONG, "s": 60},
     "crashed": {"marker": "P", "c": style.WRONG, "s": 60},
 }
-"""Of every verdict but solved, which has the colour of its error."""
+"""Of every verdict but solved; where there is an answer, it has the colour of its error."""
+ANSWERED = ("solved", "warned")
 
 LIMITS, FORCES, TENSION = (-3, 2), (-18, -8), (-7, 1)
 """log10 of the errors that the colours span: in condition limits, over forces to rounding, and of a discretisation."""
@@ -53,10 +55,10 @@ def _map(entry: dict, explicit: list[dict], folder: Path) -> style.Figure:
     image = np.full((len(y), len(x)), np.nan)
     marked = {}
     for point in entry["points"]:
-        if point["verdict"] == "solved":
+        if point["verdict"] in ANSWERED and point["error"] is not None:
             error = max(point["error"] or 0.0, 10.0 ** low_high[0])
             image[point["y"], point["x"]] = min(math.log10(error), low_high[1])
-        else:
+        if point["verdict"] != "solved":
             marked.setdefault(point["verdict"], []).append((point["x"] + 0.5, point["y"] + 0.5))
     figure, axes = plt.subplots(figsize=(style.PANEL[0], 4.4))
     colours = ListedColormap(plt.get_cmap("viridis")(np.linspace(0.05, 1, low_high[1] - low_high[0])))
@@ -94,11 +96,12 @@ def _tick(value: float) -> str:
 
 def _caption(entry: dict) -> str:
     solved = [point for point in entry["points"] if point["verdict"] == "solved"]
-    text = f"{entry['title']}: {len(solved)} of {plural(len(entry['points']), 'point')} solved"
+    counts = "".join(f", {count} {v}" for v, count in entry["counts"].items() if count and v != "solved")
+    text = f"{entry['title']}: {len(solved)} of {plural(len(entry['points']), 'point')} solved{counts}"
     if solved:
         worst = max(solved, key=lambda point: point["error"])
         place = ", ".join(f"{entry[key]['label']} {_tick(entry[key]['values'][worst[key]])}" for key in ("x", "y"))
-        text += f", greatest error {number(worst['error'], 2)} ({place})"
+        text += f"; greatest error of the solved {number(worst['error'], 2)} ({place})"
     return f"{text}. {entry['left_out']}".strip()
 
 

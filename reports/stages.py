@@ -128,9 +128,9 @@ def _benchmarks() -> Stage:
                  timed=True, seconds=16)  # fmt: skip
 
 
-DYNAMICS = {"dynamics": ("moving cable", "benchmarks.cable_dynamics", 40, 15),
+DYNAMICS = {"dynamics": ("moving cable", "benchmarks.cable_dynamics", 32, 10),
             "harmonic_balance": ("harmonic balance", "benchmarks.harmonic_balance", 75, 25),
-            "stability": ("stability maps", "benchmarks.stability", 120, 15)}  # fmt: skip
+            "stability": ("stability maps", "benchmarks.stability", 65, 10)}  # fmt: skip
 """Stage -> title, program, expected seconds of the whole and of the quick run."""
 
 

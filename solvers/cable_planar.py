@@ -11,7 +11,7 @@ FIELDS = ("eps", "u", "v", "phi")
 EPS, U, V, PHI, Z = range(5)
 
 
-def _loads(c, u, v, sin, cos, stretch):
+def _loads(c, u, v, sin, cos, tangents, stretch):
     """F_dt, F_dn of (10), (11) with d/d(eps, u, v, phi), and the current along the tangent, (7), (8)."""
     if c.current is None:
         along = across = 0.0
@@ -22,6 +22,8 @@ def _loads(c, u, v, sin, cos, stretch):
         if coefficient:
             value, slope = quadratic_drag(coefficient, q, stretch)
             values.append(value)
+            if not tangents:
+                continue
             slopes.append((value / (2 * stretch * stretch), slope, slope * q_phi if c.current is not None else 0.0))
         else:
             values.append(0.0)
@@ -37,7 +39,7 @@ def cells(c, y, ydot, tangents=True) -> Rows:
     sin, cos = np.sin(phi), np.cos(phi)
     T = EA * (eps + c.beta * eps_t) if c.beta else EA * eps
     w, w_z = c.effective_weight(y)
-    (Fdt, Fdn), (dFdt, dFdn), along, across = _loads(c, u, v, sin, cos, np.sqrt(1 + eps))
+    (Fdt, Fdn), slopes, along, across = _loads(c, u, v, sin, cos, tangents, np.sqrt(1 + eps))
     turning = m * u if c.current is None else m * u + c.inertia * along
 
     a = np.empty_like(y)  # M y_t + f at the nodes
@@ -61,6 +63,7 @@ def cells(c, y, ydot, tangents=True) -> Rows:
     if not tangents:
         return Rows(F)
 
+    dFdt, dFdn = slopes
     n, shape = y.shape[0], y.shape[1:]
     by, bt = np.zeros((2, n, n, *shape), dtype=a.dtype)  # of a by y and by ydot
     by[0, EPS], by[0, U] = dFdt[0], dFdt[1]

@@ -89,6 +89,10 @@ class ChainSystem:
         """Time in s in which the last node answers a velocity that it is given."""
         return 0.0
 
+    def hold_gain(self) -> float:
+        """Share (0 to 1) of an offset of the last node, and of its rate, that a hold may take back without waves."""
+        return 1.0
+
     def drift_tangent(self, y) -> np.ndarray:
         """d(drift)/dy, (n_d, n_f, N, *S)."""
         raise NotImplementedError

@@ -68,11 +68,12 @@ class PositionHold:
 
     The rows of the end see velocities only; what space and time discretisation make of their integral is the drift.
     dt: the longest step, s. The velocity grows evenly from what it was to what the last offset asks for, over an
-    interval no shorter than the chain takes to answer: a jump would shake what it corrects.
+    interval no shorter than the chain takes to answer: a jump would shake what it corrects. A coarse chain follows so
+    badly that a full correction would feed its waves: gain is the share that is safe.
     """
 
     def __init__(self, system, dt):
-        self.system, self.interval = system, max(dt, system.answer())
+        self.system, self.interval, self.gain = system, max(dt, system.answer()), system.hold_gain()
         self.t, self.offset, self.rate = 0.0, None, 0.0
         self.correction = self.before = 0.0  # at the end and at the start of the interval last passed
 
@@ -90,9 +91,10 @@ class PositionHold:
     def learn(self, offset, elapsed):
         """Find the rate at which the offset grows by itself from its change over the time elapsed, and correct both."""
         if self.offset is not None:
-            self.rate = (offset - self.offset) / elapsed - (self.correction + self.before) / 2
+            rate = (offset - self.offset) / elapsed - (self.correction + self.before) / 2
+            self.rate = self.rate + self.gain * (rate - self.rate)
         self.before, self.offset = self.correction, offset
-        self.correction = -self.rate - offset / (_RETURN * self.interval)
+        self.correction = -self.rate - self.gain * (offset / (_RETURN * self.interval))
 
 
 class MeanHold(PositionHold):
@@ -103,6 +105,7 @@ class MeanHold(PositionHold):
 
     def __init__(self, system, dt):
         super().__init__(system, system.period)
+        self.gain = 1.0  # the mean over a period does not see waves
         self.sum, self.ends = 0.0, system.period
 
     def __call__(self, y, t, h) -> np.ndarray:
@@ -128,7 +131,7 @@ class Stepper:
         self.system, self.scheme, self.tolerance = system, scheme, tolerance
         self.jacobian = BandedJacobian(len(system.fields), system.nodes, system.start_rows)
         self.iterations = self.factorisations = self.worst = 0
-        self.error = 0.0
+        self.error, self._size = 0.0, np.zeros((len(system.fields), system.nodes))
         y, t = system.rest(), 0.0
         self.constraints = tuple(not rows(y, 0 * y, t).ydot.any() for rows in (system.start, system.end))
         self.hold = HOLDS[hold](system, dt) if hold and system.drift(y, t) is not None else None
@@ -158,14 +161,14 @@ class Stepper:
                 return self._failed()
             dy = self.jacobian.solve(F).reshape(y.T.shape).T
             size = abs(dy)
-            error = float(size.mean())
+            error = float(np.add.reduce(size, axis=None)) / size.size
             if not math.isfinite(error):
                 return self._failed(F.reshape(y.T.shape).T)
             new = new - relaxation * dy
             self.error = error
             if error <= self.tolerance and relaxation == 1.0:
                 return new, rate * (new - y) - carried
-            self.worst = int(size.max(axis=0).argmax())
+            self._size = size
             if error > _STALE * last:
                 if tangents:
                     relaxation = adapted_relaxation(relaxation, error, last)
@@ -184,8 +187,7 @@ class Stepper:
     def _failed(self, F=None):
         """None; the next step starts with a Jacobian of its own."""
         self._factorised_for = None
-        if F is not None:
-            self.worst = int(np.argmax(~np.isfinite(F).all(axis=0)))
+        self.worst = int((self._size.max(axis=0) if F is None else ~np.isfinite(F).all(axis=0)).argmax())
         return None
 
     def initial_rate(self, y, h):

@@ -12,6 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
+from . import invariants
 from .chain import ChainSystem
 from .fourier import Basis
 from .harmonic_rows import Balance
@@ -24,6 +25,7 @@ from .threads import one_blas_thread
 _COARSE, _START = 3, 5e-3  # harmonics of the driving for a start, and the error (76) that is good enough there
 _SMALLEST_RISE = 2.0**-5  # of the amplitude, in the continuation
 _BETWEEN = 4  # instants for each sample at which a state must be valid
+_MOST = 10**5  # harmonics or samples, far beyond what memory holds
 _PATIENCE = 200  # Newton steps of a continuation; the hardest that ever succeeded took fifty
 
 
@@ -72,6 +74,11 @@ class PeriodicResponse(Response, Outcome):
     def last_period(self) -> tuple[float, float]:
         """0 and the period of the response, nu / f, s."""
         return 0.0, 2 * math.pi / self.basis.omega
+
+    @cached_property
+    def warnings(self) -> tuple[str, ...]:
+        """What a cable's response has lost: drift, compression between instants, too few harmonics, mean forces."""
+        return tuple(invariants.of_response(self))
 
     def at(self, t) -> np.ndarray:
         """State at times t (S,) in s, (n_f, N, S)."""
@@ -231,6 +238,8 @@ _NEWTON = {"damped": damped_newton, "relaxation": relaxed_newton}
 def _whole(name, value, least) -> int:
     if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < least:
         raise InputError(f"{name}: {value!r} must be a whole number >= {least}")
+    if value > _MOST:
+        raise InputError(f"{name}: {value!r} must be at most {_MOST}")
     return int(value)
 
 

@@ -14,6 +14,7 @@ from .properties import non_negative_number
 
 _RIGID = 1e-5  # share of the shift below which an eigenvalue is zero: the end rows see velocities, not places
 _FAR = 10.0  # ratio of the shift to the lowest frequency at which another shift pays
+_LOST = 1e8  # ratio of a shift to the lowest frequency at which a frequency loses eight of its digits
 _ACCURACY = 1e-13  # of the eigenvalues of the operator, relative
 
 
@@ -34,12 +35,20 @@ def natural_modes(system: ChainSystem, count: int = 6, near: float = 0.0) -> Mod
 
     Eigenvalues of (A + lambda B) x = 0 with A = dF/dy and B = dF/d(ydot) at rest: Arnoldi's method on
     (A + sigma B)^-1 B. A real sigma orders undamped modes by their frequency, whatever its size.
-    Raises InputError for a count that the chain does not have, ConvergenceError when Arnoldi's method fails.
+    Raises InputError for a count that the chain does not have, or a ``near`` so far above its lowest frequency that
+    rounding hides the modes, ConvergenceError when Arnoldi's method fails.
     """
     n_f, nodes = len(system.fields), system.nodes
     if isinstance(count, bool) or not isinstance(count, (int, np.integer)) or count < 1:
         raise InputError(f"count: {count!r} must be a whole number >= 1")
+    if 2 * count > n_f * nodes:  # eigenvalues come in pairs
+        raise InputError(f"count: {count} modes asked, a chain of {nodes} nodes has at most {n_f * nodes // 2}")
     near = non_negative_number("near", near, "Hz")
+    if near:
+        lowest = float(natural_modes(system, 1).frequencies[0])
+        if near > _LOST * lowest:
+            raise InputError(f"near: {near:g} Hz must not exceed {_LOST:g} of the lowest frequency, {lowest:.3g} Hz")
+        near *= near > lowest / _FAR  # the modes nearest to a number far below all are the lowest
     rest = system.rest()
     rows = [f(rest, np.zeros_like(rest), 0.0) for f in (system.start, system.between, system.end)]
     rates = [part.ydot for part in rows]

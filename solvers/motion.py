@@ -21,6 +21,7 @@ from .outcome import InputError
 from .properties import positive_number, real_number, vector
 
 _SAME_DIRECTION = 1e-12  # share of the largest extent below which an extent is rounding: 1e4 eps
+_EXTREME = 1e100  # s; a ramp between this and its inverse has squares within double precision
 _END_OF_SERIES = 1e-9  # share of the duration of a series by which a sum of time steps may pass its ends
 
 
@@ -198,7 +199,10 @@ class Ramped:
     duration: float
 
     def __post_init__(self):
-        object.__setattr__(self, "duration", positive_number("duration", self.duration, "s"))
+        duration = positive_number("duration", self.duration, "s")
+        if not 1 / _EXTREME <= duration <= _EXTREME:
+            raise InputError(f"duration: a ramp of {duration:g} s must lie between {1 / _EXTREME:g} and {_EXTREME:g} s")
+        object.__setattr__(self, "duration", duration)
 
     def directions(self) -> np.ndarray:
         """Unit vectors whose combinations hold the motion, (k, 3)."""
@@ -219,6 +223,8 @@ class Ramped:
 
     def velocity(self, t) -> np.ndarray:
         """Velocity, m/s: t in s, number -> (3,) or (S,) -> (3, S)."""
+        if np.ndim(t) == 0 and t.real >= self.duration:  # the motion itself, at nearly every step
+            return self.motion.velocity(t)
         q, q_t, _ = self._ramp(t)
         return q_t * self.motion.displacement(t) + q * self.motion.velocity(t)
 

@@ -26,7 +26,7 @@ from .network_nested import (
     robust_start,
 )
 from .outcome import InputError, Outcome, Status
-from .properties import real_number, vector
+from .properties import one_of, real_number, vector
 
 
 @dataclass(frozen=True)
@@ -117,8 +117,7 @@ def solve_network(
     """
     given = {"method": method, "jacobian": jacobian, "globalisation": globalisation, "units": units}
     for name, value in given.items():
-        if value not in METHODS[name]:
-            raise InputError(f"{name}: {value!r} must be one of {', '.join(METHODS[name])}")
+        one_of(name, value, METHODS[name])
     if not isinstance(network, Network):
         raise InputError(f"network: {network!r} is not a solvers.Network")
     if not 0 < real_number("tolerance", tolerance, "dimensionless") < 1:

@@ -22,7 +22,10 @@ class Status(Enum):
         "no equilibrium of the cable was found, even with the current raised in small steps: "
         "see whether the line can hold (length against chord, tension above zero), or use more nodes"
     )
-    STEP_FAILED = "a time step did not converge: take a shorter dt, or step_tolerance for a step that adapts"
+    STEP_FAILED = (
+        "a time step did not converge: take a shorter dt, or step_tolerance for a step that adapts; near rho_inf = 1, "
+        "where nothing damps the shortest waves and short steps may feed them, a smaller rho_inf"
+    )
     COMPRESSION = (
         "the tension vanished at a node, and a perfectly flexible cable in compression is ill-posed: "
         "reduce the motion, or set allow_invalid=True and read what follows with care"

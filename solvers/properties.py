@@ -10,6 +10,8 @@ import numpy as np
 
 from .outcome import InputError
 
+_LARGEST = 1e100  # m; squares of a diameter and products with it stay within double precision
+
 
 def real_number(name: str, value, unit: str) -> float:
     """``value`` as a finite float; raises InputError naming the field, the value and its unit."""
@@ -122,6 +124,8 @@ class CableProperties:
         for name, unit in (("diameter", "m"), ("mass_per_length", "kg/m")):
             if getattr(self, name) is not None:
                 object.__setattr__(self, name, positive_number(name, getattr(self, name), unit))
+        if self.diameter is not None and self.diameter > _LARGEST:
+            raise InputError(f"diameter: {self.diameter:g} m must not exceed {_LARGEST:g} m")
         if self.submerged_weight is not None:
             weight = real_number("submerged_weight", self.submerged_weight, "N/m")
             object.__setattr__(self, "submerged_weight", weight)

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
+from . import invariants
 from .chain import ChainSystem
 from .generalized_alpha import HOLDS, Scheme, Stepper
 from .outcome import InputError, Outcome, Status
@@ -17,6 +19,7 @@ _GROWTH, _SHRINK, _SAFETY = 2.0, 0.2, 0.9  # of an error-controlled step
 _FIRST_STEP = 2.0**-10  # share of dt with which the step control starts, for the first step has no error estimate
 _SMALLEST_STEP = 1e-6  # share of dt below which the step control gives up
 _LAST = 1e-12  # share of the duration that rounding may leave
+_MOST_STEPS = 1e9  # a day of work for the shortest chain
 
 
 @dataclass(frozen=True)
@@ -55,6 +58,11 @@ class TimeHistory(Response, Outcome):
     def rate_at(self, t) -> np.ndarray:
         """Rate of the state at times t (S,) in s, (n_f, N, S)."""
         return self._cubic(t, 1)
+
+    @cached_property
+    def warnings(self) -> tuple[str, ...]:
+        """What a cable's history has lost: drift, compression between steps, steps too long, not periodic yet."""
+        return tuple(invariants.of_history(self))
 
     def drift(self) -> np.ndarray:
         """Distance of the last node from its prescribed place at the stored times, (K,), m."""
@@ -100,7 +108,8 @@ def solve_time_domain(
 
     dt: step in s, made to divide the duration; with step_tolerance (error of a step relative to the largest value of
     each field, or the chain's scale) the longest step.
-    rho_inf: spectral radius at infinite frequency; or scheme, a Scheme.
+    rho_inf: spectral radius at infinite frequency (near 1 the shortest waves are not damped, and a motion may feed
+    them); or scheme, a Scheme.
     tolerance: mean |dy| of the last Newton step, HB (76).
     ramp: time in s over which the motion grows from rest (default half a period, HB 4.3; none from a ``start``).
     hold: what keeps the last node from drifting, for the rows of the end see velocities only. "position": a velocity
@@ -115,7 +124,9 @@ def solve_time_domain(
     end = _duration(system, periods, duration)
     dt, tolerance = positive_number("dt", dt, "s"), positive_number("tolerance", tolerance, "(mean change of a state)")
     if dt > end:
-        raise InputError(f"dt: {dt:g} s must not exceed the duration, {end:g} s")
+        raise InputError(f"dt: {dt:g} s must not exceed the duration (or periods), {end:g} s")
+    if end / _MOST_STEPS > dt:
+        raise InputError(f"dt: {dt:g} s makes more than {_MOST_STEPS:g} steps of the duration (or periods), {end:g} s")
     if step_tolerance is not None:
         step_tolerance = positive_number("step_tolerance", step_tolerance, "(dimensionless)")
     if isinstance(every, bool) or not isinstance(every, (int, np.integer)) or every < 1:

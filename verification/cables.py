@@ -338,7 +338,7 @@ def red_checks(of) -> list[str]:
 
 def _is_red(check) -> bool:
     try:
-        with np.errstate(all="ignore"):
+        with np.errstate(all="ignore"):  # a planted fault may overflow
             return not check() <= SEEN  # nan is red
     except (ArithmeticError, ValueError, TypeError, IndexError):
         return True
@@ -346,7 +346,7 @@ def _is_red(check) -> bool:
 
 def _changed(planar, of) -> bool:
     """Whether any value of a system, rows or geometry, differs from that of the solvers as they are."""
-    with np.errstate(all="ignore"):
+    with np.errstate(all="ignore"):  # a planted fault may overflow
         mine, its = (_values(planar, package) for package in (SOLVERS, of))
     return not np.array_equal(mine, its)
 

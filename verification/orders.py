@@ -16,7 +16,7 @@ def observed_orders(steps, errors) -> np.ndarray:
     h, e = np.asarray(steps, float), np.asarray(errors, float)
     if h.ndim != 1 or h.shape != e.shape or h.size < 2 or not (h[1:] < h[:-1]).all() or h[-1] <= 0:
         raise ValueError(f"two or more positive, decreasing steps with an error each, not {steps!r} and {errors!r}")
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore"):  # no order of a zero error: nan, as promised
         ratio = np.where(e[1:] != 0, e[:-1] / np.where(e[1:] != 0, e[1:], 1.0), np.nan)
         return np.log(np.where(ratio > 0, ratio, np.nan)) / np.log(h[:-1] / h[1:])
 

@@ -7,10 +7,12 @@ otherwise.
 from __future__ import annotations
 
 import ast
+import re
 import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 ROOT = Path(__file__).parents[1]
@@ -129,6 +131,17 @@ def long_modules(root: Path = ROOT) -> list[str]:
     return [f"{name}: {count} lines" for name, count in lines.items() if count > LONGEST_SOLVER_MODULE]
 
 
+def silenced(root: Path = ROOT) -> list[str]:
+    """Lines of the verification that silence floating-point errors or warnings and say no reason in a comment."""
+    words = re.compile(r"errstate\(.*ignore|simplefilter\(.ignore|filterwarnings\(.ignore")
+    return [
+        f"{path.name}:{number}"
+        for path in sorted((root / "verification").rglob("*.py"))
+        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1)
+        if words.search(line) and "  # " not in line
+    ]
+
+
 def undocumented(root: Path = ROOT) -> list[str]:
     """Modules, and public functions, classes, methods and properties of solvers without a docstring."""
     missing = []
@@ -173,6 +186,13 @@ def test_solvers_keep_to_solving():
 def test_solver_modules_are_short():
     """No module of solvers is longer than 320 lines."""
     assert not long_modules()
+
+
+def test_nothing_is_silenced_without_a_reason():
+    """Floating-point errors raise in tests and warnings are errors; what is silenced says why."""
+    assert not silenced()
+    with pytest.raises(FloatingPointError):
+        np.array(1.0) / np.array(0.0)
 
 
 def test_solvers_are_documented():
@@ -247,3 +267,12 @@ def test_a_planted_long_or_silent_module_is_found(tmp_path):
     root = planted(tmp_path, "solvers/x.py", "class A:\n    def run(self):\n        pass\n" + "\n" * 330)
     assert long_modules(root)
     assert undocumented(root) == ["x.py: A", "x.py: A.run"]
+
+
+def test_a_planted_silence_is_found(tmp_path):
+    """Without a comment it is found, with one it is not."""
+    folder = tmp_path / "verification"
+    folder.mkdir()
+    text = 'with np.errstate(all="ign' + 'ore"):{}\n    pass\n'
+    (folder / "a.py").write_text(text.format("") + text.format("  # a reason"), encoding="utf-8")
+    assert silenced(tmp_path) == ["a.py:1"]

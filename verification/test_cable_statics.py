@@ -244,8 +244,8 @@ def test_no_equilibrium_is_a_status(case, why):
 @pytest.mark.parametrize(
     ("case", "options", "message"),
     [
-        (OC3, {"nodes": 2}, r"nodes: 2 must be a whole number >= 3"),
-        (OC3, {"nodes": 7.0}, r"nodes: 7.0 must be a whole number >= 3"),
+        (OC3, {"nodes": 2}, r"nodes: 2 must be a whole number from 3"),
+        (OC3, {"nodes": 7.0}, r"nodes: 7.0 must be a whole number from 3"),
         (OC3, {"nodes": True}, r"nodes: True must be"),
         (OC3, {"mesh": [0.0, 902.2]}, r"mesh: must be three or more finite, increasing arc lengths \(m\)"),
         (OC3, {"mesh": [0.0, 500.0, 500.0, 902.2]}, r"mesh: must be three or more finite, increasing"),

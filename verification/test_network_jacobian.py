@@ -144,7 +144,7 @@ def _central(function, r, step=DIFFERENCE_STEP):
         ahead, behind = r.copy(), r.copy()
         ahead.flat[i] += step
         behind.flat[i] -= step
-        with np.errstate(invalid="ignore"):
+        with np.errstate(invalid="ignore"):  # rows of other formulae are computed and not picked
             columns.append(_difference(function, ahead, behind) / (2 * step))
     return np.column_stack(columns)
 

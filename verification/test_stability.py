@@ -240,6 +240,80 @@ def test_lost_tension_is_never_a_success():
     assert not solve_periodic(system, harmonics=5, throw=False).success
 
 
+# ---------------------------------------------------------------- what a result says of itself
+def warned(result) -> set[str]:
+    """The first words of the warnings: what they are about."""
+    return {text.split(":")[0] for text in result.warnings}
+
+
+def test_a_good_result_warns_of_nothing():
+    """Sixty steps a period, settled, on a mesh that keeps the fairlead in its place; nine harmonics."""
+    system = at(SURGE_5, 20, amplitude=(2.0, 0.0, 0.0))
+    assert solve_time_domain(system, dt=system.period / 60, periods=4).warnings == ()
+    assert solve_periodic(system, harmonics=9).warnings == ()
+
+
+@pytest.mark.parametrize("rho_inf", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize("hold", ["position", "mean"])
+def test_steps_too_long_for_the_motion_are_told(rho_inf, hold):
+    """Half a period in a step, where the error is 0.3 to 2.4 of the range, and a tenth, where it is 0.1: both warn."""
+    system = at(SURGE_5, 10, amplitude=(2.0, 0.0, 0.0))
+    for steps in (2, 10):
+        history = solve_time_domain(system, dt=system.period / steps, periods=1.5, rho_inf=rho_inf, hold=hold)
+        assert "dt" in warned(history)
+    one = solve_time_domain(system, dt=system.period, periods=1, rho_inf=rho_inf, hold=hold, throw=False)
+    assert not one.success or "time" in warned(one)
+
+
+def test_drift_is_told():
+    """Without a hold the fairlead of a violent motion moves away from its place; held, it does not."""
+    system = at(SURGE_5, 20, amplitude=(8.0, 0.0, 0.0))
+    free, held = (solve_time_domain(system, dt=0.2, periods=6, hold=hold) for hold in (None, "position"))
+    assert "drift" in warned(free) and "drift" not in warned(held)
+    assert f"{free.drift().max():.3g} m" in free.warnings[0]
+
+
+@pytest.mark.parametrize("nodes", [3, 5, 10, 20])
+def test_the_hold_feeds_no_wave(nodes):
+    """A millimetre of surge, in which nothing damps, for 20 periods: held, the end stays as near as it does free."""
+    system = at(SURGE_5, nodes, amplitude=(1e-3, 0.0, 0.0))
+    free, held = (solve_time_domain(system, dt=0.5, periods=20, hold=hold).drift().max() for hold in (None, "position"))
+    assert held < 1.2 * free
+
+
+def test_waves_that_nothing_damps_end_with_a_reason():
+    """Steps of 2 ms at rho_inf = 1: the alternating wave of the box scheme grows from rounding; 0.9 damps it."""
+    system = at(SURGE_5, 10, amplitude=(2.0, 0.0, 0.0))
+    run = lambda rho: solve_time_domain(system, dt=2e-3, duration=10.0, rho_inf=rho, hold="mean", throw=False)
+    failed = run(1.0)
+    assert failed.status is Status.STEP_FAILED and failed.event is not None and "smaller rho_inf" in failed.status.value
+    assert run(0.9).success
+
+
+def test_a_motion_that_has_not_settled_is_told():
+    """Nearly undamped, the second period differs from the first; settled, the sixth does not from the fifth."""
+    calm = at(SURGE_5, 20, amplitude=(0.5, 0.0, 0.0), Cdn=0.02)
+    assert "periods" in warned(solve_time_domain(calm, dt=0.2, periods=2))
+    assert "periods" not in warned(solve_time_domain(at(SURGE_5, 20), dt=0.2, periods=6))
+
+
+def test_compression_between_two_steps_is_told():
+    """Positive at every step, the tension dips below zero between two by the rates there."""
+    history = solve_time_domain(at(SURGE_5, 20, amplitude=(2.0, 0.0, 0.0)), dt=0.3, periods=1)
+    rates = history.ydot.copy()
+    rates[0, 4, 30:32] = np.array([-1.0, 1.0]) * 10 * history.y[0, 4, 30] / 0.3
+    spoiled = replace(history, ydot=rates)
+    assert history.tension.min() > 0 and "tension" in warned(spoiled) - warned(history)
+
+
+def test_what_a_periodic_response_lacks_is_told():
+    """Too few harmonics, a mesh of three nodes, and no constant term."""
+    system = at(SURGE_5, 20, amplitude=(2.0, 0.0, 0.0))
+    assert "harmonics" in warned(solve_periodic(system, harmonics=3))
+    assert "drift" in warned(solve_periodic(at(SURGE_5, 3, amplitude=(2.0, 0.0, 0.0)), harmonics=9))
+    assert "mean" in warned(solve_periodic(system, harmonics=9, mean=False))
+
+
 # ---------------------------------------------------------------- stiff integration
 @pytest.fixture(scope="module")
 def waves():
@@ -335,6 +409,6 @@ def test_a_spoiled_success_is_found(factor):
         (response, _spoil(response, "z", (0, 2, 0), 1 + 100 * (factor - 1)), check_response),
     ):
         check(good)
-        with pytest.raises(AssertionError), np.errstate(all="ignore"):
+        with pytest.raises(AssertionError), np.errstate(all="ignore"):  # NaN among them
             check(bad)
     assert isinstance(system.motion, Motion)

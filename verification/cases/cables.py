@@ -156,7 +156,7 @@ TIME_FAULTS = [
     ("generalized_alpha", "- ydot), t + f * h)", "- ydot), t + h)", "loads at the end of the step"),
     ("generalized_alpha", "ahead = (new, new_dot, t + h)", "ahead = (new, new_dot, t)", "the end a step late"),
     ("generalized_alpha", "(1 - g) / g * ydot", "(1 + g) / g * ydot", "the carried rate"),
-    ("generalized_alpha", "correction = -self.rate - ", "correction = -self.rate + ", "the hold pushes away"),
+    ("generalized_alpha", "-self.rate - self.gain", "-self.rate + self.gain", "the hold pushes away"),
     ("time_domain", "h * x * (1 - x) ** 2, h", "-h * x * (1 - x) ** 2, h", "Hermite's cubic"),
     (
         "time_domain",

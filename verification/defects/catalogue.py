@@ -88,6 +88,7 @@ _FILES = {
     **dict.fromkeys(("fourier", "block_chain", "harmonic_balance", "harmonic_rows", "harmonic_krylov", "threads"),
                     _PERIODIC),
     "catenary_excursion": _NETWORK,
+    "invariants": ("test_stability.py",),
     "modes": ("test_time_domain.py",),
     "motion": ("test_motion.py", "test_scene_dynamics.py", "test_time_domain.py"),
     "newton": (*_SPAN, *_PERIODIC, "test_cable_statics.py"),

@@ -510,6 +510,25 @@ DEFECTS = (
         "damped modes have negative damping",
         "test_found_by_defects.py::test_damping_of_modes_is_that_of_the_bar",
     ),
+    # ------------------------------------------------------------ invariants
+    Defect(
+        "the slope instead of its change",
+        "invariants",
+        "abs(np.diff(slope))",
+        "abs(np.diff(slope, 2))",
+        "index",
+        "a warning of long steps from the third difference: of two steps nothing is left",
+        "test_stability.py::test_steps_too_long_for_the_motion_are_told",
+    ),
+    Defect(
+        "drift over the diameter of the motion",
+        "invariants",
+        "axis=-1)) / 2\n    if drift",
+        "axis=-1)) * 2\n    if drift",
+        "factor",
+        "the excursion four times too large: a drift of a tenth passes",
+        "test_stability.py::test_drift_is_told",
+    ),
     # ------------------------------------------------------------ declared blind spots
     Defect(
         "no prediction of the rate",

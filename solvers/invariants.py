@@ -1,0 +1,80 @@
+"""What a moving cable must keep, looked at in the finished result: a sentence with the number for each that is lost."""
+
+from __future__ import annotations
+
+import numpy as np
+
+DRIFT = 0.05  # of the excursion of the fairlead: coarse meshes miss their place by that much
+CURVED = 0.08  # of the range of the tension: its change of slope in a step, about the error of a second-order method
+SETTLED = 1e-2  # of the range of the tension: the difference of two periods
+TAIL = 5e-3  # of the range of the tension: the amplitude of the last two harmonics
+FEW = 4  # harmonics; with less, a resonance of the next one, of 0.02 of the range, was not seen
+_INSTANTS = 16  # for each harmonic
+_PLACES = 200  # of the fairlead, for its excursion
+
+
+def of_history(history):
+    """Yield what a TimeHistory has lost: place of the fairlead, tension, resolution in time, periodicity."""
+    system, time = history.moved, history.time
+    if time.size < 3:
+        yield f"time: only {time.size - 1} step is stored, which shows nothing of the error: use a shorter dt"
+        return
+    tension = history.tension[-1]
+    spread = np.ptp(tension)
+    yield from _misplaced(history.drift(), history.system, time[-1], 'more nodes, a shorter dt, or hold="position"')
+    middle = (time[1:] + time[:-1]) / 2
+    yield from _compressed(system.tension(history.at(middle), history.rate_at(middle)), middle, "a shorter dt")
+    if time.size == history.steps + 1 and spread > 0:
+        curved = bends(tension, time) / spread
+        if curved > CURVED:
+            yield f"dt: the slope of the tension changes by {curved:.2g} of its range in a step: use a shorter dt"
+    period = history.system.period
+    if period is None or spread == 0 or time[-1] < 2 * period:
+        return
+    last = time[time >= time[-1] - period]
+    now, before = history.fairlead_tension(last), history.fairlead_tension(last - period)
+    change = abs(now - before).max() / np.ptp(now)
+    if change > SETTLED:
+        yield f"periods: the last two differ by {change:.2g} of the range of the tension: not periodic yet"
+
+
+def of_response(response):
+    """Yield what a PeriodicResponse has lost: place of the fairlead, tension, harmonics, mean forces."""
+    system, basis = response.system, response.basis
+    count = _INSTANTS * basis.harmonics
+    t = response.last_period[1] / count * np.arange(count)
+    y, ydot = response.at(t), response.rate_at(t)
+    tension = system.tension(y, ydot)
+    yield from _misplaced(np.linalg.norm(system.drift(y, t), axis=0), system, 0.0, "more nodes or harmonics")
+    yield from _compressed(tension, t, "more harmonics")
+    amplitudes = 2 * abs(np.fft.rfft(tension[-1])[1 : basis.harmonics + 1]) / count
+    last, spread = amplitudes[-2:].max(), np.ptp(tension[-1])  # of two: a symmetric motion has every second only
+    if basis.harmonics < FEW:
+        yield f"harmonics: {basis.harmonics} are too few to show how the response falls off: use {FEW} or more"
+    elif last > TAIL * spread:
+        yield f"harmonics: the last of {basis.harmonics} carry {last / spread:.2g} of the tension's range: use more"
+    if not response.mean:
+        yield "mean: without the constant term the mean forces are not in balance"
+
+
+def _misplaced(drift, system, end, cure):
+    if system.motion is None:
+        return
+    t = np.linspace(0.0, max(end, system.period or 0.0), _PLACES)
+    extent = np.linalg.norm(np.ptp(system.motion.displacement(t), axis=-1)) / 2
+    if drift.max() > DRIFT * extent:
+        share = f", {drift.max() / extent:.2g} of its excursion" if extent else ""
+        yield f"drift: the fairlead is up to {drift.max():.3g} m from its place{share}: use {cure}"
+
+
+def _compressed(tension, t, cure):
+    node, k = np.unravel_index(tension.argmin(), tension.shape)
+    if tension[node, k] < 0:
+        yield f"tension: {tension[node, k]:.3g} N between instants, at t = {t[k]:.4g} s, node {node + 1}: use {cure}"
+
+
+def bends(values, time) -> float:
+    """Largest change of the slope from one step to the next, in values for a step."""
+    step = np.diff(time)
+    slope = np.diff(values) / step
+    return float((abs(np.diff(slope)) * np.minimum(step[1:], step[:-1])).max())
