@@ -142,7 +142,7 @@ def _state(data: dict, case: str, folder: Path):
         thin = slice(None, None, 8)
         axes.plot(_period(points)[thin], np.array(points)[thin], "o", color=style.PALETTE[0], markersize=3.5,
                   markerfacecolor="none", label="harmonic balance")  # fmt: skip
-        axes.set_title(label)
+        axes.set_ylabel(label)
         axes.ticklabel_format(axis="y", useOffset=False)
         axes.yaxis.set_major_locator(MaxNLocator(5))
     for axes in flat[len(curves) :]:
