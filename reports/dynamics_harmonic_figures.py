@@ -88,9 +88,10 @@ def _steps(values) -> str:
 def tension(rows: list[dict], folder: Path) -> style.Group:
     """HB Fig. 4: fairlead tension over a period by (Nh, Nt)."""
     chosen = [(case, variant) for case in dict.fromkeys(row["case"] for row in rows) for variant in DROPPED]
-    figure, grid = plt.subplots(1, len(chosen), figsize=(style.WIDE[0], 3.5))
+    cases = len(chosen) // len(DROPPED)
+    figure, grid = plt.subplots(cases, len(DROPPED), figsize=(style.WIDE[0], 2.7 * cases), sharey="row", squeeze=False)
     lows = {}
-    for (case, variant), axes in zip(chosen, grid, strict=True):
+    for (case, variant), axes in zip(chosen, grid.ravel(), strict=True):
         mine = _of(rows, case, DROPPED[variant])
         for row, look in zip(mine, LOOKS, strict=False):
             values = np.array(row["tension"]) * KN
@@ -98,8 +99,9 @@ def tension(rows: list[dict], folder: Path) -> style.Group:
         axes.axhline(0, color=style.PALE, linewidth=1)
         axes.set(title=f"{metres(case)}, {variant}", xlabel="time, s")
         lows[case, variant] = [min(row["tension"]) * KN for row in mine if row["reached"] == 1.0]
-    grid[0].set_ylabel("fairlead tension, kN")
-    legend(figure, grid[-1], 4, title="harmonics, samples")
+    for line in grid:
+        line[0].set_ylabel("fairlead tension, kN")
+    legend(figure, grid[0, 0], 4, title="harmonics, samples")
     title = "HB Fig. 4: fairlead tension over a period"
     drawn = save(figure, folder, "tension", title, f"{title} for 5 m and 9 m, with and without the constant term.")
     dropped, kept = lows["case_1_large", "dropped"], lows["case_1_large", "kept"]
@@ -162,7 +164,7 @@ def _state(data: dict, case: str, folder: Path):
         f"differ by {number(difference, 2)} of the range (rms), each from the converged one by "
         f"{number(stepped['rms'], 2)} and {number(balanced['rms'], 2)}."
     )
-    return style.Group(caption, [drawn])
+    return style.Group(caption, [drawn], f"hb-fig{PAPER_FIGURES[case]}")
 
 
 def constant(rows: list[dict], cases: dict | None, folder: Path) -> style.Group:

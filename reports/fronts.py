@@ -98,12 +98,3 @@ def _front(case: str, points: list[dict], mine, label) -> Front:
     front = analysis.pareto(points)
     return Front(case, sum(map(mine, front)), len(front), tuple(behind(points, mine, label)))
 
-
-def sentence(found: list[Front]) -> str:
-    """In how many cases this project is the fastest at every error, and where it is not."""
-    ahead = [front for front in found if not front.behind]
-    said = (
-        f"In {len(ahead)} of {len(found)} cases this project is the fastest at every error that any code reaches."
-    )
-    rest = [f"{front.words[0].upper()}{front.words[1:]}." for front in found if front.behind]
-    return " ".join([said, *(["Not on the front:"] if rest else []), *rest])

@@ -55,10 +55,11 @@ class Figure:
 
 @dataclass
 class Group:
-    """Figures under one caption."""
+    """Figures under one caption; anchor: id on the page, where something links to it."""
 
     caption: str
     figures: list[Figure] = field(default_factory=list)
+    anchor: str = ""
 
 
 def looks(names) -> dict[str, dict]:
