@@ -44,12 +44,12 @@ def legend(figure, axes, columns: int = 2, **options):
         figure.legend(handles, labels, loc="outside upper center", ncols=min(columns, len(labels)), **options)
 
 
-def decades(axes, which: str = "xy"):
-    """Decades on logarithmic axes; where there are fewer than two of them, numbers between them as well."""
+def decades(axes, which: str = "xy", most: int = 8):
+    """At most so many decades on logarithmic axes; where there are fewer than two, numbers between them as well."""
     for name in which:
         axis, (low, high) = getattr(axes, f"{name}axis"), getattr(axes, f"get_{name}lim")()
         close = high / low < 100
-        axis.set_major_locator(LogLocator(subs=(1, 2, 5) if close else (1,), numticks=8))
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5) if close else (1,), numticks=most))
         axis.set_minor_formatter(NullFormatter())
         if close:
             axis.set_major_formatter("{x:g}")

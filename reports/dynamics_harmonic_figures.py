@@ -23,7 +23,7 @@ LEAST = 1e-17  # a Newton step below this is drawn here
 def newton(rows: list[dict], folder: Path) -> style.Group:
     """HB Fig. 3: error of every Newton step; a row of panels an amplitude."""
     cases = list(dict.fromkeys(row["case"] for row in rows))
-    figure, grid = plt.subplots(len(cases), len(VARIANTS), figsize=(style.WIDE[0], 5.6), sharey=True)
+    figure, grid = plt.subplots(len(cases), len(VARIANTS), figsize=(style.WIDE[0], 6.2), sharey=True)
     for case, line in zip(cases, grid, strict=True):
         for (variant, words), axes in zip(VARIANTS.items(), line, strict=True):
             for row, look in zip(_of(rows, case, variant), LOOKS, strict=False):
@@ -33,7 +33,7 @@ def newton(rows: list[dict], folder: Path) -> style.Group:
             axes.set(title=words if case == cases[0] else "", xlabel="Newton step", yscale="log")
             axes.xaxis.set_major_locator(MaxNLocator(integer=True))
         line[0].set_ylabel(f"{metres(case)}: error (76)")
-    decades(grid[0, 0], "y")
+    decades(grid[0, 0], "y", 5)
     legend(figure, grid[0, 1], 4, title="harmonics, samples")
     title = "HB Fig. 3: error of every Newton step"
     drawn = save(figure, folder, "newton", title, f"{title}, logarithmic, for 5 m and 9 m and three variants.")

@@ -75,7 +75,8 @@ def static(points: list[dict]) -> list[Front]:
 
     Errors below the condition limit, which rounding the inputs alone causes, are taken as equal to it.
     """
-    good = [p | {"error": max(p["error"], _limit(p))} for p in analysis.usable(points)]
+    good = [p for p in analysis.usable(points) if not analysis.off_the_mark(p)]
+    good = [p | {"error": max(p["error"], _limit(p))} for p in good]
     mine = lambda p: p["solver"].startswith(analysis.OURS)
     return [_front(case, [p for p in good if p["case"] == case], mine, lambda p: p["label"])
             for case in dict.fromkeys(p["case"] for p in good)]  # fmt: skip
