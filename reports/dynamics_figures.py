@@ -9,6 +9,7 @@ from matplotlib import pyplot as plt
 from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, NullLocator
 
 from . import style
+from .published import stated
 from .scene_figures import COLOURS
 from .words import DASH, number, plural, seconds, slug, times
 
@@ -126,8 +127,10 @@ def settling(rows: list[dict], folder: Path) -> style.Group:
         for row in rows
     )
     caption = (
-        f"HB Fig. 5 remade: surge of 5 m that grows in half a period. The first period that equals the last: {said} of "
-        "the range of the tension. The paper gives three periods, and at least four with the small drag."
+        f"HB Fig. 5 remade: surge of {stated('least amplitude of the convergence study')} m that grows in half a period. The first period that equals the last: {said} of "
+        "the range of the tension. The paper gives "
+        f"{stated('periods to steady state at Cdn 1.6')} periods, and at least "
+        f"{stated('periods to steady state at Cdn 0.1')} with the small drag."
     )
     return style.Group(caption, figures)
 

@@ -10,12 +10,15 @@ from matplotlib.ticker import MaxNLocator
 
 from . import style
 from .dynamics_figures import KN, LOOKS, METHODS, decades, legend, metres, panel, save, sizes
+from .published import stated
 from .words import MINUS, across, number, plural, seconds
 
 VARIANTS = {"paper": "as the paper", "paper, constant kept": "constant kept", "default": "default of this project"}
 DROPPED = {"dropped": "paper", "kept": "default"}
 FIELDS = {"eps": "strain, ‰", "u": "u, m/s", "v": "v, m/s", "w": "w, m/s", "phi": "φ, rad", "theta": "θ, rad"}
 PAPER_FIGURES = {"case_1": 6, "case_2": 7, "case_3": 8, "case_4": 9}
+SMALL, LARGE = (stated(f"{which} amplitude of the convergence study") for which in ("least", "largest"))
+TOLERANCE = stated("tolerance")
 LEAST_SHOWN = 1e-4  # kN: of a spectrum
 LEAST = 1e-17  # a Newton step below this is drawn here
 
@@ -29,14 +32,14 @@ def newton(rows: list[dict], folder: Path) -> style.Group:
             for row, look in zip(_of(rows, case, variant), LOOKS, strict=False):
                 errors = np.maximum(row["errors"], LEAST)
                 axes.plot(range(1, len(errors) + 1), errors, label=_choice(row), linewidth=1, **look)
-            axes.axhline(1e-10, color=style.PALE, linestyle="--", linewidth=1)
+            axes.axhline(float(TOLERANCE), color=style.PALE, linestyle="--", linewidth=1)
             axes.set(title=words if case == cases[0] else "", xlabel="Newton step", yscale="log")
             axes.xaxis.set_major_locator(MaxNLocator(integer=True))
         line[0].set_ylabel(f"{metres(case)}: error (76)")
     decades(grid[0, 0], "y", 5)
     legend(figure, grid[0, 1], 4, title="harmonics, samples")
     title = "HB Fig. 3: error of every Newton step"
-    drawn = save(figure, folder, "newton", title, f"{title}, logarithmic, for 5 m and 9 m and three variants.")
+    drawn = save(figure, folder, "newton", title, f"{title}, logarithmic, for {SMALL} m and {LARGE} m and three variants.")
     return style.Group(_newton_caption(rows), [drawn])
 
 
@@ -53,7 +56,7 @@ def _newton_caption(rows) -> str:
     direct = [row["iterations"] for row in small if row["variant"] != "default"]
     ours = [row["iterations"] for row in small if row["variant"] == "default"]
     said = [
-        f"HB Fig. 3 remade. At 5 m every choice converges from zero to 1e-10 (dashed): the paper's relaxation takes "
+        f"HB Fig. 3 remade. At {SMALL} m every choice converges from zero to {TOLERANCE} (dashed): the paper's relaxation takes "
         f"{_steps(direct)} steps, the default {_steps(ours)}, most of them with an old Jacobian, and starts with a few "
         "harmonics first, whose steps are not drawn."
     ]
@@ -61,7 +64,7 @@ def _newton_caption(rows) -> str:
     raised = [row for row in large if row["iterations"] > len(row["errors"])]
     if raised:
         said.append(
-            f"At 9 m the paper shows convergence within ten steps; with its relaxation alone {len(raised)} of "
+            f"At {LARGE} m the paper shows convergence within {stated('most Newton steps')} steps; with its relaxation alone {len(raised)} of "
             f"{plural(len(large), 'choice')} did not converge from zero, and the amplitude was raised in steps, of "
             "which "
             f"the last solve is drawn: {'; '.join(map(_raised, raised))}."
@@ -103,10 +106,10 @@ def tension(rows: list[dict], folder: Path) -> style.Group:
         line[0].set_ylabel("fairlead tension, kN")
     legend(figure, grid[0, 0], 4, title="harmonics, samples")
     title = "HB Fig. 4: fairlead tension over a period"
-    drawn = save(figure, folder, "tension", title, f"{title} for 5 m and 9 m, with and without the constant term.")
+    drawn = save(figure, folder, "tension", title, f"{title} for {SMALL} m and {LARGE} m, with and without the constant term.")
     dropped, kept = lows["case_1_large", "dropped"], lows["case_1_large", "kept"]
     caption = (
-        "HB Fig. 4 remade, the constant term dropped and kept. At 9 m the least fairlead tension is "
+        f"HB Fig. 4 remade, the constant term dropped and kept. At {LARGE} m the least fairlead tension is "
         f"{_signed(dropped)} kN without the constant term and "
         f"{_signed(kept)} kN with it, by number of harmonics: the zero tension that the paper shows comes from the "
         "dropped term."
@@ -234,14 +237,15 @@ def needed(data: dict, folder: Path) -> style.Group:
     legend(figure, axes)
     drawn = save(figure, folder, "needed", title, "Error by number of harmonics, both logarithmic, four cases.")
     rates = across(row["rate"] for row in data["summary"])
-    need = {row["case"]: row["0.001"] for row in data["summary"]}
+    level = "0.001"
+    need = {row["case"]: row[level] for row in data["summary"]}
     said = ", ".join(f"{metres(case)} {most or 'more than tried'}" for case, most in need.items())
     caption = (
         f"Against {data['most']} harmonics on the same {data['nodes']} nodes. The drag |v|v has a kink, so the decay "
         "is "
         f"algebraic, with exponents {rates} here, and slower where the axial mode answers, near harmonic "
         f"{number(data['axial'])}. "
-        f"Harmonics for an rms error of 0.1 % of the range: {said}. The last case moves with the second harmonic, so "
+        f"Harmonics for an rms error of {level} of the range: {said}. The last case moves with the second harmonic, so "
         "that "
         "its harmonics count half."
     )

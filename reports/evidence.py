@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from .claims import Question, find
+from .claims import Question, claim_id, find
 
 SHOWN_BY = {
     "regimes": (
@@ -105,11 +105,6 @@ def link(test: str, found: list[Question]) -> Link:
         return Link(test, claim_id(module, name), claim.state)
     state = "failed" if question.total("failed") else "passed" if question.total("passed") else "not run"
     return Link(test, f"tests-{module}", state)
-
-
-def claim_id(module: str, name: str) -> str:
-    """Id of the row of a test."""
-    return f"claim-{module}-{name}"
 
 
 def links(found: list[Question]) -> dict[str, list[Link]]:

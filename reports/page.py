@@ -159,9 +159,24 @@ def _scene(scene: dict, stem: str, looks: dict, figure_folder: Path, table_folde
         "ladder": scene_figures.ladder(scene, place, looks, figure_folder),
         "tables": scene_tables.scene_tables(scene, stem, table_folder),
         "warnings": list(dict.fromkeys(text for line in scene["lines"] for text in line["warnings"])),
+        "python": _lines_to_paste(scene),
         "dynamics": scene_dynamics.section(scene, stem, figure_folder, table_folder),
     }
     return {"stem": stem, "data": scene, **shown}
+
+
+def _lines_to_paste(scene: dict) -> str:
+    """Python with the cheapest setting of this project that meets the tolerance, line by line."""
+    text = ["from solvers import Span, solve_span", ""]
+    for line in scene["lines"]:
+        arguments = ", ".join(f"{key}={value!r}" for key, value in line["inputs"].items())
+        mine = [p for p in line["ladder"] if p["solver"] == analysis.OURS]
+        best = analysis.cheapest(mine, scene["tolerance"])
+        setting = f", tolerance={best['tolerance']!r}" if best and best["tolerance"] is not None else ""
+        text += [f"line = Span({arguments})  # {line['label'] or scene['name']}",
+                 f"state = solve_span(line{setting})",
+                 f"state.tension, state.H, state.V  # {line['tension']:.7g}, {line['H']:.7g}, {line['V']:.7g} N"]  # fmt: skip
+    return "\n".join(text)
 
 
 def _place(path: Path, stem: str) -> dict:

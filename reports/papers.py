@@ -59,13 +59,9 @@ def items(dynamics: dict | None, harmonic: dict | None, networks: dict | None) -
     """All items, in the order of the papers."""
     (about, rows), (_, section5) = published.read("hb_paper"), published.read("msqs_paper")
     half = {(row["name"], row["quantity"]): float(row["half_unit"]) for row in (*rows, *section5)}
-    sources = Sources(_values(rows), _values(section5), about["cases"], half, dynamics or {}, harmonic or {},
+    sources = Sources(published.values("hb_paper"), published.values("msqs_paper"), about["cases"], half, dynamics or {}, harmonic or {},
                       networks or {})  # fmt: skip
     return [_item(*entry, sources) for entry in ITEMS]
-
-
-def _values(rows: list[dict]) -> dict:
-    return {(row["name"], row["quantity"]): float(row["value"]) for row in rows}
 
 
 def _item(paper, item, section, tests, prints: Callable, found: Callable, sources) -> Item:
@@ -371,7 +367,7 @@ ITEMS = (
                f"{s.msqs['inputs', 'weight']:g} N/m", _solution("forces")),
     ("MSQS", "(5.5)", "msqs-table2", (f"{NETWORK}test_two_line_example_to_every_digit",),
      lambda s: "joint at (" + ", ".join(f"{s.msqs['solution', a]:.1f}" for a in "xyz") + ") m", _solution("place")),
-    ("MSQS", "(5.6), (5.7)", "msqs-table2", ("test_references.py::test_operations_of_table_2_follow_from_5_6",),
+    ("MSQS", "(5.6), (5.7)", "networks", ("test_references.py::test_operations_of_table_2_follow_from_5_6",),
      lambda s: f"{s.msqs['operations', 'monolithic']:g} monolithic, {s.msqs['nested', 'operations']:g} nested, "
                f"{s.msqs['operations', 'nested over monolithic']:g} times", _operations),
 )  # fmt: skip
