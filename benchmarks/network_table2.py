@@ -11,7 +11,7 @@ import numpy as np
 
 from solvers import solve_network
 from solvers.network_balance import Balance
-from solvers.network_jacobian import analytic_jacobian
+from solvers.network_jacobian import DIFFERENCE, analytic_jacobian, difference_jacobian
 from solvers.network_monolithic import Monolith
 from solvers.network_nested import Count
 
@@ -98,3 +98,23 @@ def condition_number(w: float, units: str) -> float:
     state = solve_network(network)
     iterate = Monolith(Balance(network), units, Count()).at(state.r, state.H, state.V)
     return float(np.linalg.cond(analytic_jacobian(iterate)))
+
+
+def example_tasks(quick: bool) -> list:
+    """Calls, each giving the row of one weight of the part "example": (5.3) to (5.5) remade."""
+    return [partial(example, w) for w in WEIGHTS]
+
+
+def example(w: float) -> list[dict]:
+    """The solution of the two lines, forces in N, and the norm (5.3) at the printed start, by units of force."""
+    network, forces = two_lines(w), STARTS["printed"]
+    state = solve_network(network)
+    places = np.array([node.r for node in network.nodes])
+    norms = {}
+    for units in UNITS:
+        start = Monolith(Balance(network), units, Count()).at(places, *map(np.array, forces))
+        exact = analytic_jacobian(start)
+        apart = np.linalg.norm(difference_jacobian(start) - exact, 2)
+        norms[units] = {"difference": apart, "relative": apart / np.linalg.norm(exact, 2)}
+    return [{"weight": w, "r": state.r[-1], "H": state.H, "V": state.V, "residual_norm": state.residual_norm,
+             "relative_step": DIFFERENCE, "jacobian": norms}]  # fmt: skip

@@ -10,6 +10,7 @@ from . import console, network_accuracy, network_growth, network_pictures, netwo
 PARTS: dict[str, Callable[[bool], list]] = {
     "pictures": network_pictures.tasks,
     "table2": network_table2.tasks,
+    "example": network_table2.example_tasks,
     "work": network_accuracy.tasks,
     "speed": network_turns.speed,
     "growth": network_growth.tasks,

@@ -57,7 +57,7 @@ def _point(name, label, case, tolerance, found) -> dict:
     return row | {key: found[key] for key in _KEPT if key in found}
 
 
-_KEPT = ("seconds", "error", "verdict", "iterations", "worst", "lines", "wrong", "refused", "right", "unsupported")
+_KEPT = ("seconds", "error", "in_limits", "verdict", "iterations", "worst", "lines", "wrong", "refused", "right", "unsupported")
 
 
 def mixed_cases() -> list[SpanCase]:

@@ -109,3 +109,8 @@ def find(found: list[Question], test: str) -> Claim | None:
     """The claim of a path such as verification/test_x.py::test_y."""
     module, _, name = Path(test).name.partition(".py::")
     return next((c for q in found if q.module == module for c in q.claims if c.name == name.split("[")[0]), None)
+
+
+def claim_id(module: str, name: str) -> str:
+    """Id of the row of a test on the page."""
+    return f"claim-{module}-{name}"

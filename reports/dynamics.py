@@ -9,6 +9,7 @@ from . import dynamics_figures as figures
 from . import dynamics_harmonic, dynamics_verdicts
 from .dynamics_tables import Shown, long, written
 from .dynamics_verdicts import THREE_PERIODS
+from .published import stated
 from .tables import short
 from .words import number, seconds, times
 
@@ -104,7 +105,7 @@ def _speed(data, folder, tables) -> dict:
     formats = {"least": seconds, "median": seconds, "ratio": short}
     printed = data["printed"]["OpenMOOR, three periods"]
     words = (
-        f"Three periods on 50 nodes with dt = 0.1 s take {seconds(min(base))} ({data['steps']} steps, "
+        f"Three periods on {stated('nodes')} nodes with dt = {stated('time step')} s take {seconds(min(base))} ({data['steps']} steps, "
         f"{data['iterations']} Newton iterations, {data['factorisations']} factorisations); wanted was at most "
         f"{seconds(THREE_PERIODS)}, and the C++ program of the paper's authors took {seconds(printed)} on another day. "
         f"In six fields the same case takes {times(rows[1]['ratio'])} as long and its tension differs by "

@@ -9,6 +9,7 @@ from matplotlib import pyplot as plt
 from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, NullLocator
 
 from . import style
+from .published import stated
 from .scene_figures import COLOURS
 from .words import DASH, number, plural, seconds, slug, times
 
@@ -45,12 +46,12 @@ def legend(figure, axes, columns: int = 2, **options):
         figure.legend(handles, labels, loc="outside upper center", ncols=min(columns, len(labels)), **options)
 
 
-def decades(axes, which: str = "xy"):
-    """Decades on logarithmic axes; where there are fewer than two of them, numbers between them as well."""
+def decades(axes, which: str = "xy", most: int = 8):
+    """At most so many decades on logarithmic axes; where there are fewer than two, numbers between them as well."""
     for name in which:
         axis, (low, high) = getattr(axes, f"{name}axis"), getattr(axes, f"get_{name}lim")()
         close = high / low < 100
-        axis.set_major_locator(LogLocator(subs=(1, 2, 5) if close else (1,), numticks=8))
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5) if close else (1,), numticks=most))
         axis.set_minor_formatter(NullFormatter())
         if close:
             axis.set_major_formatter("{x:g}")
@@ -127,8 +128,10 @@ def settling(rows: list[dict], folder: Path) -> style.Group:
         for row in rows
     )
     caption = (
-        f"HB Fig. 5 remade: surge of 5 m that grows in half a period. The first period that equals the last: {said} of "
-        "the range of the tension. The paper gives three periods, and at least four with the small drag."
+        f"HB Fig. 5 remade: surge of {stated('least amplitude of the convergence study')} m that grows in half a period. The first period that equals the last: {said} of "
+        "the range of the tension. The paper gives "
+        f"{stated('periods to steady state at Cdn 1.6')} periods, and at least "
+        f"{stated('periods to steady state at Cdn 0.1')} with the small drag."
     )
     return style.Group(caption, figures)
 

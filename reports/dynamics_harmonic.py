@@ -7,10 +7,11 @@ from pathlib import Path
 from statistics import median
 
 from . import dynamics_harmonic_figures as figures
-from . import dynamics_work_figures
+from . import dynamics_work_figures, published
 from .dynamics_figures import CASES, KN, metres
 from .dynamics_tables import Shown, condition, long, written
 from .dynamics_verdicts import FIELDS_GAIN, fields_gain
+from .published import stated
 from .tables import Table, short
 from .words import MINUS, number, seconds, times
 
@@ -43,7 +44,7 @@ def _cases(data, folder, tables) -> dict:
     rows = [row for row in data["rows"] if "seconds" in row]
     shown = [
         {"case": CASES[row["case"]], "method": row["method"], "seconds": min(row["seconds"]),
-         "median": median(row["seconds"]), "printed": row["printed"], "iterations": row["iterations"],
+         "median": median(row["seconds"]), "printed": published.hb_table2(row["case"], row["method"]), "iterations": row["iterations"],
          "rms": row["rms"], "error": row["error"], "uncertainty": row["uncertainty"]}
         for row in rows
     ]  # fmt: skip
@@ -81,9 +82,11 @@ def _table2_words(rows) -> str:
     for stepped, balanced in pairwise(rows):
         if (stepped["method"], balanced["method"]) == ("time domain", "harmonic balance"):
             gains.append(min(stepped["seconds"]) / min(balanced["seconds"]))
-            paper.append(balanced["printed"] / min(balanced["seconds"]))
+            paper.append(published.hb_table2(balanced["case"], balanced["method"]) / min(balanced["seconds"]))
     return (
-        "The paper's settings: 50 nodes, 9 harmonics and 32 samples, dt = 0.1 s and three periods. Errors are those "
+        f"The paper's settings: {stated('nodes')} nodes, {stated('harmonics sufficient')} harmonics and "
+        f"{stated('samples sufficient')} samples, dt = {stated('time step')} s and {stated('periods simulated')} periods. "
+        "Errors are those "
         "of the fairlead tension over a period against the converged one, over its range. Harmonic balance is "
         f"{number(min(gains), 2)} to {number(max(gains), 2)} times as fast as time stepping here, and "
         f"{number(min(paper), 2)} to {number(max(paper), 2)} times as fast as the paper prints for its C++ on an older "
@@ -227,7 +230,7 @@ def _oscillators(rows, folder, tables) -> dict:
         if any(row[n] for n in libraries)
     ]
     words = (
-        "Chains of masses with cubic springs, solved from zero to 1e-10. Without using the symmetry this project is "
+        "Chains of masses with cubic springs, solved from zero. Without using the symmetry this project is "
         "the fastest "
         f"of the libraries in {sum(ahead)} of the {len(ahead)} sizes that one of them solved. A dash: given up, or "
         "not tried. "

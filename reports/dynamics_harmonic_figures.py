@@ -10,12 +10,15 @@ from matplotlib.ticker import MaxNLocator
 
 from . import style
 from .dynamics_figures import KN, LOOKS, METHODS, decades, legend, metres, panel, save, sizes
+from .published import stated
 from .words import MINUS, across, number, plural, seconds
 
 VARIANTS = {"paper": "as the paper", "paper, constant kept": "constant kept", "default": "default of this project"}
 DROPPED = {"dropped": "paper", "kept": "default"}
 FIELDS = {"eps": "strain, ‰", "u": "u, m/s", "v": "v, m/s", "w": "w, m/s", "phi": "φ, rad", "theta": "θ, rad"}
 PAPER_FIGURES = {"case_1": 6, "case_2": 7, "case_3": 8, "case_4": 9}
+SMALL, LARGE = (stated(f"{which} amplitude of the convergence study") for which in ("least", "largest"))
+TOLERANCE = stated("tolerance")
 LEAST_SHOWN = 1e-4  # kN: of a spectrum
 LEAST = 1e-17  # a Newton step below this is drawn here
 
@@ -23,20 +26,20 @@ LEAST = 1e-17  # a Newton step below this is drawn here
 def newton(rows: list[dict], folder: Path) -> style.Group:
     """HB Fig. 3: error of every Newton step; a row of panels an amplitude."""
     cases = list(dict.fromkeys(row["case"] for row in rows))
-    figure, grid = plt.subplots(len(cases), len(VARIANTS), figsize=(style.WIDE[0], 5.6), sharey=True)
+    figure, grid = plt.subplots(len(cases), len(VARIANTS), figsize=(style.WIDE[0], 6.2), sharey=True)
     for case, line in zip(cases, grid, strict=True):
         for (variant, words), axes in zip(VARIANTS.items(), line, strict=True):
             for row, look in zip(_of(rows, case, variant), LOOKS, strict=False):
                 errors = np.maximum(row["errors"], LEAST)
                 axes.plot(range(1, len(errors) + 1), errors, label=_choice(row), linewidth=1, **look)
-            axes.axhline(1e-10, color=style.PALE, linestyle="--", linewidth=1)
+            axes.axhline(float(TOLERANCE), color=style.PALE, linestyle="--", linewidth=1)
             axes.set(title=words if case == cases[0] else "", xlabel="Newton step", yscale="log")
             axes.xaxis.set_major_locator(MaxNLocator(integer=True))
         line[0].set_ylabel(f"{metres(case)}: error (76)")
-    decades(grid[0, 0], "y")
+    decades(grid[0, 0], "y", 5)
     legend(figure, grid[0, 1], 4, title="harmonics, samples")
     title = "HB Fig. 3: error of every Newton step"
-    drawn = save(figure, folder, "newton", title, f"{title}, logarithmic, for 5 m and 9 m and three variants.")
+    drawn = save(figure, folder, "newton", title, f"{title}, logarithmic, for {SMALL} m and {LARGE} m and three variants.")
     return style.Group(_newton_caption(rows), [drawn])
 
 
@@ -53,7 +56,7 @@ def _newton_caption(rows) -> str:
     direct = [row["iterations"] for row in small if row["variant"] != "default"]
     ours = [row["iterations"] for row in small if row["variant"] == "default"]
     said = [
-        f"HB Fig. 3 remade. At 5 m every choice converges from zero to 1e-10 (dashed): the paper's relaxation takes "
+        f"HB Fig. 3 remade. At {SMALL} m every choice converges from zero to {TOLERANCE} (dashed): the paper's relaxation takes "
         f"{_steps(direct)} steps, the default {_steps(ours)}, most of them with an old Jacobian, and starts with a few "
         "harmonics first, whose steps are not drawn."
     ]
@@ -61,7 +64,7 @@ def _newton_caption(rows) -> str:
     raised = [row for row in large if row["iterations"] > len(row["errors"])]
     if raised:
         said.append(
-            f"At 9 m the paper shows convergence within ten steps; with its relaxation alone {len(raised)} of "
+            f"At {LARGE} m the paper shows convergence within {stated('most Newton steps')} steps; with its relaxation alone {len(raised)} of "
             f"{plural(len(large), 'choice')} did not converge from zero, and the amplitude was raised in steps, of "
             "which "
             f"the last solve is drawn: {'; '.join(map(_raised, raised))}."
@@ -88,9 +91,10 @@ def _steps(values) -> str:
 def tension(rows: list[dict], folder: Path) -> style.Group:
     """HB Fig. 4: fairlead tension over a period by (Nh, Nt)."""
     chosen = [(case, variant) for case in dict.fromkeys(row["case"] for row in rows) for variant in DROPPED]
-    figure, grid = plt.subplots(1, len(chosen), figsize=(style.WIDE[0], 3.5))
+    cases = len(chosen) // len(DROPPED)
+    figure, grid = plt.subplots(cases, len(DROPPED), figsize=(style.WIDE[0], 2.7 * cases), sharey="row", squeeze=False)
     lows = {}
-    for (case, variant), axes in zip(chosen, grid, strict=True):
+    for (case, variant), axes in zip(chosen, grid.ravel(), strict=True):
         mine = _of(rows, case, DROPPED[variant])
         for row, look in zip(mine, LOOKS, strict=False):
             values = np.array(row["tension"]) * KN
@@ -98,13 +102,14 @@ def tension(rows: list[dict], folder: Path) -> style.Group:
         axes.axhline(0, color=style.PALE, linewidth=1)
         axes.set(title=f"{metres(case)}, {variant}", xlabel="time, s")
         lows[case, variant] = [min(row["tension"]) * KN for row in mine if row["reached"] == 1.0]
-    grid[0].set_ylabel("fairlead tension, kN")
-    legend(figure, grid[-1], 4, title="harmonics, samples")
+    for line in grid:
+        line[0].set_ylabel("fairlead tension, kN")
+    legend(figure, grid[0, 0], 4, title="harmonics, samples")
     title = "HB Fig. 4: fairlead tension over a period"
-    drawn = save(figure, folder, "tension", title, f"{title} for 5 m and 9 m, with and without the constant term.")
+    drawn = save(figure, folder, "tension", title, f"{title} for {SMALL} m and {LARGE} m, with and without the constant term.")
     dropped, kept = lows["case_1_large", "dropped"], lows["case_1_large", "kept"]
     caption = (
-        "HB Fig. 4 remade, the constant term dropped and kept. At 9 m the least fairlead tension is "
+        f"HB Fig. 4 remade, the constant term dropped and kept. At {LARGE} m the least fairlead tension is "
         f"{_signed(dropped)} kN without the constant term and "
         f"{_signed(kept)} kN with it, by number of harmonics: the zero tension that the paper shows comes from the "
         "dropped term."
@@ -142,7 +147,7 @@ def _state(data: dict, case: str, folder: Path):
         thin = slice(None, None, 8)
         axes.plot(_period(points)[thin], np.array(points)[thin], "o", color=style.PALETTE[0], markersize=3.5,
                   markerfacecolor="none", label="harmonic balance")  # fmt: skip
-        axes.set_title(label)
+        axes.set_ylabel(label)
         axes.ticklabel_format(axis="y", useOffset=False)
         axes.yaxis.set_major_locator(MaxNLocator(5))
     for axes in flat[len(curves) :]:
@@ -162,7 +167,7 @@ def _state(data: dict, case: str, folder: Path):
         f"differ by {number(difference, 2)} of the range (rms), each from the converged one by "
         f"{number(stepped['rms'], 2)} and {number(balanced['rms'], 2)}."
     )
-    return style.Group(caption, [drawn])
+    return style.Group(caption, [drawn], f"hb-fig{PAPER_FIGURES[case]}")
 
 
 def constant(rows: list[dict], cases: dict | None, folder: Path) -> style.Group:
@@ -232,14 +237,15 @@ def needed(data: dict, folder: Path) -> style.Group:
     legend(figure, axes)
     drawn = save(figure, folder, "needed", title, "Error by number of harmonics, both logarithmic, four cases.")
     rates = across(row["rate"] for row in data["summary"])
-    need = {row["case"]: row["0.001"] for row in data["summary"]}
+    level = "0.001"
+    need = {row["case"]: row[level] for row in data["summary"]}
     said = ", ".join(f"{metres(case)} {most or 'more than tried'}" for case, most in need.items())
     caption = (
         f"Against {data['most']} harmonics on the same {data['nodes']} nodes. The drag |v|v has a kink, so the decay "
         "is "
         f"algebraic, with exponents {rates} here, and slower where the axial mode answers, near harmonic "
         f"{number(data['axial'])}. "
-        f"Harmonics for an rms error of 0.1 % of the range: {said}. The last case moves with the second harmonic, so "
+        f"Harmonics for an rms error of {level} of the range: {said}. The last case moves with the second harmonic, so "
         "that "
         "its harmonics count half."
     )

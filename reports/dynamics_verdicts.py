@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from statistics import median
 
+from .dynamics_figures import metres
 from .dynamics_work_figures import at_equal_error
+from .published import stated
 from .verdicts import Verdict
 from .words import TIMES, number, ratio, seconds
 
@@ -36,11 +38,12 @@ def _time_verdicts(data: dict):
     if data.get("drift"):
         held = max(row["drift"][-1] for row in data["drift"] if row["hold"])
         periods = len(data["drift"][0]["period"]) - 1
-        detail = f"5 and 9 m, {periods} periods, wanted at most {1e3 * DRIFT:g} mm"
+        held_cases = ", ".join(dict.fromkeys(metres(row["case"]) for row in data["drift"] if row["hold"]))
+        detail = f"{held_cases}, {periods} periods, wanted at most {1e3 * DRIFT:g} mm"
         yield Verdict(f"{number(1e3 * held, 2)} mm", "drift of the fairlead", detail, held <= DRIFT, "drift")
     if data.get("speed"):
         least = min(data["speed"]["seconds"]["planar"])
-        detail = f"50 nodes, dt = 0.1 s, wanted at most {seconds(THREE_PERIODS)}"
+        detail = f"{stated('nodes')} nodes, dt = {stated('time step')} s, wanted at most {seconds(THREE_PERIODS)}"
         yield Verdict(seconds(least), "three periods", detail, least <= THREE_PERIODS, "dynamics")
 
 
@@ -50,7 +53,7 @@ def _harmonic_verdicts(data: dict):
         worst = {name: max(min(row["seconds"]) for row in rows if (row["case"] == "case_1") == first)
                  for name, first in (("one solve of case 1", True), ("one of cases 2 to 4", False))}  # fmt: skip
         for (name, value), bound in zip(worst.items(), (PLANAR, SPATIAL), strict=True):
-            detail = f"harmonic balance, 9 harmonics, wanted at most {seconds(bound)}"
+            detail = f"harmonic balance, {stated('harmonics sufficient')} harmonics, wanted at most {seconds(bound)}"
             yield Verdict(seconds(value), name, detail, value <= bound, "table2")
         steps = max(row["iterations"] for row in rows)
         yield Verdict(

@@ -68,7 +68,7 @@ def draw_points(axes, points, looks: dict):
         wrong = [(s, e) for s, e, p in zip(*xy, mine, strict=True) if analysis.off_the_mark(p)]
         if wrong:
             axes.plot(*zip(*wrong, strict=True), "x", color=style.WRONG, markersize=10, markeredgewidth=2, zorder=5)
-    front = analysis.pareto(good)
+    front = analysis.pareto([p for p in good if not analysis.off_the_mark(p)])
     axes.plot([1e6 * p["seconds"] for p in front], [drawn(p) for p in front], "o", markersize=11,
               markerfacecolor="none", markeredgecolor=style.INK, markeredgewidth=1, zorder=4)  # fmt: skip
     axes.set(
@@ -187,7 +187,14 @@ def _map_panel(rows, name: str, label: str, folder: Path) -> style.Figure:
     bar.set_label("log10 (error / condition limit)")
     counts = ", ".join(f"{len(points)} {verdict}" for verdict, points in marks.items())
     alt = f"Map of the error of {label} over slackness and stiffness: {counts}."
-    return style.save(figure, folder, f"error_map_{slug(name)}", label, alt)
+    return style.save(figure, folder, f"error_map_{slug(name)}", label, alt, [_map_row(row, name) for row in rows])
+
+
+def _map_row(row: dict, name: str) -> dict:
+    """A cell of the map as it stands in the CSV: its own slackness and stiffness, not its place."""
+    answer = row["answers"][name]
+    kept = {key: answer[key] for key in ("verdict", "error", "in_limits")}
+    return {"slackness L/chord": row["slackness"], "stiffness EA/(w L)": row["stiffness"]} | kept
 
 
 def _grid(rows, slackness):
@@ -237,10 +244,12 @@ def cold_times(rows: list[dict], looks: dict, folder: Path) -> style.Group | Non
         spread = [np.maximum(middle - low, 0), np.maximum(high - middle, 0)]
         axes.errorbar(middle, y, xerr=spread, linestyle="none", label=mine[0]["label"], capsize=2, **looks[name])
     axes.set_yticks(range(len(cases), 0, -1), cases)
-    axes.set(xscale="log", xlabel="one cold solve, µs (median; bars: quartiles)", ylim=(0.4, len(cases) + 0.6))
+    axes.set(ylabel="case", xscale="log", xlabel="one cold solve, µs (median; bars: quartiles)", ylim=(0.4, len(cases) + 0.6))
     figure.legend(loc="outside upper center", ncols=len(names))
     alt = "Time of one cold solve for each case and solver, logarithmic."
-    drawn = style.save(figure, folder, "cold_solve", "One cold solve", alt)
+    columns = ("case", "label", "median", "q1", "q3", "rounds")  # s
+    kept = [{key: row[key] for key in columns} for row in rows]
+    drawn = style.save(figure, folder, "cold_solve", "One cold solve", alt, kept)
     return style.Group(_cold_caption(rows, names), [drawn])
 
 

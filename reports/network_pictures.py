@@ -57,6 +57,9 @@ def _picture(row: dict, folder: Path) -> style.Figure:
         axis.set_major_locator(MaxNLocator(4 if width > FLAT * max(size) or axis is axes.zaxis else 2))
         axis.set_pane_color((0, 0, 0, 0))
         axis.labelpad = LABEL_ROOM
+    if size[1] < FLAT * max(size):  # its first number would stand on the last one of x
+        axes.yaxis.set_major_locator(MaxNLocator(2, prune="lower"))
+        axes.xaxis.labelpad = 2 * LABEL_ROOM
     axes.zaxis.labelpad = 1
     axes.zaxis.set_rotate_label(False)
     axes.zaxis.label.set_rotation(90)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from . import published
 from .words import DASH, across, number, plural, ratio, times
 
-PRINTED_WEIGHT = 226.61
+PRINTED_WEIGHT = published.values("msqs_paper")["inputs", "weight"]
 """N/m, as MSQS prints it; reference_data/errata.toml says why it is not the weight that its results were made with."""
 
 WANTED_METHODS = 10  # nested with differences over monolithic analytic, two lines: set before anything was measured
@@ -95,7 +96,7 @@ def _nested(rows, nested) -> str:
         f"printed are {nested['iterations']} outer and {nested['inner_iterations']} inner iterations; measured are "
         f"{outer} outer and, without differences, {inner('analytic')} inner ones. The outer method here is a "
         f"regularised Newton method with a line search, that of the paper is Levenberg{DASH}Marquardt, which stops at "
-        "1e-6 in units that it does not name. The paper does not count what the differences of the Jacobian cost; with "
+        f"{published.values('msqs_paper')['statement', 'tolerance of all solvers']:g} in units that it does not name. The paper does not count what the differences of the Jacobian cost; with "
         f"them it is {inner('finite-difference')} inner iterations here."
     )
 

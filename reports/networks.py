@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from . import network_figures, network_pictures, network_words
+from . import network_figures, network_pictures, network_words, published
 from .network_words import PRINTED_WEIGHT, WANTED_GROWTH, WANTED_METHODS, WANTED_PEER, WANTED_SECONDS
 from .tables import Table, short
 from .verdicts import Verdict
@@ -29,7 +29,7 @@ def section(data: dict | None, looks: dict, figure_folder: Path, table_folder: P
     pictures, table2, work, speed, peers = (
         data.get(part) or [] for part in ("pictures", "table2", "work", "speed", "peers")
     )
-    tables = {start: _table2(table2, data["printed"], start) for start in STARTS if table2}
+    tables = {start: _table2(table2, published.msqs_table2(), start) for start in STARTS if table2}
     made = {
         "units": _units(table2) if table2 else None,
         "settings": _settings(table2) if table2 else None,
@@ -44,7 +44,7 @@ def section(data: dict | None, looks: dict, figure_folder: Path, table_folder: P
         "table2": tables,
         "verdicts": verdicts(speed, peers, growth),
         "pictures": network_pictures.pictures(pictures, figure_folder) if pictures else None,
-        "reproduction": network_words.reproduction(table2, data["printed"]) if table2 else [],
+        "reproduction": network_words.reproduction(table2, published.msqs_table2()) if table2 else [],
         "work": network_figures.work(work, figure_folder) if work else None,
         "speed_words": network_words.speed(speed) if speed else "",
         "gain": network_figures.gain(speed, figure_folder) if speed else None,
@@ -182,7 +182,7 @@ def _speed(rows: list[dict]) -> Table:
         shown[-1] |= {"least": least, "most": most}
     each = {"ms": "ms", "iterations": "iter­ations", "evaluations": "evalu­ations", "residual_norm": "residual"}
     columns = {"system": "system"} | {f"{name}_{key}": heading for name in names for key, heading in each.items()}
-    columns |= {"ratio": "median", "least": "5 %", "most": "95 %"}
+    columns |= {"ratio": "median", "least": "low", "most": "high"}
     groups = (("", 1), ("monolithic, analytic", len(each)), ("nested, differences", len(each)), ("ratio of times", 3))
     formats = dict.fromkeys(("ratio", "least", "most"), short)
     formats |= {f"{name}_{key}": short for name in names for key in ("residual_norm", "ms")}
@@ -199,7 +199,7 @@ def _peers(rows: list[dict]) -> Table:
     ours = {"our_ms": "ms", "our_iterations": "iter­ations", "our_residual_norm": "residual"}
     theirs = {"tolerance": "toler­ance, m", "peer_ms": "ms", "peer_residual_norm": "residual",
               "peer_tension_difference": "tensions differ by"}  # fmt: skip
-    ratios = {"ratio": "out", "least": "5 %", "most": "95 %", "ratio_back": "back"}
+    ratios = {"ratio": "out", "least": "low", "most": "high", "ratio_back": "back"}
     columns = {"name": "system", "elements": "lines"} | ours | theirs | ratios
     groups = (("", 2), ("this project", len(ours)), ("MoorPy", len(theirs)), ("ratio of times", len(ratios)))
     formats = dict.fromkeys((*ours, *theirs, *ratios), short) | {

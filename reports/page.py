@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import tomllib
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
@@ -13,26 +13,42 @@ from . import (
     analysis,
     defects,
     dynamics,
+    evidence,
     figures,
+    fronts,
     networks,
+    papers,
+    peers,
     published,
     scene_dynamics,
     scene_figures,
     scene_tables,
     stability,
     style,
+    summary,
     tables,
     verdicts,
     words,
 )
 from .claims import OUTCOMES, questions
+from .dynamics_figures import CASES
 from .ledger import Ledger, write_atomically
 from .runner import Ended
 from .sources import ROOT
 from .stages import DYNAMICS, GROUPS, Stage
 
 TEMPLATES = Path(__file__).parent / "templates"
-_SINGLE = {"accuracy": "accuracy", "benchmarks": "benchmark", "work_precision": "work_precision", "speed": "speed"}
+_SINGLE = ("accuracy", "benchmarks", "work_precision", "speed", "networks", "defects", *DYNAMICS)
+SECTIONS = {
+    "verified": {"claims": "Claims and tests", "regimes": "Lines against 50 digits", "defects": "Seeded defects"},
+    "error-for-time": {"work-precision": "Lines at rest", "networks": "Networks", "dynamics": "Moving cable in time",
+                       "harmonic": "Harmonic balance", "scenes": "Scenes"},
+    "papers": {"items": "Item by item", "errata": "Misprints", "published": "Published values"},
+    "breaks": {"stability": "Stability maps"},
+    "peers": {"other-codes": "Other codes"},
+    "trust": {"machine": "Machine, how to repeat"},
+}  # fmt: skip
+"""Part of the page -> id and short title of its sections, in the order of the templates."""
 
 
 class Results:
@@ -88,23 +104,11 @@ def build(out: Path, name: str, stages: list[Stage], ended: list[Ended], whole: 
         folder.mkdir(parents=True, exist_ok=True)
     context = _common(results, *folders)
     if whole:
-        context |= _whole(results, context["looks"], *folders)
+        context |= _whole(results, context["looks"], context, *folders)
     template = _templates().get_template("index.html.j2" if whole else "scenes.html.j2")
     text = template.render(context)
-    write_atomically(out / name, _with_dynamics(text, context) if whole else text)
+    write_atomically(out / name, text)
     return out / name
-
-
-def _with_dynamics(text: str, context: dict) -> str:
-    """The page with the sections on moving cables, before that on misprints, and links to them."""
-    sections = _templates().get_template("dynamics.html.j2").render(context)
-    links = '<a href="#dynamics">Moving cable</a><a href="#harmonic">Harmonic balance</a>'
-    sections += _templates().get_template("stability.html.j2").render(context)
-    links += '<a href="#stability">Stability</a><a href="#defects">Seeded defects</a>'
-    sections += _templates().get_template("defects.html.j2").render(context)
-    for mark, new in (('<a href="#errata">', links), ('<h2 id="errata">', sections)):
-        text = text.replace(mark, new + mark, 1)
-    return text
 
 
 def _templates() -> Environment:
@@ -170,9 +174,24 @@ def _scene(scene: dict, stem: str, looks: dict, figure_folder: Path, table_folde
         "ladder": scene_figures.ladder(scene, place, looks, figure_folder),
         "tables": scene_tables.scene_tables(scene, stem, table_folder),
         "warnings": list(dict.fromkeys(text for line in scene["lines"] for text in line["warnings"])),
+        "python": _lines_to_paste(scene),
         "dynamics": scene_dynamics.section(scene, stem, figure_folder, table_folder),
     }
     return {"stem": stem, "data": scene, **shown}
+
+
+def _lines_to_paste(scene: dict) -> str:
+    """Python with the cheapest setting of this project that meets the tolerance, line by line."""
+    text = ["from solvers import Span, solve_span", ""]
+    for line in scene["lines"]:
+        arguments = ", ".join(f"{key}={value!r}" for key, value in line["inputs"].items())
+        mine = [p for p in line["ladder"] if p["solver"] == analysis.OURS]
+        best = analysis.cheapest(mine, scene["tolerance"])
+        setting = f", tolerance={best['tolerance']!r}" if best and best["tolerance"] is not None else ""
+        text += [f"line = Span({arguments})  # {line['label'] or scene['name']}",
+                 f"state = solve_span(line{setting})",
+                 f"state.tension, state.H, state.V  # {line['tension']:.7g}, {line['H']:.7g}, {line['V']:.7g} N"]  # fmt: skip
+    return "\n".join(text)
 
 
 def _place(path: Path, stem: str) -> dict:
@@ -191,15 +210,44 @@ def _place(path: Path, stem: str) -> dict:
     }
 
 
-def _whole(results: Results, looks: dict, figure_folder: Path, table_folder: Path) -> dict:
-    """The sections about solvers and papers."""
+def _whole(results: Results, looks: dict, common: dict, figure_folder: Path, table_folder: Path) -> dict:
+    """All that the whole page shows beside what is common to all pages."""
     data = {name: results.json(name) for name in _SINGLE}
-    accuracy, work, speed = data["accuracy"], data["work_precision"], data["speed"]
-    timings = analysis.benchmark_rows(data["benchmarks"]) if data["benchmarks"] else []
     outcomes = results.outcomes()
     found = questions(ROOT / "verification", outcomes)
+    made = (
+        _tables(data, found, common, table_folder)
+        | dynamics.section({name: data[name] for name in DYNAMICS}, figure_folder, table_folder)
+        | _sections(data, looks, figure_folder, table_folder)
+        | _papers(data, found, table_folder)
+        | {
+            "questions": found,
+            "counts": {outcome: sum(question.total(outcome) for question in found) for outcome in OUTCOMES},
+            "evidence": evidence.links(found),
+            "parts": summary.PARTS,
+            "sections": SECTIONS,
+            "hb": {"frequency": published.read("hb_paper")[0]["cases"]["case 1"]["Y"][1]},
+            "published": _published(results, table_folder),
+        }
+    )
+    made["verdicts"] = [
+        *verdicts.strip(data["accuracy"], data["speed"], found, bool(outcomes)),
+        *summary.front_verdicts(data),
+        *(made["networks"] or {}).get("verdicts", ()),
+        *made["dynamics_verdicts"],
+        summary.paper_verdict(made["papers"]),
+        *stability.verdicts(data["stability"]),
+        *defects.verdicts(data["defects"]),
+    ]
+    return made | {"answers": summary.answers(common | made, data)}
+
+
+def _tables(data: dict, found: list, common: dict, folder: Path) -> dict:
+    """The tables about lines at rest, tests, misprints and other codes, written."""
+    accuracy, work, speed = data["accuracy"], data["work_precision"], data["speed"]
+    timings = analysis.benchmark_rows(data["benchmarks"]) if data["benchmarks"] else []
     errata = tomllib.loads((ROOT / "reference_data" / "errata.toml").read_text(encoding="utf-8"))
-    moving = dynamics.section({name: results.json(name) for name in DYNAMICS}, figure_folder, table_folder)
+    versions = (common["machine"] or {}).get("versions", {})
     made = {
         "totals": tables.totals(accuracy) if accuracy else None,
         "regimes": tables.regimes(accuracy) if accuracy else None,
@@ -208,26 +256,44 @@ def _whole(results: Results, looks: dict, figure_folder: Path, table_folder: Pat
         "work_table": tables.work_points(work) if work else None,
         "claims_table": tables.claims(found),
         "errata": tables.errata(errata, found),
+        "peers_table": peers.table(accuracy, work, data["networks"], data["harmonic_balance"], versions),
     }
     for table in made.values():
         if table:
-            table.write(table_folder)
-    return made | moving | {
-        "questions": found,
-        "counts": {outcome: sum(question.total(outcome) for question in found) for outcome in OUTCOMES},
-        "verdicts": [*verdicts.strip(accuracy, speed, found, bool(outcomes)), *moving["dynamics_verdicts"],
-                     *stability.verdicts(results.json("stability")), *defects.verdicts(results.json("defects"))],
+            table.write(folder)
+    return made
+
+
+def _sections(data: dict, looks: dict, figure_folder: Path, table_folder: Path) -> dict:
+    """The sections with figures about lines at rest, networks, limits and planted mistakes."""
+    accuracy, work, moving = data["accuracy"], data["work_precision"], data["harmonic_balance"]
+    timings = analysis.benchmark_rows(data["benchmarks"]) if data["benchmarks"] else []
+    points = ((moving or {}).get("work") or {}).get("points")
+    return {
         "accuracy": accuracy,
         "finding": verdicts.sentence(accuracy) if accuracy else None,
         "examples": _examples(accuracy) if accuracy else [],
-        "speed": speed,
+        "speed": data["speed"],
         "work": figures.work_precision(work, looks, figure_folder) if work else None,
+        "static_fronts": fronts.static(work["points"]) if work else [],
+        "moving_fronts": fronts.moving(points, CASES) if points else [],
         "map": figures.error_map(accuracy, looks, figure_folder) if accuracy else None,
         "cold": figures.cold_times(timings, looks, figure_folder) if timings else None,
-        "networks": networks.section(results.json("networks"), looks, figure_folder, table_folder),
-        "published": _published(results, table_folder),
-        "stability": stability.section(results.json("stability"), figure_folder, table_folder),
-        "defects": defects.section(results.json("defects"), table_folder),
+        "networks": networks.section(data["networks"], looks, figure_folder, table_folder),
+        "stability": stability.section(data["stability"], figure_folder, table_folder),
+        "defects": defects.section(data["defects"], table_folder),
+    }
+
+
+def _papers(data: dict, found: list, table_folder: Path) -> dict:
+    """The items of the papers, the links to their tests, and their table as a file."""
+    items = papers.items(data["dynamics"], data["harmonic_balance"], data["networks"])
+    columns = {key: key for key in ("paper", "item", "prints", "found", "verdict", "why", "section", "tests")}
+    rows = [asdict(item) | {"tests": " ".join(item.tests)} for item in items]
+    return {
+        "papers": items,
+        "paper_tests": [[evidence.link(test, found) for test in item.tests] for item in items],
+        "papers_table": tables.Table("papers", "Items of the papers", columns, rows).write(table_folder),
     }
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import tomllib
+from functools import cache
 from pathlib import Path
 
 from .ledger import write_atomically
@@ -14,6 +15,7 @@ DATA = ROOT / "reference_data"
 SETS = ("openfast_r_test", "msqs_two_line")
 
 
+@cache
 def read(name: str) -> tuple[dict, list[dict]]:
     """(source.toml, rows of data.csv) of a published set; empty where the set is not there."""
     try:
@@ -22,6 +24,33 @@ def read(name: str) -> tuple[dict, list[dict]]:
             return source, list(csv.DictReader(file))
     except OSError:
         return {}, []
+
+
+def values(name: str) -> dict[tuple[str, str], float]:
+    """(name, quantity) -> value of a set in long form: hb_paper, msqs_paper."""
+    return {(row["name"], row["quantity"]): float(row["value"]) for row in read(name)[1]}
+
+
+def stated(quantity: str) -> str:
+    """A number that the text of the HB paper gives, as it would be written."""
+    return f"{values('hb_paper')['statement', quantity]:g}"
+
+
+def msqs_table2() -> list[dict]:
+    """Table 2 of MSQS: method, jacobian and globalisation (absent for nested), and its counts and norms as printed."""
+    found = {}
+    for (name, quantity), value in values("msqs_paper").items():
+        method, *rest = name.split(", ")
+        if method in ("nested", "monolithic"):
+            row = found.setdefault(name, {"method": method} | dict(zip(("jacobian", "globalisation"), rest, strict=False)))
+            whole = quantity.endswith(("iterations", "operations"))
+            row[quantity.replace(" ", "_")] = int(value) if whole else value
+    return list(found.values())
+
+
+def hb_table2(case: str, method: str) -> float | None:
+    """Seconds that HB Table 2 prints for case_1 to case_4; None for what it does not have."""
+    return values("hb_paper").get((case.replace("_", " "), method))
 
 
 def write_scenes(folder: Path) -> list[Path]:

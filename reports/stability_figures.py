@@ -83,7 +83,9 @@ def _map(entry: dict, explicit: list[dict], folder: Path) -> style.Figure:
     bar.set_label("log10 of the error")
     counts = ", ".join(f"{count} {verdict}" for verdict, count in entry["counts"].items() if count)
     alt = f"Stability map, {entry['title']}: {counts}."
-    return style.save(figure, folder, f"stability_{entry['name']}", entry["title"], alt)
+    rows = [{entry[key]["label"]: entry[key]["values"][point[key]] for key in "xy"}
+            | {key: point.get(key) for key in ("verdict", "status", "error")} for point in entry["points"]]  # fmt: skip
+    return style.save(figure, folder, f"stability_{entry['name']}", entry["title"], alt, rows)
 
 
 def _tick(value: float) -> str:

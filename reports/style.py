@@ -12,6 +12,7 @@ import matplotlib
 matplotlib.use("Agg")
 from matplotlib import pyplot as plt
 
+from . import figure_data
 from .analysis import sort_solvers
 from .ledger import write_atomically
 
@@ -54,10 +55,11 @@ class Figure:
 
 @dataclass
 class Group:
-    """Figures under one caption."""
+    """Figures under one caption; anchor: id on the page, where something links to it."""
 
     caption: str
     figures: list[Figure] = field(default_factory=list)
+    anchor: str = ""
 
 
 def looks(names) -> dict[str, dict]:
@@ -71,8 +73,15 @@ def looks(names) -> dict[str, dict]:
     return found
 
 
-def save(figure, folder: Path, name: str, title: str, alt: str) -> Figure:
-    """Write name.svg and name.png to ``folder`` and return the figure for the page."""
+def save(figure, folder: Path, name: str, title: str, alt: str, rows: list[dict] | None = None) -> Figure:
+    """Write name.svg, name.png and name.csv to ``folder`` and return the figure for the page.
+
+    rows : the data where they are more than what is drawn, such as a map over numbered cells; else read off the figure.
+    Raises ValueError where an axis does not say what it shows.
+    """
+    if missing := figure_data.unlabelled(figure):
+        raise ValueError(f"figure {name!r}: axes without a label: {', '.join(missing)}")
+    write_atomically(folder / f"{name}.csv", figure_data.text(figure_data.rows(figure) if rows is None else rows))
     width = figure.get_size_inches()[0]
     drawn = io.StringIO()
     nothing = dict.fromkeys(("Creator", "Date", "Format", "Type"))

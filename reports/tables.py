@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from . import analysis
-from .claims import Question, find
+from .claims import Question, claim_id, find
 from .ledger import write_atomically
 from .words import number, seconds
 
@@ -19,6 +19,7 @@ class Table:
     """columns : key of a row -> heading; rows : raw values; formats : key -> how the page writes it (default: number).
 
     groups : (heading, number of columns) over the headings, where columns belong together.
+    anchors : column -> key of the row with the id that its cells link to
     """
 
     name: str
@@ -27,16 +28,23 @@ class Table:
     rows: list[dict]
     formats: dict = field(default_factory=dict)
     groups: tuple = ()
+    anchors: dict = field(default_factory=dict)
 
     def numeric(self, key) -> bool:
         """A column that holds numbers, its dashes among them."""
         values = [row.get(key) for row in self.rows]
         return any(isinstance(value, (int, float)) and not isinstance(value, bool) for value in values)
 
-    def shown(self) -> list[list[tuple[str, bool]]]:
-        """(text, is in a column of numbers) of every cell."""
+    def shown(self) -> list[list[tuple[str, bool, str | None]]]:
+        """(text, is in a column of numbers, id that it links to) of every cell."""
         numeric = {key: self.numeric(key) for key in self.columns}
-        return [[(self.formats.get(key, number)(row.get(key)), numeric[key]) for key in numeric] for row in self.rows]
+        return [
+            [
+                (self.formats.get(key, number)(row.get(key)), numeric[key], row.get(self.anchors.get(key)))
+                for key in numeric
+            ]
+            for row in self.rows
+        ]
 
     def write(self, folder: Path) -> Table:
         """name.csv and name.json; returns self."""
@@ -163,12 +171,12 @@ def errata(data: dict, found: list[Question]) -> Table:
     """The misprints, each with its test and how that test ended."""
     rows = []
     for entry in data["erratum"]:
-        claim = find(found, entry["test"])
-        rows.append(
-            entry | {"test": entry["test"].split("::")[-1], "result": claim.state if claim else "no such test yet"}
-        )
+        claim, (file, _, name) = find(found, entry["test"]), entry["test"].partition("::")
+        anchor = claim_id(Path(file).stem, claim.name) if claim else None
+        result = claim.state if claim else "no such test yet"
+        rows.append(entry | {"test": name, "result": result, "anchor": anchor})
     keys = ("paper", "where", "printed", "right", "evidence", "test", "result")
-    return Table("errata", "Misprints found in the papers", {key: key for key in keys}, rows)
+    return Table("errata", "Misprints found in the papers", {key: key for key in keys}, rows, anchors={"test": "anchor"})
 
 
 def published(name: str, rows: list[dict]) -> Table:

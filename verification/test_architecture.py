@@ -31,6 +31,7 @@ MAY_IMPORT = {
                          "verification.reference", "moorpy", "pycatenary", "moordyn"),
     "benchmarks": ("numpy", "scipy", "solvers", "verification.cases", "verification.registry", "verification.reference",
                    "pytest", "threadpoolctl", "mpmath", "tqdm", "benchmarks"),
+    "reports/browser": ("pytest", "playwright", "reports.browser"),
     "reports": ("numpy", "matplotlib", "mpl_toolkits", "jinja2", "tqdm", "reports"),
     "solvers": ("numpy", "scipy", "threadpoolctl", "solvers"),
     "verification": ("numpy", "scipy", "threadpoolctl", "solvers", "verification", *TESTING),

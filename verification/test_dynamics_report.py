@@ -48,9 +48,9 @@ def built(tmp_path_factory):
 def test_report_shows_the_parts_that_were_measured_and_no_other(built):
     """Measured parts have their headings, others none; figures are described, every link leads somewhere."""
     out, _, found = built
-    for heading in ("The moving cable in time", "The line at rest", "Harmonic balance", "Beside harmonic-balance"):
+    for heading in ("The moving cable in time", "the line at rest", "Harmonic balance", "Beside harmonic-balance"):
         assert heading in found.text
-    for heading in ("From rest to periodic", ">Drift<", "HB Table 2", "HB Fig. 3:"):
+    for heading in ("from rest to periodic", ">Drift<", "HB Table 2:", "HB Fig. 3:"):
         assert heading not in found.text
     assert undescribed(found) == [] and missing_files(found, out) == [] and broken_anchors(found) == []
 
@@ -97,7 +97,7 @@ def test_report_of_every_part_is_whole(tmp_path, deep):
     for program in CHEAP:
         measure(program, tmp_path / "results")
     found = page(tmp_path)
-    for heading in ("Orders of accuracy", "From rest to periodic", "Tension in space and time", "Drift", "HB Table 2",
+    for heading in ("Orders of accuracy", "from rest to periodic", "Tension in space and time", "Drift", "HB Table 2",
                     "Error against run time", "HB Figs. 6 to 9", "HB Fig. 3", "HB Fig. 4", "The constant term",
                     "How many harmonics", "Spectra and envelopes", "Until the tension vanishes", "Cost"):  # fmt: skip
         assert heading in found.text, heading

@@ -469,7 +469,30 @@ def test_msqs_example_does_not_close_as_printed():
     assert msqs_misses(rows, about["half_unit"], about["inferred"]["w"], swapped=False)
 
 
-@pytest.mark.parametrize("name", ["spans", "openfast_r_test", "msqs_two_line"])
+def test_msqs_section_5_is_told_once():
+    """The example as a whole and line by line hold the same printed numbers."""
+    rows, lines = {(row["name"], row["quantity"]): row for row in table("msqs_paper")}, table("msqs_two_line")
+    value = lambda *key: float(rows[key]["value"])
+    assert len(rows) == len(table("msqs_paper"))
+    for i, line in enumerate(lines, start=1):
+        assert value("inputs", f"length of line {i}") == float(line["L"])
+        assert value("inputs", f"anchor {i} x") == float(line["x_anchor"])
+        assert (value("solution", f"H{i}"), value("solution", f"V{i}")) == (float(line["H_kN"]), float(line["V_kN"]))
+        assert (value("solution", "x"), value("solution", "z")) == (float(line["x_fairlead"]), float(line["z_fairlead"]))
+        assert value("inputs", "Fz") == float(line["Fz_kN"]) and value("inputs", "weight") == float(line["w"])
+
+
+def test_operations_of_table_2_follow_from_5_6():
+    """Printed counts and sizes of matrices give the printed operations, to their printed digits."""
+    value = {(row["name"], row["quantity"]): float(row["value"]) for row in table("msqs_paper")}
+    cube = lambda iterations, n: iterations * value["operations", "factor of n^3"] * n**3
+    nested = cube(value["nested", "iterations"], 3) + cube(value["nested", "inner iterations"], 4)
+    whole = cube(value["operations", "iterations of the monolithic method"], 7)
+    assert abs(nested - value["nested", "operations"]) <= 0.5 and abs(whole - value["operations", "monolithic"]) <= 50
+    assert abs(value["nested", "operations"] / value["operations", "monolithic"] - 2.67) <= 0.005
+
+
+@pytest.mark.parametrize("name", ["spans", "openfast_r_test", "msqs_two_line", "msqs_paper"])
 def test_provenance_is_stated(name):
     about = source(name)
     assert {"title", "kind", "citation", "how_obtained", "uncertainty", "date", "units", "signs"} <= about.keys()

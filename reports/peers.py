@@ -1,0 +1,68 @@
+"""The section on other codes: one row per code and problem, from the results of every problem type."""
+
+from __future__ import annotations
+
+from statistics import median
+
+from . import analysis, fronts
+from .dynamics_figures import CASES
+from .dynamics_work_figures import at_equal_error
+from .tables import Table, short
+from .words import plural, ratio
+
+FASTER = "where it is the faster one"
+
+
+def table(accuracy: dict | None, work: dict | None, networks: dict | None, harmonic: dict | None, versions: dict) -> Table:
+    """Wrong and refused answers, and the time over that of this project at equal error, of every code measured."""
+    rows = [*_lines(accuracy, work), *_networks(networks, versions), *_moving(harmonic, versions)]
+    columns = {"code": "code", "problem": "problem", "cases": "cases", "right": "right", "wrong": "wrong",
+               "refused": "refused", "unsupported": "not modelled", "median": "median error, limits",
+               "ratio": "time over this project", "of": "at", "faster": FASTER}  # fmt: skip
+    return Table("peers", "Other codes", columns, rows, {"median": short, "ratio": short})
+
+
+def _lines(accuracy, work):
+    """Lines at rest, at the default setting; the time at the smallest error that the code reaches."""
+    for name in analysis.sort_solvers((accuracy or {}).get("solvers", ())):
+        if name.startswith(analysis.OURS):
+            continue
+        chosen = accuracy["solvers"][name]
+        counts = analysis.summarise([row for row in accuracy["rows"] if row["set"] != "map"], name)
+        points = (work or {}).get("points", [])
+        factors = [analysis.factor_at_equal_error([p for p in points if p["case"] == case], name)
+                   for case in dict.fromkeys(p["case"] for p in points)]  # fmt: skip
+        factors = [found["factor"] for found in factors if found]
+        found = [front for front in fronts.static(points) if any(b.label == chosen["label"] for b in front.behind)]
+        yield counts | {
+            "code": f"{chosen['label']} {chosen['version']}", "problem": "lines at rest",
+            "ratio": median(factors) if factors else None,
+            "of": f"its smallest error, median of {plural(len(factors), 'case')}" if factors else "",
+            "faster": "; ".join(front.case for front in found) or "nowhere",
+        }  # fmt: skip
+
+
+def _networks(data, versions):
+    rows = (data or {}).get("peers") or []
+    if rows:
+        both = [row[key] for row in rows for key in ("ratio", "ratio_back")]
+        slower = [row["system"] for row in rows if max(row["ratio"], row["ratio_back"]) < 1]
+        yield {
+            "code": f"MoorPy {versions.get('MoorPy') or ''}".strip(), "problem": "networks", "cases": len(rows),
+            "ratio": median(both), "of": f"warm re-solves, {ratio(min(both))} to {ratio(max(both))}",
+            "faster": "; ".join(dict.fromkeys(slower)).replace("_", " ") or "nowhere",
+        }  # fmt: skip
+
+
+def _moving(data, versions):
+    points = ((data or {}).get("work") or {}).get("points") or []
+    ratios = at_equal_error(points, "MoorDyn")
+    if ratios:
+        found = [front for front in fronts.moving(points, CASES) if front.behind]
+        mine = [p for p in points if p["method"] == "MoorDyn"]
+        yield {
+            "code": f"MoorDyn {versions.get('MoorDyn') or ''}".strip(), "problem": "moving cable",
+            "cases": len({p["case"] for p in mine}), "ratio": median(ratios),
+            "of": f"the error of each of its {plural(len(ratios), 'setting')}, {ratio(min(ratios))} to {ratio(max(ratios))}",
+            "faster": "; ".join(front.case for front in found) or "nowhere",
+        }  # fmt: skip

@@ -1,0 +1,245 @@
+"""Does the page answer its questions in order, link every claim to its test, and quote no number that is typed in?"""
+
+from __future__ import annotations
+
+import ast
+import csv
+import html
+import math
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from .test_report import ROOT, Page, broken_anchors, missing_files, report, section
+
+REPORTS = ROOT / "reports"
+QUESTIONS = ("What is verified, and how strongly?",
+             "Which method gives which error for which run time, on which scene?",
+             "What do the papers say, and what comes out?", "What breaks, and where?", "How do the peers do?",
+             "Can I trust this on my machine?")  # fmt: skip
+SCENES = ("oc3_hywind", "shallow_chain", "taut_polyester")
+
+
+# ---------------------------------------------------------------- numbers that are typed in
+NUMBER = re.compile(r"(?<![\w.(#&{^-])\d+(?:[.  ]\d+)*(?:e-?\d+)?(?![\w(])")
+LABEL = re.compile(
+    r"(?:HB |MSQS )?(?:Figs?\.|Table) \d+(?: to \d+)?|\(\d+(?:\.\d+)?\)|\b[Cc]ases? \d(?: to \d)?|\(\d{4}\)|with \d of"
+)
+"""Labels of figures, tables, equations, cases and years: names, no values."""
+
+ALLOWED = {
+    "to 50 digits": "the precision of the oracle, a name of the method",
+    "against 50 digits": "the same",
+    "40-digit solution": "the same, of networks",
+    "(1, 5, 15 minutes)": "what load averages are",
+    "a factor such as 2": "a kind of mistake",
+    "wanted 0": "a bound that the project set itself",
+    "wanted 2 within": "the order of the scheme, a bound that the project set itself",
+    "near order 2": "the same",
+    "Surge 9 m": "the name of a case",
+    "surge 5 m": "the same",
+    "heave 5 m": "the same",
+    "sway 5 m": "the same",
+    "at 9 m": "the name of a row of reference_data",
+    "Cdn 1.6": "the same",
+    "Cdn 0.1": "the same",
+    "near 15 s": "the same",
+    "of node 25": "the same",
+    "moves by 1 %": "a setting of the benchmark of networks, in its name",
+    "5 and 95": "percentiles",
+    "2n³/3": "the formula (5.6)",
+    "out by 1 m": "a setting of the benchmark of networks",
+    "per 1 % of": "a unit of the sensitivity",
+    "from 0 to": "where a scale of colours begins",
+    ", 1 to ": "where counting begins",
+    "radius 1 it": "a property of the method",
+    "net and tree of 10 000": "a size of the benchmark of networks",
+    "of 1 000 000 lines": "a size of the benchmark of batches",
+    "100 000 lines in": "the same",
+    "over that of 100 000": "the same",
+}
+"""Text around a number -> why it may stand there: it names something or is a bound set beforehand, and is not measured."""
+
+
+def typed(text: str) -> list[str]:
+    """Numbers in a text, with what stands around them, but labels and what is allowed."""
+    for known in ALLOWED:
+        text = text.replace(known, " ")
+    text = LABEL.sub(" ", text)
+    return [text[max(0, m.start() - 30) : m.end() + 15].replace("\n", " ") for m in NUMBER.finditer(text)]
+
+
+def template_text(source: str) -> str:
+    """What a template shows by itself: without code, tags, styles and commands."""
+    source = re.sub(r"\{#.*?#\}|\{%.*?%\}|<style>.*?</style>", " ", source, flags=re.DOTALL)
+    source = re.sub(r"\{\{(.*?)\}\}", lambda m: " ".join(re.findall(r'"([^"]*[a-z] [^"]*)"', m[1])), source, flags=re.DOTALL)
+    return re.sub(r"<[^>]+>", " ", re.sub(r"<code>.*?</code>", " ", source, flags=re.DOTALL))
+
+
+def sentences(source: str) -> list[str]:
+    """Strings with a blank in a module that are neither docstrings nor parts of formats."""
+    tree, left_out = ast.parse(source), set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
+            left_out.add(id(node.value))
+        if isinstance(node, ast.FormattedValue) and node.format_spec:
+            left_out |= {id(part) for part in ast.walk(node.format_spec)}
+    found = [n.value for n in ast.walk(tree) if isinstance(n, ast.Constant) and id(n) not in left_out]
+    return [text for text in found if isinstance(text, str) and " " in text.strip()]
+
+
+NO_PAGE = ("runner.py", "style.py", "stages.py", "__main__.py", "compare.py")
+"""Modules whose strings are messages of the program or markup, not sentences of the page."""
+
+
+@pytest.mark.parametrize("path", sorted((REPORTS / "templates").glob("*.j2")), ids=lambda path: path.name)
+def test_no_template_holds_a_measured_number(path):
+    """A template has no number of its own but labels and the stated exceptions: measured and printed values come from files."""
+    assert not typed(template_text(path.read_text(encoding="utf-8")))
+
+
+@pytest.mark.parametrize("path", sorted(REPORTS.glob("*.py")), ids=lambda path: path.name)
+def test_no_sentence_holds_a_measured_number(path):
+    """Nor has a sentence in the modules that write the page."""
+    if path.name not in NO_PAGE:
+        assert not [found for text in sentences(path.read_text(encoding="utf-8")) for found in typed(text)]
+
+
+@pytest.mark.parametrize("text", ["The error is 3.2e-15 here.", "It takes 55.3 ms.", "Faster by 12 times", "w = 226.61 N/m"])
+def test_a_typed_number_is_found(text):
+    """A planted number in a template, in an expression of one and in a sentence of a module."""
+    assert typed(template_text(f"<p>{text}</p>")) and typed(template_text('{{ x or "' + text + '" }}'))
+    assert any(typed(found) for found in sentences(f'said = f"{{x}} {text}"'))
+
+
+def test_labels_and_exceptions_are_no_numbers():
+    """Labels, classes of tags and what stands between code are left alone."""
+    assert not typed(template_text('<td class="n2">{{ value|number(2) }}</td> HB Fig. 3 and Table 2, (5.7), case 1, to 50 digits'))
+
+
+# ---------------------------------------------------------------- the page without results, and with some
+@pytest.fixture(scope="module")
+def bare(tmp_path_factory):
+    """(folder, page) of the whole page with the machine and nothing else."""
+    out = tmp_path_factory.mktemp("bare")
+    run = report("--only", "machine", "--out", out)
+    assert run.returncode == 0, run.stderr
+    return out, Page((out / "index.html").read_text(encoding="utf-8"))
+
+
+def test_six_questions_in_their_order(bare):
+    """The summary and the parts of the page follow the six questions in order, and every section stands in its part."""
+    _, page = bare
+    text = html.unescape(page.text)
+    summary = section(text, "summary")
+    parts = re.findall(r'<h1 class="part" id="([\w-]+)">(.*?)</h1>', text)
+    assert [title for _, title in parts] == list(QUESTIONS)
+    assert re.findall(r'<h3><a href="#[\w-]+">(.*?)</a></h3>', summary) == list(QUESTIONS)
+    order = re.findall(r'<h[12](?: class="part")? id="([\w-]+)"', text)
+    listed = re.findall(r'href="#([\w-]+)"', text.partition("<nav")[2].partition("</nav>")[0])
+    assert [name for name in order if name != "summary"] == listed
+
+
+def test_the_page_without_results_is_whole(bare):
+    """Without results it says so, and no link leads nowhere."""
+    out, page = bare
+    assert broken_anchors(page) == [] and missing_files(page, out) == []
+    assert "Not measured yet." in section(page.text, "summary")
+
+
+def test_claims_link_their_tests(bare):
+    """Sections say which tests show them, and every item of the papers has at least one test, as a link to its row."""
+    _, page = bare
+    assert page.text.count("Shown by") >= 10
+    rows = re.findall(r"<tr>(.*?)</tr>", section(page.text, "items"), re.DOTALL)[1:]
+    assert len(rows) == 17 and all('class="test' in row and 'href="#claim-test_' in row for row in rows)
+
+
+def test_every_item_of_the_papers_is_listed(bare):
+    """HB Table 1, Figs. 2 to 9, Table 2; MSQS Figs. 2 and 12, Table 2, (5.3) to (5.7): each with what the paper says."""
+    out, _ = bare
+    with (out / "tables" / "papers.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    wanted = [f"HB Fig. {n}" for n in range(2, 10)] + ["HB Table 1", "HB Table 2", "MSQS Fig. 2", "MSQS Fig. 12", "MSQS Table 2"]
+    wanted += ["MSQS (5.3)", "MSQS (5.4)", "MSQS (5.5)", "MSQS (5.6), (5.7)"]
+    assert sorted(f"{row['paper']} {row['item']}" for row in rows) == sorted(wanted)
+    assert all(row["prints"] and row["verdict"] and row["why"] for row in rows)
+    assert next(row for row in rows if row["item"] == "Table 1")["verdict"] == "agrees"
+
+
+# ---------------------------------------------------------------- lines to paste
+@pytest.fixture(scope="module")
+def scene_page(tmp_path_factory):
+    """The page of the three shipped scenes at rest."""
+    out = tmp_path_factory.mktemp("scenes")
+    run = report(*(ROOT / "reference_data" / "scenes" / f"{name}.toml" for name in SCENES), "--out", out)
+    assert run.returncode == 0, run.stderr
+    return out, (out / f"scene-{'-'.join(SCENES)}.html").read_text(encoding="utf-8")
+
+
+def test_lines_to_paste_run(scene_page):
+    """The Python of every scene runs and gives the forces written beside it, within the tolerance of the scene."""
+    _, text = scene_page
+    blocks = [html.unescape(block) for block in re.findall(r"<pre>(.*?)</pre>", text, re.DOTALL)]
+    assert len(blocks) == len(SCENES)
+    for block in blocks:
+        printed = [[float(v) for v in line.split("# ")[1].removesuffix(" N").split(", ")]
+                   for line in block.splitlines() if line.startswith("state.tension")]  # fmt: skip
+        found = []
+        exec(block.replace("state.tension, state.H, state.V", "found.append((state.tension, state.H, state.V))"), {"found": found})
+        for got, wanted in zip(found, printed, strict=True):
+            assert all(math.isclose(a, b, rel_tol=1e-5, abs_tol=1e-5 * wanted[0]) for a, b in zip(got, wanted, strict=True))
+
+
+def test_figures_have_their_data(scene_page):
+    """Every figure has a CSV beside it that names its axes and holds as many values as are drawn."""
+    out, text = scene_page
+    names = set(re.findall(r'href="figures/([\w.-]+)\.svg"', text))
+    assert len(names) >= 9
+    for name in names:
+        assert f'<a href="figures/{name}.csv">' in text
+        with (out / "figures" / f"{name}.csv").open(encoding="utf-8", newline="") as file:
+            rows = list(csv.DictReader(file))
+        assert len(rows) >= 3 and all(row["x axis"] and row["y axis"] and row["x"] for row in rows)
+
+
+def test_a_figure_without_units_is_refused(tmp_path):
+    """An axis that does not say what it shows stops the page, and the message names figure and axis."""
+    code = (
+        "from pathlib import Path\nfrom reports import style\nfigure, axes = style.plt.subplots()\n"
+        f"axes.plot([1, 2]); axes.set_xlabel('x, m')\nstyle.save(figure, Path({str(tmp_path)!r}), 'bare', 'Bare', 'Bare.')"
+    )
+    run = subprocess_of(code)
+    assert run.returncode == 1 and "figure 'bare': axes without a label" in run.stderr and ": y" in run.stderr
+
+
+def subprocess_of(code: str):
+    """A process of its own: verification imports no reports."""
+    return subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=60)
+
+
+# ---------------------------------------------------------------- fronts
+FRONTS = """
+from reports import fronts
+P = lambda who, seconds, error: {"method": who, "case": "c", "seconds": seconds, "rms": error}
+ours = [P("harmonic balance", 1.0, 1e-2), P("time domain", 4.0, 1e-4)]
+ahead, = fronts.moving(ours + [P("MoorDyn", 5.0, 1e-3)], {"c": "C"})
+print(ahead.words)
+behind, = fronts.moving(ours + [P("MoorDyn", 2.0, 1e-3)], {"c": "C"})
+print(behind.mine, behind.points, behind.words)
+alone, = fronts.moving(ours + [P("MoorDyn", 9.0, 1e-6)], {"c": "C"})
+print(alone.words)
+"""
+
+
+def test_words_on_the_front_follow_the_points():
+    """Ahead at every error; behind at some, with both times; and behind where this project has no setting."""
+    ahead, behind, alone = subprocess_of(FRONTS).stdout.splitlines()
+    assert ahead == "C: this project is the fastest at every error that any code reaches"
+    assert behind == ("2 3 C: from an error of 0.0010 up to 0.010 MoorDyn takes 2.00 s, this project 4.00 s (2 times)")
+    assert alone == "C: from an error of 1.0e-6 up to 1.0e-4 MoorDyn takes 9.00 s, this project has no setting"
+
+
