@@ -85,7 +85,8 @@ def natural_modes(system: ChainSystem, count: int = 6, near: float = 0.0) -> Mod
         if eigenvalues.size >= count:
             break
         if k >= size:
-            raise InputError(f"count: {count} modes asked, {eigenvalues.size} found on {nodes} nodes")
+            where = f" at near = {near:g} Hz" if near else ""
+            raise InputError(f"count: {count} modes asked, {eigenvalues.size} found on {nodes} nodes{where}")
         k *= 2
     chosen = np.argsort(abs(eigenvalues[:count]))
     eigenvalues, shapes = eigenvalues[chosen], vectors[:, chosen].reshape(nodes, n_f, count).swapaxes(0, 1)

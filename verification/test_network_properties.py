@@ -15,6 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from solvers import Element, Environment, Network, Node, Span, solve_network, solve_span
+from solvers.outcome import Status
 
 from .cases.networks import NetworkCase, hanging_mass, two_line
 from .reference import EPS, exact_network, tension_error
@@ -247,13 +248,22 @@ def test_any_network_is_balanced(method):
 
 
 def test_nested_and_monolithic_agree_on_any_network():
-    """Two methods that share no iteration find the same forces, where the free nodes are held."""
+    """Two methods that share no iteration find the same forces, where the free nodes are held.
+
+    The nested one places nodes, and stops short, with a status, where positions as doubles tell no finer force.
+    """
     compared = []
 
     @FEW
     @given(networks())
     def holds(case):
-        states = solved(case), solved(case, method="nested")
+        states = solved(case), solved(case, method="nested", throw=False)
+        if states[1].status is not Status.SUCCESS:
+            stiffest = max(line.EA / line.L for line in case.elements)
+            size = max(abs(states[0].r).max(), *(line.L for line in case.elements))
+            assert states[1].residual_norm * abs(states[0].V_anchor).max() <= EPS * stiffest * size, states[1].status
+            compared.append(False)
+            return
         bound = allowed(case, *states)
         compared.append(bound is not None)
         assert bound is None or apart(*((state.H, state.V) for state in states)) <= bound
