@@ -91,7 +91,7 @@ def sentences(source: str) -> list[str]:
     return [text for text in found if isinstance(text, str) and " " in text.strip()]
 
 
-NO_PAGE = ("runner.py", "style.py", "stages.py", "__main__.py", "compare.py")
+NO_PAGE = ("runner.py", "style.py", "stages.py", "__main__.py", "compare.py", "progress.py")
 """Modules whose strings are messages of the program or markup, not sentences of the page."""
 
 
