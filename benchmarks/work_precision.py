@@ -57,7 +57,8 @@ def _point(name, label, case, tolerance, found) -> dict:
     return row | {key: found[key] for key in _KEPT if key in found}
 
 
-_KEPT = ("seconds", "error", "in_limits", "verdict", "iterations", "worst", "lines", "wrong", "refused", "right", "unsupported")
+_KEPT = ("seconds", "error", "in_limits", "verdict", "iterations", "worst", "lines", "wrong", "refused", "right",
+         "unsupported")  # fmt: skip
 
 
 def mixed_cases() -> list[SpanCase]:
@@ -84,7 +85,8 @@ def mixed_point(solver: harness.Solver, sample, tolerance) -> dict:
     return _point(solver.name, solver.label, harness.MIXED, tolerance, _together(found) | {"seconds": seconds})
 
 
-_WORST_FIRST = ("wrong", "refused", "right", "unsupported")
+_WORST_FIRST = ("wrong", "refused", "right",
+         "unsupported")  # fmt: skip
 
 
 def _together(found) -> dict:

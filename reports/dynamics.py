@@ -105,7 +105,8 @@ def _speed(data, folder, tables) -> dict:
     formats = {"least": seconds, "median": seconds, "ratio": short}
     printed = data["printed"]["OpenMOOR, three periods"]
     words = (
-        f"Three periods on {stated('nodes')} nodes with dt = {stated('time step')} s take {seconds(min(base))} ({data['steps']} steps, "
+        f"Three periods on {stated('nodes')} nodes with dt = {stated('time step')} s take {seconds(min(base))} "
+        f"({data['steps']} steps, "
         f"{data['iterations']} Newton iterations, {data['factorisations']} factorisations); wanted was at most "
         f"{seconds(THREE_PERIODS)}, and the C++ program of the paper's authors took {seconds(printed)} on another day. "
         f"In six fields the same case takes {times(rows[1]['ratio'])} as long and its tension differs by "

@@ -128,7 +128,8 @@ def settling(rows: list[dict], folder: Path) -> style.Group:
         for row in rows
     )
     caption = (
-        f"HB Fig. 5 remade: surge of {stated('least amplitude of the convergence study')} m that grows in half a period. The first period that equals the last: {said} of "
+        f"HB Fig. 5 remade: surge of {stated('least amplitude of the convergence study')} m that grows in half a "
+        f"period. The first period that equals the last: {said} of "
         "the range of the tension. The paper gives "
         f"{stated('periods to steady state at Cdn 1.6')} periods, and at least "
         f"{stated('periods to steady state at Cdn 0.1')} with the small drag."

@@ -44,7 +44,8 @@ def _cases(data, folder, tables) -> dict:
     rows = [row for row in data["rows"] if "seconds" in row]
     shown = [
         {"case": CASES[row["case"]], "method": row["method"], "seconds": min(row["seconds"]),
-         "median": median(row["seconds"]), "printed": published.hb_table2(row["case"], row["method"]), "iterations": row["iterations"],
+         "median": median(row["seconds"]), "printed": published.hb_table2(row["case"], row["method"]),
+         "iterations": row["iterations"],
          "rms": row["rms"], "error": row["error"], "uncertainty": row["uncertainty"]}
         for row in rows
     ]  # fmt: skip
@@ -85,7 +86,8 @@ def _table2_words(rows) -> str:
             paper.append(published.hb_table2(balanced["case"], balanced["method"]) / min(balanced["seconds"]))
     return (
         f"The paper's settings: {stated('nodes')} nodes, {stated('harmonics sufficient')} harmonics and "
-        f"{stated('samples sufficient')} samples, dt = {stated('time step')} s and {stated('periods simulated')} periods. "
+        f"{stated('samples sufficient')} samples, dt = {stated('time step')} s and {stated('periods simulated')} "
+        "periods. "
         "Errors are those "
         "of the fairlead tension over a period against the converged one, over its range. Harmonic balance is "
         f"{number(min(gains), 2)} to {number(max(gains), 2)} times as fast as time stepping here, and "

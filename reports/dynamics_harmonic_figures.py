@@ -39,7 +39,9 @@ def newton(rows: list[dict], folder: Path) -> style.Group:
     decades(grid[0, 0], "y", 5)
     legend(figure, grid[0, 1], 4, title="harmonics, samples")
     title = "HB Fig. 3: error of every Newton step"
-    drawn = save(figure, folder, "newton", title, f"{title}, logarithmic, for {SMALL} m and {LARGE} m and three variants.")
+    drawn = save(
+        figure, folder, "newton", title, f"{title}, logarithmic, for {SMALL} m and {LARGE} m and three variants."
+    )
     return style.Group(_newton_caption(rows), [drawn])
 
 
@@ -56,7 +58,8 @@ def _newton_caption(rows) -> str:
     direct = [row["iterations"] for row in small if row["variant"] != "default"]
     ours = [row["iterations"] for row in small if row["variant"] == "default"]
     said = [
-        f"HB Fig. 3 remade. At {SMALL} m every choice converges from zero to {TOLERANCE} (dashed): the paper's relaxation takes "
+        f"HB Fig. 3 remade. At {SMALL} m every choice converges from zero to {TOLERANCE} (dashed): the paper's "
+        "relaxation takes "
         f"{_steps(direct)} steps, the default {_steps(ours)}, most of them with an old Jacobian, and starts with a few "
         "harmonics first, whose steps are not drawn."
     ]
@@ -64,7 +67,8 @@ def _newton_caption(rows) -> str:
     raised = [row for row in large if row["iterations"] > len(row["errors"])]
     if raised:
         said.append(
-            f"At {LARGE} m the paper shows convergence within {stated('most Newton steps')} steps; with its relaxation alone {len(raised)} of "
+            f"At {LARGE} m the paper shows convergence within {stated('most Newton steps')} steps; with its "
+            f"relaxation alone {len(raised)} of "
             f"{plural(len(large), 'choice')} did not converge from zero, and the amplitude was raised in steps, of "
             "which "
             f"the last solve is drawn: {'; '.join(map(_raised, raised))}."
@@ -106,7 +110,9 @@ def tension(rows: list[dict], folder: Path) -> style.Group:
         line[0].set_ylabel("fairlead tension, kN")
     legend(figure, grid[0, 0], 4, title="harmonics, samples")
     title = "HB Fig. 4: fairlead tension over a period"
-    drawn = save(figure, folder, "tension", title, f"{title} for {SMALL} m and {LARGE} m, with and without the constant term.")
+    drawn = save(
+        figure, folder, "tension", title, f"{title} for {SMALL} m and {LARGE} m, with and without the constant term."
+    )
     dropped, kept = lows["case_1_large", "dropped"], lows["case_1_large", "kept"]
     caption = (
         f"HB Fig. 4 remade, the constant term dropped and kept. At {LARGE} m the least fairlead tension is "

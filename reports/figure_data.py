@@ -58,7 +58,11 @@ def _value_label(figure, axes) -> str:
 
 
 def _panel(axes, value_label: str) -> Iterator[dict]:
-    names = {"panel": axes.get_title("left") or axes.get_title(), "x axis": _label(axes, "x"), "y axis": _label(axes, "y")}
+    names = {
+        "panel": axes.get_title("left") or axes.get_title(),
+        "x axis": _label(axes, "x"),
+        "y axis": _label(axes, "y"),
+    }
     names |= {"z axis": axes.get_zlabel()} if hasattr(axes, "get_zlabel") else {}
     data = axes.transData
     for artist in axes.get_lines():
@@ -75,7 +79,7 @@ def _panel(axes, value_label: str) -> Iterator[dict]:
 
 def _guide(axes, artist, points) -> bool:
     """A line over a whole axis, as axhline draws, is a level and not data; one drawn with a label is kept."""
-    return not artist.get_transform() == axes.transData and len(points) == 2 and artist.get_label().startswith("_")
+    return artist.get_transform() != axes.transData and len(points) == 2 and artist.get_label().startswith("_")
 
 
 def _collection(names, artist, value_label: str) -> Iterator[dict]:

@@ -244,7 +244,9 @@ def cold_times(rows: list[dict], looks: dict, folder: Path) -> style.Group | Non
         spread = [np.maximum(middle - low, 0), np.maximum(high - middle, 0)]
         axes.errorbar(middle, y, xerr=spread, linestyle="none", label=mine[0]["label"], capsize=2, **looks[name])
     axes.set_yticks(range(len(cases), 0, -1), cases)
-    axes.set(ylabel="case", xscale="log", xlabel="one cold solve, µs (median; bars: quartiles)", ylim=(0.4, len(cases) + 0.6))
+    axes.set(
+        ylabel="case", xscale="log", xlabel="one cold solve, µs (median; bars: quartiles)", ylim=(0.4, len(cases) + 0.6)
+    )
     figure.legend(loc="outside upper center", ncols=len(names))
     alt = "Time of one cold solve for each case and solver, logarithmic."
     columns = ("case", "label", "median", "q1", "q3", "rounds")  # s

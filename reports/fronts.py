@@ -27,12 +27,15 @@ class Behind:
     def words(self) -> str:
         """ "from error 0.0014 up to 0.0017 MoorDyn takes 47 ms, this project 52 ms (1.1 times)"."""
         end = "up" if math.isinf(self.most) else f"up to {number(self.most, 2)}"
-        mine = "has no setting" if self.ours is None else f"{seconds(self.ours)} ({ratio(self.ours / self.theirs)} times)"
-        return f"from an error of {number(self.least, 2)} {end} {self.label} takes {seconds(self.theirs)}, this project {mine}"
+        mine = (
+            "has no setting" if self.ours is None else f"{seconds(self.ours)} ({ratio(self.ours / self.theirs)} times)"
+        )
+        theirs = f"{self.label} takes {seconds(self.theirs)}"
+        return f"from an error of {number(self.least, 2)} {end} {theirs}, this project {mine}"
 
 
 def behind(points: list[dict], mine: Callable[[dict], bool], label: Callable[[dict], str]) -> list[Behind]:
-    """Every stretch of errors at which a point that is not mine is the fastest; points with ``seconds`` and ``error``."""
+    """Every stretch of errors at which a point that is not mine is the fastest; points: ``seconds``, ``error``."""
     front, found, upper = analysis.pareto(points), [], math.inf
     for point in front:
         if not mine(point):
@@ -98,4 +101,3 @@ def moving(points: list[dict], titles: dict, peers=("MoorDyn",)) -> list[Front]:
 def _front(case: str, points: list[dict], mine, label) -> Front:
     front = analysis.pareto(points)
     return Front(case, sum(map(mine, front)), len(front), tuple(behind(points, mine, label)))
-

@@ -96,7 +96,8 @@ def _nested(rows, nested) -> str:
         f"printed are {nested['iterations']} outer and {nested['inner_iterations']} inner iterations; measured are "
         f"{outer} outer and, without differences, {inner('analytic')} inner ones. The outer method here is a "
         f"regularised Newton method with a line search, that of the paper is Levenberg{DASH}Marquardt, which stops at "
-        f"{published.values('msqs_paper')['statement', 'tolerance of all solvers']:g} in units that it does not name. The paper does not count what the differences of the Jacobian cost; with "
+        f"{published.values('msqs_paper')['statement', 'tolerance of all solvers']:g} in units that it does not name. "
+        "The paper does not count what the differences of the Jacobian cost; with "
         f"them it is {inner('finite-difference')} inner iterations here."
     )
 

@@ -154,7 +154,8 @@ def _stages(results: Results) -> list[dict]:
     ran = [entry for entry in tests if entry["finished"]]
     if not tests:
         return shown
-    whole = {"title": f"verification tests, {len(ran)} of {len(tests)} files", "command": "python -m pytest verification",
+    whole = {"title": f"verification tests, {len(ran)} of {len(tests)} files",
+             "command": "python -m pytest verification",
              "seconds": sum(entry["seconds"] for entry in ran) if ran else None,
              "finished": max((entry["finished"] for entry in ran), default=None),
              "load": ran[0]["load"] if ran else None}  # fmt: skip
@@ -190,7 +191,8 @@ def _lines_to_paste(scene: dict) -> str:
         setting = f", tolerance={best['tolerance']!r}" if best and best["tolerance"] is not None else ""
         text += [f"line = Span({arguments})  # {line['label'] or scene['name']}",
                  f"state = solve_span(line{setting})",
-                 f"state.tension, state.H, state.V  # {line['tension']:.7g}, {line['H']:.7g}, {line['V']:.7g} N"]  # fmt: skip
+                 "state.tension, state.H, state.V  # "
+                 f"{line['tension']:.7g}, {line['H']:.7g}, {line['V']:.7g} N"]  # fmt: skip
     return "\n".join(text)
 
 

@@ -13,7 +13,9 @@ from .words import plural, ratio
 FASTER = "where it is the faster one"
 
 
-def table(accuracy: dict | None, work: dict | None, networks: dict | None, harmonic: dict | None, versions: dict) -> Table:
+def table(
+    accuracy: dict | None, work: dict | None, networks: dict | None, harmonic: dict | None, versions: dict
+) -> Table:
     """Wrong and refused answers, and the time over that of this project at equal error, of every code measured."""
     rows = [*_lines(accuracy, work), *_networks(networks, versions), *_moving(harmonic, versions)]
     columns = {"code": "code", "problem": "problem", "cases": "cases", "right": "right", "wrong": "wrong",
@@ -63,6 +65,7 @@ def _moving(data, versions):
         yield {
             "code": f"MoorDyn {versions.get('MoorDyn') or ''}".strip(), "problem": "moving cable",
             "cases": len({p["case"] for p in mine}), "ratio": median(ratios),
-            "of": f"the error of each of its {plural(len(ratios), 'setting')}, {ratio(min(ratios))} to {ratio(max(ratios))}",
+            "of": f"the error of each of its {plural(len(ratios), 'setting')}, "
+                  f"{ratio(min(ratios))} to {ratio(max(ratios))}",
             "faster": "; ".join(front.case for front in found) or "nowhere",
         }  # fmt: skip

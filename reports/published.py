@@ -42,7 +42,9 @@ def msqs_table2() -> list[dict]:
     for (name, quantity), value in values("msqs_paper").items():
         method, *rest = name.split(", ")
         if method in ("nested", "monolithic"):
-            row = found.setdefault(name, {"method": method} | dict(zip(("jacobian", "globalisation"), rest, strict=False)))
+            row = found.setdefault(
+                name, {"method": method} | dict(zip(("jacobian", "globalisation"), rest, strict=False))
+            )
             whole = quantity.endswith(("iterations", "operations"))
             row[quantity.replace(" ", "_")] = int(value) if whole else value
     return list(found.values())

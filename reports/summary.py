@@ -1,4 +1,4 @@
-"""The summary of the page: the six questions in their order, each with what the results say and the figures that matter."""
+"""The summary of the page: the six questions in order, each with what the results say and the figures that matter."""
 
 from __future__ import annotations
 
@@ -77,7 +77,8 @@ def _verified(context, results) -> list[str]:
     if results["defects"]:
         found = results["defects"]["summary"]
         said.append(
-            f"The checks themselves are checked: {found['caught']} of {plural(found['defects'], 'planted mistake')} are "
+            f"The checks themselves are checked: {found['caught']} of {plural(found['defects'], 'planted mistake')} "
+            "are "
             "found."
         )
     return said
@@ -117,13 +118,16 @@ def _breaks(results) -> list[str]:
     if maps:
         total = {v: sum(entry["counts"][v] for entry in maps) for v in results["stability"]["verdicts"]}
         shown = ", ".join(f"{number(count)} {verdict}" for verdict, count in total.items() if count)
-        said.append(f"{number(sum(total.values()))} points pushed to the limits on {plural(len(maps), 'map')}: {shown}.")
+        said.append(
+            f"{number(sum(total.values()))} points pushed to the limits on {plural(len(maps), 'map')}: {shown}."
+        )
     limit = (results["harmonic_balance"] or {}).get("limit")
     if limit and limit["vanishes"]:
         failed = [row["amplitude"] for row in limit["rows"] if row["reached"] < 1.0]
         end = f"; no response is found from {number(min(failed))} m on" if failed else ""
         said.append(
-            f"Under surge the tension of the OC3 line vanishes at an amplitude of {number(limit['vanishes'], 4)} m: beyond "
+            f"Under surge the tension of the OC3 line vanishes at an amplitude of {number(limit['vanishes'], 4)} m: "
+            "beyond "
             f"it results are marked as compression{end}."
         )
     return said or ["Not measured yet."]
@@ -146,13 +150,14 @@ def _trust(context) -> list[str]:
     if machine:
         threads = across(library["threads"] for library in machine["blas"]) if machine["blas"] else "unknown"
         said.append(
-            f"Measured at commit {machine['commit'] or 'unknown'} on {machine['cpu']}, {machine['cores']} cores, BLAS on "
+            f"Measured at commit {machine['commit'] or 'unknown'} on {machine['cpu']}, {machine['cores']} cores, BLAS "
+            "on "
             f"{threads} thread{'' if threads == '1' else 's'}."
         )
     loads = [stage["load"][0] for stage in context["stages"] if stage["load"]]
     if loads:
-        said.append(f"Load before the stages {across(loads)}: times are the least or the median of turns in one process, and "
-                    "comparisons are ratios, so that load falls on all alike.")  # fmt: skip
+        said.append(f"Load before the stages {across(loads)}: times are the least or the median of turns in one "
+                    "process, and comparisons are ratios, so that load falls on all alike.")  # fmt: skip
     old = sorted({text.split(":")[0] for notes in context["notes"].values() for text in notes})
     said += [f"{text}, of some stages: a note stands where it matters." for text in old]
     said.append("Errors and counts do not depend on the machine; times do, and one command repeats them on yours.")
@@ -166,7 +171,9 @@ def _figures(context) -> Group | None:
         chosen += context["work"].figures[:1]
     if context["harmonic"] and context["harmonic"]["work"]:
         chosen += context["harmonic"]["work"].group.figures[:1]
-    caption = "Error against run time; rings: the Pareto front. Left or above: lines at rest, all cases together; then a moving cable."
+    caption = (
+        "Error against run time; rings: the Pareto front. First lines at rest, all cases together; then a moving cable."
+    )
     return Group(caption, [_again(figure) for figure in chosen]) if chosen else None
 
 
@@ -198,5 +205,3 @@ def paper_verdict(items: list[papers.Item]) -> Verdict:
     good = sum(item.verdict in (papers.AGREES, papers.CORRECTED) for item in items)
     detail = "tables, figures, equations; of the others the reason is given"
     return Verdict(f"{good} of {len(items)}", "items of the papers come out", detail, None, "items")
-
-

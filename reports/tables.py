@@ -176,7 +176,9 @@ def errata(data: dict, found: list[Question]) -> Table:
         result = claim.state if claim else "no such test yet"
         rows.append(entry | {"test": name, "result": result, "anchor": anchor})
     keys = ("paper", "where", "printed", "right", "evidence", "test", "result")
-    return Table("errata", "Misprints found in the papers", {key: key for key in keys}, rows, anchors={"test": "anchor"})
+    return Table(
+        "errata", "Misprints found in the papers", {key: key for key in keys}, rows, anchors={"test": "anchor"}
+    )
 
 
 def published(name: str, rows: list[dict]) -> Table:

@@ -9,7 +9,6 @@ import math
 import re
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
@@ -61,7 +60,7 @@ ALLOWED = {
     "100 000 lines in": "the same",
     "over that of 100 000": "the same",
 }
-"""Text around a number -> why it may stand there: it names something or is a bound set beforehand, and is not measured."""
+"""Text around a number -> why it may stand there: a name, or a bound set beforehand, and nothing measured."""
 
 
 def typed(text: str) -> list[str]:
@@ -75,7 +74,9 @@ def typed(text: str) -> list[str]:
 def template_text(source: str) -> str:
     """What a template shows by itself: without code, tags, styles and commands."""
     source = re.sub(r"\{#.*?#\}|\{%.*?%\}|<style>.*?</style>", " ", source, flags=re.DOTALL)
-    source = re.sub(r"\{\{(.*?)\}\}", lambda m: " ".join(re.findall(r'"([^"]*[a-z] [^"]*)"', m[1])), source, flags=re.DOTALL)
+    source = re.sub(
+        r"\{\{(.*?)\}\}", lambda m: " ".join(re.findall(r'"([^"]*[a-z] [^"]*)"', m[1])), source, flags=re.DOTALL
+    )
     return re.sub(r"<[^>]+>", " ", re.sub(r"<code>.*?</code>", " ", source, flags=re.DOTALL))
 
 
@@ -91,13 +92,13 @@ def sentences(source: str) -> list[str]:
     return [text for text in found if isinstance(text, str) and " " in text.strip()]
 
 
-NO_PAGE = ("runner.py", "style.py", "stages.py", "__main__.py", "compare.py")
+NO_PAGE = ("runner.py", "style.py", "stages.py", "__main__.py", "compare.py", "progress.py")
 """Modules whose strings are messages of the program or markup, not sentences of the page."""
 
 
 @pytest.mark.parametrize("path", sorted((REPORTS / "templates").glob("*.j2")), ids=lambda path: path.name)
 def test_no_template_holds_a_measured_number(path):
-    """A template has no number of its own but labels and the stated exceptions: measured and printed values come from files."""
+    """A template has no number of its own but labels and the stated exceptions: values come from files."""
     assert not typed(template_text(path.read_text(encoding="utf-8")))
 
 
@@ -108,7 +109,9 @@ def test_no_sentence_holds_a_measured_number(path):
         assert not [found for text in sentences(path.read_text(encoding="utf-8")) for found in typed(text)]
 
 
-@pytest.mark.parametrize("text", ["The error is 3.2e-15 here.", "It takes 55.3 ms.", "Faster by 12 times", "w = 226.61 N/m"])
+@pytest.mark.parametrize(
+    "text", ["The error is 3.2e-15 here.", "It takes 55.3 ms.", "Faster by 12 times", "w = 226.61 N/m"]
+)
 def test_a_typed_number_is_found(text):
     """A planted number in a template, in an expression of one and in a sentence of a module."""
     assert typed(template_text(f"<p>{text}</p>")) and typed(template_text('{{ x or "' + text + '" }}'))
@@ -117,7 +120,9 @@ def test_a_typed_number_is_found(text):
 
 def test_labels_and_exceptions_are_no_numbers():
     """Labels, classes of tags and what stands between code are left alone."""
-    assert not typed(template_text('<td class="n2">{{ value|number(2) }}</td> HB Fig. 3 and Table 2, (5.7), case 1, to 50 digits'))
+    assert not typed(
+        template_text('<td class="n2">{{ value|number(2) }}</td> HB Fig. 3 and Table 2, (5.7), case 1, to 50 digits')
+    )
 
 
 # ---------------------------------------------------------------- the page without results, and with some
@@ -159,11 +164,17 @@ def test_claims_link_their_tests(bare):
 
 
 def test_every_item_of_the_papers_is_listed(bare):
-    """HB Table 1, Figs. 2 to 9, Table 2; MSQS Figs. 2 and 12, Table 2, (5.3) to (5.7): each with what the paper says."""
+    """HB Table 1, Figs. 2 to 9, Table 2; MSQS Figs. 2 and 12, Table 2, (5.3) to (5.7): each with what it says."""
     out, _ = bare
     with (out / "tables" / "papers.csv").open(encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
-    wanted = [f"HB Fig. {n}" for n in range(2, 10)] + ["HB Table 1", "HB Table 2", "MSQS Fig. 2", "MSQS Fig. 12", "MSQS Table 2"]
+    wanted = [f"HB Fig. {n}" for n in range(2, 10)] + [
+        "HB Table 1",
+        "HB Table 2",
+        "MSQS Fig. 2",
+        "MSQS Fig. 12",
+        "MSQS Table 2",
+    ]
     wanted += ["MSQS (5.3)", "MSQS (5.4)", "MSQS (5.5)", "MSQS (5.6), (5.7)"]
     assert sorted(f"{row['paper']} {row['item']}" for row in rows) == sorted(wanted)
     assert all(row["prints"] and row["verdict"] and row["why"] for row in rows)
@@ -189,9 +200,14 @@ def test_lines_to_paste_run(scene_page):
         printed = [[float(v) for v in line.split("# ")[1].removesuffix(" N").split(", ")]
                    for line in block.splitlines() if line.startswith("state.tension")]  # fmt: skip
         found = []
-        exec(block.replace("state.tension, state.H, state.V", "found.append((state.tension, state.H, state.V))"), {"found": found})
+        exec(
+            block.replace("state.tension, state.H, state.V", "found.append((state.tension, state.H, state.V))"),
+            {"found": found},
+        )
         for got, wanted in zip(found, printed, strict=True):
-            assert all(math.isclose(a, b, rel_tol=1e-5, abs_tol=1e-5 * wanted[0]) for a, b in zip(got, wanted, strict=True))
+            assert all(
+                math.isclose(a, b, rel_tol=1e-5, abs_tol=1e-5 * wanted[0]) for a, b in zip(got, wanted, strict=True)
+            )
 
 
 def test_figures_have_their_data(scene_page):
@@ -210,7 +226,8 @@ def test_a_figure_without_units_is_refused(tmp_path):
     """An axis that does not say what it shows stops the page, and the message names figure and axis."""
     code = (
         "from pathlib import Path\nfrom reports import style\nfigure, axes = style.plt.subplots()\n"
-        f"axes.plot([1, 2]); axes.set_xlabel('x, m')\nstyle.save(figure, Path({str(tmp_path)!r}), 'bare', 'Bare', 'Bare.')"
+        f"axes.plot([1, 2]); axes.set_xlabel('x, m')\nstyle.save(figure, Path({str(tmp_path)!r}), 'bare', 'Bare', "
+        "'Bare.')"
     )
     run = subprocess_of(code)
     assert run.returncode == 1 and "figure 'bare': axes without a label" in run.stderr and ": y" in run.stderr
@@ -241,5 +258,3 @@ def test_words_on_the_front_follow_the_points():
     assert ahead == "C: this project is the fastest at every error that any code reaches"
     assert behind == ("2 3 C: from an error of 0.0010 up to 0.010 MoorDyn takes 2.00 s, this project 4.00 s (2 times)")
     assert alone == "C: from an error of 1.0e-6 up to 1.0e-4 MoorDyn takes 9.00 s, this project has no setting"
-
-

@@ -1,4 +1,4 @@
-"""What a browser sees of a page that is wrong: each check returns a list of faults in words, empty where there is none."""
+"""What a browser sees of a page that is wrong: each check returns a list of faults in words."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def figures_without_data(page) -> list[str]:
 
 
 def overflows(page) -> list[str]:
-    """The page itself scrolling sideways, and elements over its right edge that do not scroll inside a box of theirs."""
+    """The page scrolling sideways, and elements over its right edge that do not scroll inside a box of theirs."""
     return page.evaluate(
         """slack => {
         const wide = document.documentElement.clientWidth, found = [];
@@ -85,7 +85,8 @@ def overflows(page) -> list[str]:
             if (e.ownerSVGElement) continue;
             const box = e.getBoundingClientRect();
             if (box.width && (box.right > wide + slack || box.left < -slack) && !clipped(e))
-                found.push(e.tagName + '.' + e.className + ' ' + Math.round(box.right) + ' px: ' + e.textContent.trim().slice(0, 60));
+                found.push(e.tagName + '.' + e.className + ' ' + Math.round(box.right) + ' px: ' +
+                    e.textContent.trim().slice(0, 60));
         }
         return found;
     }""",
@@ -121,14 +122,16 @@ def label_overlaps(page) -> list[str]:
     return page.evaluate(
         """slack => [...document.querySelectorAll('figure svg')].flatMap(svg => {
         const scale = svg.getBoundingClientRect().width / (svg.viewBox.baseVal.width || 1);
-        const slanted = t => { const m = t.getCTM(); return Math.min(Math.abs(m.a), Math.abs(m.b)) > 1e-3 * Math.abs(m.a + m.b); };
+        const slanted = t => { const m = t.getCTM();
+            return Math.min(Math.abs(m.a), Math.abs(m.b)) > 1e-3 * Math.abs(m.a + m.b); };
         const texts = [...svg.querySelectorAll('text')].filter(t => t.textContent.trim() && !slanted(t))
             .map(t => ({t, r: t.getBoundingClientRect()})).filter(b => b.r.width > 0);
         const found = [], s = slack * scale, name = e => (e.getAttribute('aria-label') || '').slice(0, 50) + ': ';
         texts.forEach((a, i) => texts.slice(i + 1).forEach(b => {
             if (Math.min(a.r.right, b.r.right) - Math.max(a.r.left, b.r.left) > s
                 && Math.min(a.r.bottom, b.r.bottom) - Math.max(a.r.top, b.r.top) > s)
-                found.push(name(svg) + a.t.textContent.replace(/\\s+/g, '') + ' | ' + b.t.textContent.replace(/\\s+/g, ''));
+                found.push(name(svg) + a.t.textContent.replace(/\\s+/g, '') + ' | ' +
+                    b.t.textContent.replace(/\\s+/g, ''));
         }));
         return found;
     })""",
@@ -141,8 +144,10 @@ def clipped_labels(page) -> list[str]:
     return page.evaluate(
         """slack => [...document.querySelectorAll('figure svg')].flatMap(svg => {
         const box = svg.getBoundingClientRect();
-        return [...svg.querySelectorAll('text')].filter(t => { const r = t.getBoundingClientRect(); return r.width > 0 && t.textContent.trim()
-            && (r.left < box.left - slack || r.right > box.right + slack || r.top < box.top - slack || r.bottom > box.bottom + slack); })
+        return [...svg.querySelectorAll('text')].filter(t => { const r = t.getBoundingClientRect();
+            return r.width > 0 && t.textContent.trim()
+            && (r.left < box.left - slack || r.right > box.right + slack || r.top < box.top - slack ||
+                r.bottom > box.bottom + slack); })
             .map(t => (svg.getAttribute('aria-label') || '').slice(0, 50) + ': ' + t.textContent.trim());
     })""",
         SLACK,
@@ -154,12 +159,15 @@ def unreadable(page) -> list[str]:
     return page.evaluate(
         """least => {
         const rgb = c => (c.match(/[\\d.]+/g) || []).map(Number);
-        const light = c => { const [r, g, b] = c.slice(0, 3).map(v => { v /= 255; return v <= .03928 ? v / 12.92 : ((v + .055) / 1.055) ** 2.4; });
+        const light = c => { const [r, g, b] = c.slice(0, 3).map(v => { v /= 255; return v <= .03928 ? v / 12.92 :
+            ((v + .055) / 1.055) ** 2.4; });
             return .2126 * r + .7152 * g + .0722 * b; };
-        const paper = e => { for (let p = e; p; p = p.parentElement) { const c = rgb(getComputedStyle(p).backgroundColor);
+        const paper = e => { for (let p = e; p;
+            p = p.parentElement) { const c = rgb(getComputedStyle(p).backgroundColor);
             if (c.length === 3 || c[3] > .5) return c; } return [255, 255, 255]; };
         const found = new Set();
-        for (const e of document.querySelectorAll('p, td, th, li, h1, h2, h3, h4, a, summary, figcaption, code, pre, dt, dd, svg text')) {
+        for (const e of document.querySelectorAll(
+            'p, td, th, li, h1, h2, h3, h4, a, summary, figcaption, code, pre, dt, dd, svg text')) {
             if (!e.textContent.trim() || !e.getBoundingClientRect().width) continue;
             const style = getComputedStyle(e), ink = rgb(e.ownerSVGElement ? style.fill : style.color);
             if (ink.length < 3) continue;

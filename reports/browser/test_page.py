@@ -1,7 +1,7 @@
 """Is the finished page whole in a real browser: at the width of a telephone and of a laptop, light and dark?
 
-The page is that of MOORING_PAGE (several: separated as in PATH), by default reports/out/index.html. Without a browser or
-without a page the tests are skipped; where the variable CI is set, they fail instead.
+The page is that of MOORING_PAGE (several: separated as in PATH), by default reports/out/index.html. Without a browser
+or without a page the tests are skipped; where the variable CI is set, they fail instead.
 """
 
 from __future__ import annotations
@@ -106,7 +106,8 @@ def test_text_stands_out_from_the_paper(opened):
 # ---------------------------------------------------------------- each check can turn red
 STYLE = "<style>body { margin: 0; background: #fff; color: #000; } svg { width: 300px; }</style>"
 PANEL = (
-    '<figure class="panel"><div class="drawn"><svg viewBox="0 0 300 100" aria-label="two"><path d="M0 0H9"/>{}</svg></div>'
+    '<figure class="panel"><div class="drawn"><svg viewBox="0 0 300 100" aria-label="two"><path d="M0 0H9"/>{}'
+    "</svg></div>"
     '<figcaption><a href="sound.csv">CSV</a></figcaption></figure>'
 )
 SOUND = f'<link rel="icon" href="data:,">{STYLE}<p id="top">Sound. <a href="#top">up</a></p>' + PANEL.format(
@@ -123,8 +124,10 @@ PLANTED = {
     "failing request": ('<link rel="stylesheet" href="none.css">', "troubles"),
     "too wide": ('<p style="width: 1500px">wide</p>', "overflows"),
     "overlapping boxes": ('<p>one</p><p style="margin-top: -2.2em">two</p>', "overlaps"),
-    "overlap in a fold": ('<details><summary>s</summary><p>one</p><p style="margin-top: -2.2em">two</p></details>', "overlaps"),
-    "labels on each other": (PANEL.format('<text x="10" y="50">one</text><text x="12" y="50">two</text>'), "label_overlaps"),
+    "overlap in a fold": ('<details><summary>s</summary><p>one</p><p style="margin-top: -2.2em">two</p></details>',
+                          "overlaps"),
+    "labels on each other": (PANEL.format('<text x="10" y="50">one</text><text x="12" y="50">two</text>'),
+                             "label_overlaps"),
     "clipped label": (PANEL.format('<text x="280" y="50">a long label</text>'), "clipped_labels"),
     "pale text": ('<p style="color: #ddd">pale</p>', "unreadable"),
 }  # fmt: skip
@@ -138,7 +141,8 @@ def faults_of(browser, folder: Path, text: str, width: int = 1280) -> dict[str, 
     found = checks.opened(browser, folder / "page.html", width, "light")
     page = found.page
     seen = {name: getattr(checks, name)(page) for name in (
-        "missing_figures", "figures_without_data", "overflows", "overlaps", "label_overlaps", "clipped_labels", "unreadable"
+        "missing_figures", "figures_without_data", "overflows", "overlaps", "label_overlaps", "clipped_labels",
+        "unreadable",
     )}  # fmt: skip
     seen |= {"missing_files": checks.missing_files(page, folder / "page.html"), "troubles": found.troubles}
     page.close()
