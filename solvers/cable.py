@@ -19,7 +19,7 @@ from .chain import ChainSystem, Rows
 from .loads import seabed_support
 from .motion import Ramped
 from .outcome import InputError, Status
-from .properties import one_of
+from .properties import one_of, real_array
 
 _LONGEST = 0.3  # strain; chain breaks at 0.01, polyester at 0.15, nylon near 0.3
 _FEWEST = 20  # nodes below which coarser ones save nothing
@@ -250,8 +250,8 @@ def _mesh(nodes, mesh, length) -> np.ndarray:
             raise InputError(f"nodes: {nodes!r} must be a whole number from 3 to {_MOST_NODES}")
         return np.linspace(0.0, length, nodes)
     try:
-        s = np.asarray(mesh, dtype=float)
-    except (TypeError, ValueError, OverflowError):
+        s = real_array(mesh)
+    except (TypeError, ValueError):
         raise InputError(f"mesh: {mesh!r} must be arc lengths (m)") from None
     if s.ndim != 1 or s.size < 3 or not np.isfinite(s).all() or not (np.diff(s) > 0).all():
         raise InputError(f"mesh: must be three or more finite, increasing arc lengths (m), given {mesh!r}")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .outcome import InputError
+from .properties import real_array
 
 STRAIGHT = 1e-9  # of the tension: a piece lighter than that is straight, its square is below rounding
 
@@ -13,7 +14,7 @@ def profile(state, s):
     """(x, z, tension) at unstretched arc length s (...), m, from the anchor; see CatenaryState.profile."""
     span = state.span
     try:
-        s = np.asarray(s, dtype=float)
+        s = real_array(s)
     except (TypeError, ValueError):
         raise InputError(f"s: {s!r} must be real numbers (m)") from None
     if not np.all((s >= 0) & (s <= span.L)):

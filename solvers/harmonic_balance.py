@@ -18,7 +18,7 @@ from .fourier import Basis
 from .harmonic_rows import Balance
 from .newton import Step, damped_newton, relaxed_newton
 from .outcome import InputError, Outcome, Status
-from .properties import one_of, positive_number
+from .properties import one_of, positive_number, real_array
 from .response import Response
 from .threads import one_blas_thread
 
@@ -253,8 +253,8 @@ def _start(system, basis, start) -> np.ndarray:
             raise InputError(f"start: a response of {z.shape[:2]} fields and nodes at {of.omega:g} rad/s does not fit")
         return _resized(z, of, basis)
     try:
-        z = np.asarray(start, dtype=float)
-    except (TypeError, ValueError, OverflowError):
+        z = real_array(start)
+    except (TypeError, ValueError):
         raise InputError("start: must be a PeriodicResponse or an array of coefficients z") from None
     if z.shape != (*shape, basis.harmonic.size) or not np.isfinite(z).all():
         raise InputError(f"start: coefficients of shape {z.shape} must be {(*shape, basis.harmonic.size)}, all finite")

@@ -26,7 +26,7 @@ from .network_nested import (
     robust_start,
 )
 from .outcome import InputError, Outcome, Status
-from .properties import one_of, real_number, vector
+from .properties import one_of, real_array, real_number, vector
 
 
 @dataclass(frozen=True)
@@ -166,7 +166,7 @@ def _start(balance, start, count):
     elif not (isinstance(start, str) and start == "nodes"):
         parts = (start.r, start.H, start.V) if isinstance(start, NetworkState) else start
         try:
-            given, H, V = (np.array(part, dtype=float) for part in parts)
+            given, H, V = map(real_array, parts)
         except (TypeError, ValueError):
             raise InputError("start: must be None, 'nodes', a NetworkState or arrays (r, H, V)") from None
         shapes, wanted = (given.shape, H.shape, V.shape), (r.shape, balance.w.shape, balance.w.shape)

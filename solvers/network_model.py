@@ -15,7 +15,7 @@ import numpy as np
 from .catenary import Span
 from .network_balance import Balance
 from .outcome import InputError
-from .properties import Environment, non_negative_number, vector
+from .properties import Environment, non_negative_number, real_array, vector
 
 KINDS = ("fixed", "free", "coupled")
 
@@ -121,7 +121,7 @@ class Network:
         """
         coupled = np.flatnonzero(self.balance.coupled)
         try:
-            positions = np.array(positions, dtype=float)
+            positions = real_array(positions)
         except (TypeError, ValueError):
             raise InputError(f"positions: {positions!r} must be ({coupled.size}, 3) real numbers (m)") from None
         if positions.shape != (coupled.size, 3):

@@ -46,6 +46,16 @@ def non_negative_number(name: str, value, unit: str) -> float:
     return value
 
 
+def real_array(value) -> np.ndarray:
+    """A copy as floats; raises TypeError or ValueError where it is none, also for complex numbers, which numpy cuts."""
+    if np.iscomplexobj(np.asarray(value)):
+        raise TypeError("complex numbers")
+    try:
+        return np.array(value, dtype=float)
+    except OverflowError as error:  # a whole number beyond 1e308
+        raise ValueError(str(error)) from None
+
+
 def one_of(name: str, value, choices):
     """Raises InputError naming the choices where ``value`` is none of them."""
     if not isinstance(value, (str, type(None))) or value not in choices:

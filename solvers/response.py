@@ -6,6 +6,9 @@ from functools import cached_property
 
 import numpy as np
 
+from .outcome import InputError
+from .properties import real_array
+
 _SAMPLES = 64  # in a period for each harmonic asked for: the interpolated tension then has no alias above 1e-6
 
 
@@ -41,7 +44,10 @@ class Response:
 
     def fairlead_tension(self, t) -> np.ndarray:
         """At times t in s, any shape, N. Raises InputError where the history does not reach."""
-        t = np.asarray(t, dtype=float)
+        try:
+            t = real_array(t)
+        except (TypeError, ValueError):
+            raise InputError(f"t: {t!r} must be real numbers (s)") from None
         flat = np.atleast_1d(t).ravel()
         return self.system.tension(self.at(flat), self.rate_at(flat))[-1].reshape(t.shape)
 

@@ -12,7 +12,7 @@ from . import invariants
 from .chain import ChainSystem
 from .generalized_alpha import HOLDS, Scheme, Stepper
 from .outcome import InputError, Outcome, Status
-from .properties import one_of, positive_number, real_number
+from .properties import one_of, positive_number, real_array, real_number
 from .response import Response
 
 _GROWTH, _SHRINK, _SAFETY = 2.0, 0.2, 0.9  # of an error-controlled step
@@ -264,7 +264,7 @@ def _start(system, start):
         return y, np.zeros_like(y)
     try:
         y, ydot = start
-        y, ydot = (None if part is None else np.array(part, dtype=float) for part in (y, ydot))
+        y, ydot = (None if part is None else real_array(part) for part in (y, ydot))
     except (TypeError, ValueError):
         raise InputError("start: must be (y, ydot), two arrays of numbers, ydot may be None") from None
     for name, part in (("y", y), ("ydot", ydot)):
