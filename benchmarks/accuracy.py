@@ -6,7 +6,6 @@ Sets: the reference table; random lines from everyday to extreme; a map over sla
 from __future__ import annotations
 
 import math
-import os
 import signal
 from concurrent.futures import ProcessPoolExecutor
 
@@ -141,9 +140,7 @@ def main(argv=None) -> int:
     """Command line."""
     parser = console.parser("accuracy", __doc__)
     parser.add_argument("--random", type=console.whole_number(0, "a number of random lines"), default=1000, metavar="N")
-    parser.add_argument(
-        "--jobs", type=console.whole_number(1, "a number of processes"), default=os.cpu_count() or 1, metavar="J"
-    )
+    console.add_jobs(parser)
     arguments = parser.parse_args(argv)
     harness.solvers()  # a peer that is installed but broken is named here, not by every process
     known = truth.TruthCache(arguments.out)

@@ -182,6 +182,24 @@ PARTS = {
     "speed": speed,
     "growth": growth,
 }
+TIMED = ("speed", "growth")
+
+
+def add_parts(parser, parts: dict):
+    """The options that choose among parts."""
+    choice = parser.add_mutually_exclusive_group()
+    choice.add_argument("--parts", nargs="+", choices=parts, default=list(parts), help="measure only these")
+    choice.add_argument("--kind", choices=("timed", "untimed"),
+                        help="only what is a timing, or only the rest, in a file of its own: it can run beside other work")  # fmt: skip
+    parser.add_argument("--quick", action="store_true", help="fewer settings and sizes")
+
+
+def chosen(arguments, timed, stem: str) -> tuple[list[str], str]:
+    """(names of the parts, name of the result file) that the options ask for."""
+    if arguments.kind is None:
+        return arguments.parts, f"{stem}.json"
+    names = [name for name in arguments.parts if (name in timed) == (arguments.kind == "timed")]
+    return names, f"{stem}.json" if arguments.kind == "timed" else f"{stem}_untimed.json"
 
 
 def measured(parts: dict, chosen, label: str, *settings) -> dict:
@@ -206,11 +224,11 @@ def measured(parts: dict, chosen, label: str, *settings) -> dict:
 def main(argv=None) -> int:
     """Command line."""
     parser = console.parser("cable_dynamics", __doc__)
-    parser.add_argument("--parts", nargs="+", choices=PARTS, default=list(PARTS), help="measure only these")
-    parser.add_argument("--quick", action="store_true", help="fewer sizes and periods")
+    add_parts(parser, PARTS)
     arguments = parser.parse_args(argv)
-    file = measured(PARTS, arguments.parts, "dynamics", arguments.quick)
-    results.write(arguments.out / "dynamics.json", file | {"quick": arguments.quick})
+    names, output = chosen(arguments, TIMED, "dynamics")
+    file = measured(PARTS, names, "dynamics", arguments.quick)
+    results.write(arguments.out / output, file | {"quick": arguments.quick})
     if "speed" in file:
         for name, seconds in file["speed"]["seconds"].items():
             print(f"three periods, {name}: {min(seconds):.3g} s")

@@ -39,6 +39,12 @@ def whole_number(least: int, what: str):
     return parse
 
 
+def add_jobs(parser):
+    """``--jobs``: all cores by default."""
+    number = whole_number(1, "a number of processes")
+    parser.add_argument("--jobs", type=number, default=os.cpu_count() or 1, metavar="J", help="processes")
+
+
 def progress(items, total: int, label: str):
     """Yield from ``items`` under a bar on stderr, or with one line on stdout a step where a parent asks for lines."""
     if os.environ.get(PROGRESS) != "lines":

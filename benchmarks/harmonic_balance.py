@@ -11,7 +11,7 @@ from solvers.harmonic_balance import solve_periodic
 from solvers.time_domain import solve_time_domain
 
 from . import console, dynamic_work, harmonic_limits, results
-from .cable_dynamics import measured
+from .cable_dynamics import add_parts, chosen, measured
 from .dynamic_cases import (
     CASES,
     DT,
@@ -72,6 +72,16 @@ def printed() -> dict:
     return {(row["name"].replace(" ", "_"), row["quantity"]): float(row["value"]) for row in rows}
 
 
+def converged(quick: bool, references):
+    """The references, which later parts (and a later run of the timed ones) find made."""
+    found = {}
+    for case in CASES:
+        reference = references.of(case)
+        found[case] = {"uncertainty": reference.uncertainty, "levels": reference.levels}
+        yield None
+    yield found
+
+
 def newton(quick: bool, references):
     """Fig. 3 and Fig. 4: error of every Newton step and the tension, by (Nh, Nt), for 5 m and 9 m."""
     rows = []
@@ -123,11 +133,11 @@ def cases(quick: bool, references):
             {"case": case, "method": "reference", "tension": reference.tension[:: reference.tension.size // SHOWN]}
         )
         yield None
-    converged = references.of("case_1")
-    found = {"max": converged.tension.max() / 1e3, "min": converged.tension.min() / 1e3,
-             "harmonics": converged.harmonics(5) / 1e3}  # fmt: skip
+    reference = references.of("case_1")
+    found = {"max": reference.tension.max() / 1e3, "min": reference.tension.min() / 1e3,
+             "harmonics": reference.harmonics(5) / 1e3}  # fmt: skip
     yield {"node": NODE, "s": system("case_1").s[NODE - 1], "rows": rows, "converged": found,
-           "levels": converged.levels, "independent": INDEPENDENT}  # fmt: skip
+           "levels": reference.levels, "independent": INDEPENDENT}  # fmt: skip
 
 
 def _calls(case: str) -> dict:
@@ -244,6 +254,7 @@ def spectra(quick: bool, references):
 
 
 PARTS = {
+    "references": converged,
     "newton": newton,
     "cases": cases,
     "constant": constant,
@@ -255,17 +266,18 @@ PARTS = {
     "fields": harmonic_limits.fields,
     "oscillators": harmonic_limits.oscillators,
 }
+TIMED = ("cases", "work", "growth", "fields", "oscillators")
 
 
 def main(argv=None) -> int:
     """Command line."""
     parser = console.parser("harmonic_balance", __doc__)
-    parser.add_argument("--parts", nargs="+", choices=PARTS, default=list(PARTS), help="measure only these")
-    parser.add_argument("--quick", action="store_true", help="fewer settings, coarser references")
+    add_parts(parser, PARTS)
     arguments = parser.parse_args(argv)
+    names, output = chosen(arguments, TIMED, "harmonic_balance")
     references = References(arguments.out, arguments.quick)
-    file = measured(PARTS, arguments.parts, "harmonic balance", arguments.quick, references)
-    results.write(arguments.out / "harmonic_balance.json", file | {"quick": arguments.quick})
+    file = measured(PARTS, names, "harmonic balance", arguments.quick, references)
+    results.write(arguments.out / output, file | {"quick": arguments.quick})
     for row in file.get("cases", {"rows": []})["rows"]:
         if "seconds" in row:
             print(f"{row['case']}, {row['method']}: {min(row['seconds']):.3g} s, rms {row['rms']:.2g} of the range")

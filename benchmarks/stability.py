@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import signal
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -49,13 +48,13 @@ def part(folder: Path, quick: bool, name: str, row: int | None):
     return made.row(row) if isinstance(made, Map) else results.plain(list(made()))
 
 
-def measured(folder: Path, chosen, quick: bool) -> dict:
+def measured(folder: Path, chosen, quick: bool, jobs: int) -> dict:
     """The file; each piece is kept in folder/cache when it is finished, by the content of what it is made with."""
     pieces = {name: made for name, made in work(folder, quick).items() if not chosen or name in chosen}
     path = lambda name: folder / "cache" / f"stability-{name}{'-quick' if quick else ''}-{sources()}.json"
     new = [name for name in pieces if not path(name).exists()]
     rows = {name: _rows(pieces[name]) for name in new}
-    with ProcessPoolExecutor(os.cpu_count(), initializer=_start_process) as pool:
+    with ProcessPoolExecutor(jobs, initializer=_start_process) as pool:
         heavy = sorted(new, key=lambda name: isinstance(pieces[name], Map))  # what cannot be cut comes first
         sent = {pool.submit(part, folder, quick, name, row): (name, row) for name in heavy for row in rows[name]}
         done = {name: {} for name in new}
@@ -92,8 +91,9 @@ def main(argv=None) -> int:
     parser = console.parser("stability", __doc__)
     parser.add_argument("--quick", action="store_true", help="fewer points")
     parser.add_argument("--parts", nargs="+", metavar="NAME", help="only these maps or parts")
+    console.add_jobs(parser)
     arguments = parser.parse_args(argv)
-    file = measured(arguments.out, arguments.parts, arguments.quick)
+    file = measured(arguments.out, arguments.parts, arguments.quick, arguments.jobs)
     results.write(arguments.out / "stability.json", file)
     for entry in file["maps"]:
         seconds = sum(point["seconds"] for point in entry["points"])

@@ -76,11 +76,14 @@ class Results:
             return "Not run yet; nothing to show"
         return "" if self.ledger.valid(stage) else "Last run on other sources or on another machine"
 
-    def json(self, stage: str) -> dict | None:
-        """Content of the stage's file; None where there is none or it cannot be read."""
-        output = next((s.output for s in self.stages if s.name == stage), None)
+    def json(self, name: str) -> dict | None:
+        """Content of the file of a stage, or of all files of a group together; None where there is none to be read."""
+        found = [self._read(stage.output) for stage in self.stages if name in (stage.name, stage.group)]
+        return {key: value for file in found if file for key, value in file.items()} or None
+
+    def _read(self, output: str) -> dict | None:
         try:
-            return json.loads((self.folder / output).read_text(encoding="utf-8")) if output else None
+            return json.loads((self.folder / output).read_text(encoding="utf-8"))
         except (OSError, ValueError):
             return None
 
