@@ -9,8 +9,10 @@ import csv
 import hashlib
 import io
 import json
+import multiprocessing
 import os
 import sys
+import threading
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 
@@ -47,11 +49,21 @@ def _parsed(line):
         return None
 
 
+def _end_with_parent():
+    """In a process of the pool: end when the program ends, however it does (kill -9 runs no handler)."""
+
+    def watch():
+        multiprocessing.parent_process().join()
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
+
+
 def _computed(name, jobs, keep=None, done=()):
     """Yield the missing rows of a set as they are finished; `keep` is called with each."""
     generator = GENERATED[name]
     todo = [row for row in generator.design() if row.name not in done]
-    with ProcessPoolExecutor(jobs) as pool, tqdm(total=len(todo), desc=name, unit="row") as bar:
+    with ProcessPoolExecutor(jobs, initializer=_end_with_parent) as pool, tqdm(total=len(todo), desc=name, unit="row") as bar:
         futures = [pool.submit(generator.compute, row) for row in todo]
         try:
             for future in as_completed(futures):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import re
@@ -201,6 +202,62 @@ def test_killed_report_ends_in_the_same_page(tmp_path):
             assert (pages[0] / name).read_bytes() == (pages[1] / name).read_bytes(), name
     assert without_machine(pages[0] / "index.html") == without_machine(pages[1] / "index.html")
 
+
+# ---------------------------------------------------------------- reference data, killed
+FEW = """
+import itertools, sys
+from reference_data import __main__ as program
+from reference_data.generate import spans
+from pathlib import Path
+rows = list(itertools.islice(spans.design(), 0, None, 40))
+spans.design = lambda: rows
+program.HERE = Path(sys.argv[1])
+sys.exit(program.main(["regenerate", "--only", "spans", "--jobs", "2"]))
+"""
+"""The program itself, every fortieth row of its design, the data in a folder of the test."""
+
+
+def regeneration(folder: Path) -> subprocess.Popen:
+    folder.mkdir(exist_ok=True)
+    return subprocess.Popen([sys.executable, "-c", FEW, str(folder)], cwd=ROOT, stderr=subprocess.PIPE,
+                            stdout=subprocess.DEVNULL, encoding="utf-8", start_new_session=True)  # fmt: skip
+
+
+def members(group: int) -> list[str]:
+    """Processes of a process group that are not over."""
+    found = subprocess.run(["ps", "-eo", "pgid=,stat=,pid="], capture_output=True, text=True, check=True).stdout
+    return [pid for pgid, stat, pid in map(str.split, found.splitlines()) if int(pgid) == group and stat[0] != "Z"]
+
+
+@needs_kill
+def test_killed_regeneration_loses_the_cut_line_only(tmp_path):
+    """kill -9 among the rows, and the last line of the log cut in the middle: the processes of the pool end too, every
+    other row is kept and computed no more, and the table is that of an undisturbed run."""
+    whole, killed = tmp_path / "whole", tmp_path / "killed"
+    _, shown = (run := regeneration(whole)).communicate(timeout=LONGEST)
+    assert run.returncode == 0, shown
+    run, log = regeneration(killed), killed / "spans" / "data.partial.tmp"
+    wait_for(lambda: log.exists() and len(log.read_text(encoding="utf-8").splitlines()) > 4)
+    assert len(members(run.pid)) > 2
+    run.kill()
+    run.wait()
+    try:
+        wait_for(lambda: not members(run.pid), ENDS_WITHIN)
+    finally:
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(run.pid, signal.SIGKILL)
+        run.stderr.close()
+    assert not (killed / "spans" / "data.csv").exists()
+    text = log.read_text(encoding="utf-8")
+    log.write_text(text[: text.rindex("{") + 40], encoding="utf-8")
+    kept = text.count("{") - 1
+    _, shown = (run := regeneration(killed)).communicate(timeout=LONGEST)
+    assert run.returncode == 0, shown
+    table = (whole / "spans" / "data.csv").read_bytes()
+    rows = table.decode().count("\n") - 1
+    assert (killed / "spans" / "data.csv").read_bytes() == table and rows > 10
+    assert f"/{rows - kept} " in shown, shown  # of the progress bar: rows that were left to compute
+    assert not list(tmp_path.rglob("*.tmp"))
 
 
 # ---------------------------------------------------------------- comparisons
