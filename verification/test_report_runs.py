@@ -319,3 +319,67 @@ def test_results_depend_on_what_is_imported():
             "reference_data/spans/data.csv"} <= set(found["benchmarks.speed"])  # fmt: skip
     assert not [name for name in found["benchmarks.speed"] if "network.py" in name or name.startswith("reports")]
     assert {"reports/templates/index.html.j2", "benchmarks/accuracy.py"} <= set(found["reports"])
+
+
+USED = """
+import importlib, json, sys
+from pathlib import Path
+from reports.sources import PACKAGES, ROOT, SUFFIXES
+used, seen = set(), set()
+
+def note(file):
+    path = Path(file)
+    if path.is_relative_to(ROOT) and path.relative_to(ROOT).parts[0] in PACKAGES:
+        used.add(path.relative_to(ROOT).as_posix())
+
+def opened(event, arguments):
+    if event == "open" and isinstance(arguments[0], str) and Path(arguments[0]).suffix in SUFFIXES - {".py"}:
+        note(Path(arguments[0]).absolute())
+
+def called(frame, event, _):
+    if event == "call" and frame.f_code not in seen and frame.f_code.co_name != "<module>":
+        seen.add(frame.f_code)
+        note(frame.f_code.co_filename)
+
+name, *arguments = sys.argv[1:]
+if name == "pytest":
+    importlib.import_module(arguments[0].removesuffix(".py").replace("/", "."))
+program = importlib.import_module(name)
+sys.addaudithook(opened)
+sys.setprofile(called)
+code = program.main(arguments)
+sys.setprofile(None)
+print("", json.dumps(sorted(used)), code, sep="\\n")
+"""
+"""Runs a program and prints the project's files that it really used: those it opened, and those with a function that it
+called after its imports (that `from solvers import Span` also loads what Span does not need is no use of it)."""
+
+RUNS = {
+    "forces": ("benchmarks.scene", "reference_data/scenes/shallow_chain.toml", "--forces"),
+    "scene": ("benchmarks.scene", "reference_data/scenes/shallow_chain.toml"),
+    "dynamics": ("benchmarks.cable_dynamics", "--parts", "profile", "growth", "--quick"),
+    "tests": ("pytest", "verification/test_network_scene.py"),
+}
+
+
+def closure(*roots: str) -> set[str]:
+    """What the report takes a result to depend on."""
+    code = "from reports.sources import *; import sys, json; print(json.dumps(depends_on(sys.argv[1:])))"
+    return set(json.loads(python(code, *roots).stdout))
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_every_file_that_is_used_is_one_that_the_result_depends_on(request, tmp_path, name):
+    """What programs open and call while they run is in what was found by reading them; to a closure of other programs
+    the same files are strange, so that a missing one is seen."""
+    if name != "forces" and not request.config.getoption("--deep"):
+        pytest.skip("longer runs: with --deep")
+    program, *arguments = RUNS[name]
+    out = () if program == "pytest" else ("--out", tmp_path)
+    run = python(USED, program, *arguments, *out)
+    used, code = run.stdout.splitlines()[-2:]
+    assert code.endswith("0"), run.stdout + run.stderr
+    words = (program.replace(".", "/") + ".py", *arguments, "verification/conftest.py")
+    files = [word for word in words if (ROOT / word).is_file()]
+    assert set(json.loads(used)) <= closure(*files)
+    assert {"solvers/catenary.py", "solvers/block_chain.py"} & (set(json.loads(used)) - closure("benchmarks/machine.py"))
