@@ -37,7 +37,7 @@ QUICK = {
 }
 COUPLING = 0.02  # s: of MoorDyn beside the paper's settings
 
-LONG, ENOUGH, REPEATS = 0.3, 0.3, 4  # s: of a call that is timed once; of all repeats of a shorter one; at most so many
+LONG, ENOUGH, REPEATS = 0.3, 0.2, 3  # s: of a call that is timed once; of all repeats of a shorter one; at most so many
 
 
 def methods() -> list[str]:

@@ -18,8 +18,8 @@ from .network_systems import WEIGHTS, chain, cpu_seconds, scene, two_lines, with
 from .network_table2 import STARTS
 
 SPREAD = (5, 95)  # percentiles of the ratios: their extremes are single interruptions
-BUDGET = 2.0  # s for all turns of one comparison of methods, between the bounds of TURNS
-TURNS, QUICK_TURNS = (5, 25), (3, 7)
+BUDGET = 1.0  # s for all turns of one comparison of methods, between the bounds of TURNS
+TURNS, QUICK_TURNS = (5, 15), (3, 7)
 
 SIZES, QUICK_SIZES = (2, 5, 10, 20, 40), (2, 5, 10)  # elements of a chain
 END_MOVES = 8.0  # m, 1 % of the chain's span

@@ -17,8 +17,8 @@ TOLERANCES = tuple(10.0**-k for k in range(1, 16))
 """Relative: of this project's residual, and times L where a peer wants a distance in m."""
 
 BATCH_LINES = 100_000  # lines timed in one call
-SAMPLE = 50  # of them, one by one, in every solver and in the oracle
-BATCH_REPEATS = 3
+SAMPLE = 30  # of them, one by one, in every solver and in the oracle
+BATCH_REPEATS = 2
 
 
 def points(known: truth.TruthCache):

@@ -11,6 +11,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from . import (
     analysis,
+    background,
     defects,
     dynamics,
     evidence,
@@ -105,9 +106,12 @@ def build(out: Path, name: str, stages: list[Stage], ended: list[Ended], whole: 
     folders = [out / "figures", out / "tables"]
     for folder in folders:
         folder.mkdir(parents=True, exist_ok=True)
-    context = _common(results, *folders)
-    if whole:
-        context |= _whole(results, context["looks"], context, *folders)
+    try:
+        context = _common(results, *folders)
+        if whole:
+            context |= _whole(results, context["looks"], context, *folders)
+    finally:
+        background.finish()
     template = _templates().get_template("index.html.j2" if whole else "scenes.html.j2")
     text = template.render(context)
     write_atomically(out / name, text)

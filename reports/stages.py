@@ -12,8 +12,9 @@ from .sources import ROOT, program
 SCENES = ROOT / "reference_data" / "scenes"
 TESTS = ROOT / "verification"
 
-RANDOM, QUICK_RANDOM = 1000, 150
-"""Random lines judged against 50 digits: enough to see a wrong answer in a few thousand; a look in two minutes."""
+RANDOM, QUICK_RANDOM = 600, 150
+"""Random lines judged against 50 digits: enough to see one wrong answer in a few hundred, the whole report within ten
+minutes on two cores; a look in two minutes. `python -m benchmarks.accuracy --random N` judges more."""
 
 CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 JOBS = max(1, CORES // 2)
@@ -68,7 +69,7 @@ class Stage:
 # ---------------------------------------------------------------- tests: a stage for each file
 LONG_TESTS = {"test_exact": 75, "test_defects": 40, "test_network": 35, "test_harmonic_balance": 25, "test_fuzz": 15,
               "test_network_properties": 15, "test_found_by_defects": 15, "test_exact_dynamics": 12,
-              "test_dynamics_report": 15, "test_report": 25, "test_stability": 12, "test_time_domain": 10,
+              "test_stability": 12, "test_time_domain": 10,
               "test_oscillators": 10, "test_cable_order": 10, "test_harmonic_jacobian": 8,
               "test_cable_invariants": 8, "test_cable_statics": 6, "test_network_jacobian": 6}  # fmt: skip
 """Test files that take long -> expected seconds."""
@@ -78,8 +79,12 @@ WHOLE_TREE = {"test_architecture": ("solvers", "verification", "benchmarks", "re
 """Tests that read sources which they do not name one by one."""
 
 
+OF_REPORTS = ("test_report", "test_report_runs", "test_dynamics_report", "test_page")
+"""Tests that make reports themselves; in a report they would show nothing that it does not show. pytest runs them."""
+
+
 def _tests(quick: bool) -> list[Stage]:
-    stems = [path.stem for path in sorted(TESTS.glob("test_*.py"))]
+    stems = [path.stem for path in sorted(TESTS.glob("test_*.py")) if path.stem not in OF_REPORTS]
     return [_test(stem, quick) for stem in stems if not quick or stem not in LONG_TESTS or stem in IN_QUICK]
 
 

@@ -12,7 +12,7 @@ import matplotlib
 matplotlib.use("Agg")
 from matplotlib import pyplot as plt
 
-from . import figure_data
+from . import background, figure_data
 from .analysis import sort_solvers
 from .ledger import write_atomically
 
@@ -88,7 +88,8 @@ def save(figure, folder: Path, name: str, title: str, alt: str, rows: list[dict]
     with plt.rc_context({"svg.hashsalt": name}):
         figure.savefig(drawn, format="svg", metadata=nothing, transparent=True)
         write_atomically(folder / f"{name}.svg", _white(drawn.getvalue()))
-        figure.savefig(folder / f"{name}.png", dpi=200, facecolor="white")
+    figure.set_layout_engine("none")  # it has found its places
+    background.start(lambda: figure.savefig(folder / f"{name}.png", dpi=200, facecolor="white"))
     plt.close(figure)
     return Figure(name, title, alt, _embedded(drawn.getvalue(), name, alt, width), width > 6)
 
