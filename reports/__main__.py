@@ -23,16 +23,20 @@ def _parser() -> argparse.ArgumentParser:
         prog="python -m reports",
         description=__doc__,
         epilog="python -m reports compare [A B]: what became slower, less accurate or failed between two runs; see its "
-        "own --help.",
+        "own --help. Exit status 0: all is there and all tests passed; 1: something failed, and the page says what; 2: "
+        "what was asked for cannot be done.",
     )
     parser.add_argument("scenes", nargs="*", type=Path, metavar="SCENE.toml", help="a page about these lines only")
     parser.add_argument(
         "--quick",
         action="store_true",
-        help="less than two minutes: fewer random lines and tests, without the sweep of the tolerance",
+        help="less than two minutes: fewer random lines and tests, without the sweep of the tolerance and the"
+        " seeded defects",
     )
-    parser.add_argument("--only", nargs="+", metavar="STAGE", help=f"run these only, of: {', '.join(GROUPS)}")
-    parser.add_argument("--out", type=Path, default=DEFAULT_OUT, metavar="DIR", help="folder of page and results")
+    parser.add_argument("--only", nargs="+", metavar="STAGE", help=f"run these only (after the scene files), of: "
+                        f"{', '.join(GROUPS)}")
+    parser.add_argument("--out", type=Path, default=DEFAULT_OUT, metavar="DIR",
+                        help="folder of page and results (default: reports/out)")  # fmt: skip
     parser.add_argument("--fresh", action="store_true", help="measure again what has not changed since the last run")
     return parser
 
@@ -41,6 +45,8 @@ def _checked(parser: argparse.ArgumentParser, argv) -> argparse.Namespace:
     """Arguments, or a clear message and exit status 2."""
     arguments = parser.parse_args(argv)
     for name in arguments.only or ():
+        if name not in GROUPS and name.endswith(".toml"):
+            parser.error(f"{name} stands among the stages: put scene files before --only")
         if name not in GROUPS:
             parser.error(f"unknown stage {name!r}; the stages are {', '.join(GROUPS)}")
     for path in arguments.scenes:
@@ -61,10 +67,18 @@ def main(argv=None) -> int:
         return compare.main(argv[1:])
     arguments = _checked(_parser(), argv)
     out = arguments.out.resolve()
-    (out / "results").mkdir(parents=True, exist_ok=True)
+    try:
+        (out / "results").mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        print(f"{out}: no results can be written there ({error.strerror}): give another --out", file=sys.stderr)
+        return 2
     stages, name = _planned(arguments, out)
     wanted = arguments.only or [group for group in GROUPS if not (arguments.quick and group in SLOW)]
     chosen = [stage for stage in stages if stage.group in wanted]
+    if not chosen:
+        there = ", ".join(dict.fromkeys(stage.group for stage in stages))
+        print(f"nothing to run: of the stages {there} of this page, --only names none", file=sys.stderr)
+        return 2
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         ended = run_all(chosen, out / "results", arguments.fresh)

@@ -310,6 +310,28 @@ def test_comparison_of_what_is_not_there(tmp_path):
     assert found.returncode == 0 and "nothing is saved" in found.stdout
 
 
+# ---------------------------------------------------------------- what cannot be done
+SCENE = "reference_data/scenes/shallow_chain.toml"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (("--only", "accuracy", SCENE), f"{SCENE} stands among the stages: put scene files before --only"),
+        ((SCENE, "--only", "accuracy"), "of the stages machine, scenes of this page, --only names none"),
+        (("--only", "acuracy"), "unknown stage 'acuracy'; the stages are tests, machine, accuracy"),
+        (("--out", "{file}/below"), "below: no results can be written there (Not a directory): give another --out"),
+    ],
+)
+def test_what_cannot_be_done_is_told_in_a_sentence(tmp_path, arguments, says):
+    """Status 2, what is wrong and what to do instead; nothing is measured and no page written."""
+    (tmp_path / "file").touch()
+    words = [word.format(file=tmp_path / "file") for word in arguments]
+    found = report("--out", tmp_path / "out", *words)
+    assert found.returncode == 2 and says in " ".join(found.stderr.split()), found.stderr
+    assert "Traceback" not in found.stderr and not list(tmp_path.rglob("*.html"))
+
+
 # ---------------------------------------------------------------- what a result depends on
 def test_results_depend_on_what_is_imported():
     """Timings of lines need neither networks nor templates; what names a folder or a program needs it."""
