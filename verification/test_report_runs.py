@@ -310,6 +310,32 @@ def test_comparison_of_what_is_not_there(tmp_path):
     assert found.returncode == 0 and "nothing is saved" in found.stdout
 
 
+# ---------------------------------------------------------------- pictures, beside the drawing
+PICTURES = """
+import pathlib, sys, time
+from reports import background
+folder, bad = pathlib.Path(sys.argv[1]), int(sys.argv[2])
+
+def write(i):
+    time.sleep(0.05)
+    (folder / f"{i}.png").write_text(str(i // (i != bad)))
+
+for i in range(9):
+    background.start(lambda: write(i))
+background.finish()
+print("whole")
+"""
+
+
+@pytest.mark.parametrize(("bad", "code"), [(-1, 0), (4, 1)])
+def test_a_picture_that_fails_stops_the_page(tmp_path, bad, code):
+    """All pictures are there when the page is finished; where one could not be written there is no page."""
+    found = python(PICTURES, tmp_path, bad)
+    assert found.returncode == code, found.stderr
+    assert (found.stdout == "whole\n") == (code == 0)
+    assert (len(list(tmp_path.glob("*.png"))) == 9) == (code == 0) and ("ZeroDivisionError" in found.stderr) == (code == 1)
+
+
 # ---------------------------------------------------------------- what cannot be done
 SCENE = "reference_data/scenes/shallow_chain.toml"
 
