@@ -67,11 +67,12 @@ class Stage:
 
 
 # ---------------------------------------------------------------- tests: a stage for each file
-LONG_TESTS = {"test_exact": 75, "test_defects": 40, "test_network": 35, "test_harmonic_balance": 25, "test_fuzz": 15,
-              "test_network_properties": 15, "test_found_by_defects": 15, "test_exact_dynamics": 12,
-              "test_stability": 12, "test_time_domain": 10,
-              "test_oscillators": 10, "test_cable_order": 10, "test_harmonic_jacobian": 8,
-              "test_cable_invariants": 8, "test_cable_statics": 6, "test_network_jacobian": 6}  # fmt: skip
+LONG_TESTS = {"test_exact": 40, "test_defects": 25, "test_harmonic_balance": 23, "test_network": 20,
+              "test_network_properties": 15, "test_exact_dynamics": 14, "test_network_checks": 13, "test_stability": 12,
+              "test_invariants": 10, "test_time_domain": 10, "test_cable_order": 10, "test_references": 9,
+              "test_cable_invariants": 7, "test_oscillators": 7, "test_checks": 7, "test_fuzz": 7,
+              "test_cable_failures": 6, "test_found_by_defects": 6, "test_cable_statics": 5,
+              "test_harmonic_levels": 5}  # fmt: skip
 """Test files that take long -> expected seconds."""
 IN_QUICK = {"test_exact": "not 50_digits and not random_lines"}
 """Files among them that the quick run takes in part: what pytest -k chooses."""
@@ -121,18 +122,18 @@ def _sized(name: str, title: str, words: tuple[str, ...], seconds: tuple[float, 
 
 
 def _accuracy(quick: bool) -> Stage:
-    arguments = ("benchmarks.accuracy", "--jobs", "{jobs}", "--random")
-    better = (arguments[0], "--out", "{results}", *arguments[1:], str(RANDOM)) if quick else ()
-    random = QUICK_RANDOM if quick else RANDOM
-    seconds = 90 * (random + 1000) / (RANDOM + 1000)
-    return _measured("accuracy", "error of every solver", (*arguments, str(random)), seconds, jobs=JOBS, better=better)
+    words = ("benchmarks.accuracy", "--jobs", "{jobs}", "--random")
+    better = (words[0], "--out", "{results}", *words[1:], str(RANDOM)) if quick else ()
+    words += (str(QUICK_RANDOM), "--coarse") if quick else (str(RANDOM),)
+    return _measured("accuracy", "error of every solver", words, 15 if quick else 65, jobs=JOBS, better=better)
 
 
-def _benchmarks() -> Stage:
+def _benchmarks(quick: bool) -> Stage:
     files = tuple(f"benchmarks/{path.name}" for path in sorted((ROOT / "benchmarks").glob("bench_*.py")))
     arguments = ("pytest", *files, "--benchmark-enable", "--benchmark-only", "--benchmark-json={part}")
-    return Stage("benchmarks", "benchmarks", "timings", arguments, "benchmark.json", files, ("pyproject.toml",),
-                 timed=True, seconds=16)  # fmt: skip
+    shorter = ("--benchmark-max-time=0.2", "--benchmark-min-rounds=3") if quick else ()
+    return Stage("benchmarks", "benchmarks", "timings", (*arguments, *shorter), "benchmark.json", files,
+                 ("pyproject.toml",), timed=True, seconds=10 if quick else 16, better=arguments if quick else ())  # fmt: skip
 
 
 MOVING = {"dynamics": ("moving cable", "benchmarks.cable_dynamics", (16, 6), (8, 4)),
@@ -186,7 +187,7 @@ def plan(quick: bool, published: list[Path]) -> list[Stage]:
         *_tests(quick),
         _machine(),
         _accuracy(quick),
-        _benchmarks(),
+        _benchmarks(quick),
         _measured("work_precision", "error against time", ("benchmarks.work_precision",), 45, timed=True),
         _measured("speed", "speed side by side", ("benchmarks.speed",), 15, timed=True),
         _sized("networks", "networks of lines", ("benchmarks.networks",), (40, 20), quick, timed=True),
