@@ -190,7 +190,7 @@ def add_parts(parser, parts: dict):
     choice = parser.add_mutually_exclusive_group()
     choice.add_argument("--parts", nargs="+", choices=parts, default=list(parts), help="measure only these")
     choice.add_argument("--kind", choices=("timed", "untimed"),
-                        help="only what is a timing, or only the rest, in a file of its own: it can run beside other work")  # fmt: skip
+                        help="only what is a timing, or only the rest, in a file of its own")  # fmt: skip
     parser.add_argument("--quick", action="store_true", help="fewer settings and sizes")
 
 

@@ -25,7 +25,6 @@ from . import (
 )
 from .stability_maps import VERDICTS, Map, sources
 
-
 MODULES = stability_networks, stability_cables, stability_time, stability_harmonic
 
 

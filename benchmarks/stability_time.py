@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from solvers import Environment, Motion, Status, cable_system, invariants, solve_time_domain
+from solvers import Motion, Status, cable_system, invariants, solve_time_domain
 from solvers.generalized_alpha import Scheme
 
 from .dynamic_cases import scene

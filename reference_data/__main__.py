@@ -63,7 +63,8 @@ def _computed(name, jobs, keep=None, done=()):
     """Yield the missing rows of a set as they are finished; `keep` is called with each."""
     generator = GENERATED[name]
     todo = [row for row in generator.design() if row.name not in done]
-    with ProcessPoolExecutor(jobs, initializer=_end_with_parent) as pool, tqdm(total=len(todo), desc=name, unit="row") as bar:
+    bar = tqdm(total=len(todo), desc=name, unit="row")
+    with ProcessPoolExecutor(jobs, initializer=_end_with_parent) as pool, bar:
         futures = [pool.submit(generator.compute, row) for row in todo]
         try:
             for future in as_completed(futures):

@@ -84,7 +84,7 @@ def key(stage: Stage, arguments: tuple[str, ...]) -> str:
 
 
 class Ledger:
-    """Record of the finished stages beside their results: key, digest, seconds, date, load. Written after each stage."""
+    """Record of the finished stages beside their results: key, digest, seconds, date, load. Written after a stage."""
 
     def __init__(self, results: Path):
         self.results, self.path = results, results / "stages.json"

@@ -82,7 +82,8 @@ def _needed(file: str, root: Path) -> list[str]:
     """What a file itself leads to; nothing where it is no program of ours."""
     if not (file.endswith(".py") and (root / file).is_relative_to(root)):
         return []
-    return sorted({other for reference in set(_read(_tree(file, root), file, root)) for other in _files(reference, root)})
+    references = set(_read(_tree(file, root), file, root))
+    return sorted({other for reference in references for other in _files(reference, root)})
 
 
 def _read(tree: ast.AST, file: str, root: Path) -> Iterator[Reference]:

@@ -133,7 +133,8 @@ def _benchmarks(quick: bool) -> Stage:
     arguments = ("pytest", *files, "--benchmark-enable", "--benchmark-only", "--benchmark-json={part}")
     shorter = ("--benchmark-max-time=0.2", "--benchmark-min-rounds=3") if quick else ()
     return Stage("benchmarks", "benchmarks", "timings", (*arguments, *shorter), "benchmark.json", files,
-                 ("pyproject.toml",), timed=True, seconds=10 if quick else 16, better=arguments if quick else ())  # fmt: skip
+                 ("pyproject.toml",), timed=True, seconds=10 if quick else 16,
+                 better=arguments if quick else ())  # fmt: skip
 
 
 MOVING = {"dynamics": ("moving cable", "benchmarks.cable_dynamics", (16, 6), (8, 4)),

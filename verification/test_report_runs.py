@@ -129,7 +129,7 @@ def test_killed_run_goes_on_where_it_was(tmp_path, planted):
 
 @needs_kill
 def test_result_that_was_cut_is_made_again(tmp_path, planted):
-    """A result file that is not as it was written (cut by a full disk, edited) is not valid, whatever the record says."""
+    """A result file that is not as it was written (cut by a full disk, edited) is not valid, whatever its record."""
     states(planted(tmp_path / "run"))
     path = tmp_path / "run" / "deep" / "2.txt"
     whole = path.read_text()
@@ -333,7 +333,8 @@ def test_a_picture_that_fails_stops_the_page(tmp_path, bad, code):
     found = python(PICTURES, tmp_path, bad)
     assert found.returncode == code, found.stderr
     assert (found.stdout == "whole\n") == (code == 0)
-    assert (len(list(tmp_path.glob("*.png"))) == 9) == (code == 0) and ("ZeroDivisionError" in found.stderr) == (code == 1)
+    assert (len(list(tmp_path.glob("*.png"))) == 9) == (code == 0)
+    assert ("ZeroDivisionError" in found.stderr) == (code == 1)
 
 
 # ---------------------------------------------------------------- what cannot be done
@@ -346,7 +347,7 @@ SCENE = "reference_data/scenes/shallow_chain.toml"
         (("--only", "accuracy", SCENE), f"{SCENE} stands among the stages: put scene files before --only"),
         ((SCENE, "--only", "accuracy"), "of the stages machine, scenes of this page, --only names none"),
         (("--only", "acuracy"), "unknown stage 'acuracy'; the stages are tests, machine, accuracy"),
-        (("--out", "{file}/below"), "below: no results can be written there (Not a directory): give another --out"),
+        (("--out", "{file}/below"), "below: no results can be written there (Not a directory): give another"),
     ],
 )
 def test_what_cannot_be_done_is_told_in_a_sentence(tmp_path, arguments, says):
@@ -430,4 +431,5 @@ def test_every_file_that_is_used_is_one_that_the_result_depends_on(request, tmp_
     words = (program.replace(".", "/") + ".py", *arguments, "verification/conftest.py")
     files = [word for word in words if (ROOT / word).is_file()]
     assert set(json.loads(used)) <= closure(*files)
-    assert {"solvers/catenary.py", "solvers/block_chain.py"} & (set(json.loads(used)) - closure("benchmarks/machine.py"))
+    strange = set(json.loads(used)) - closure("benchmarks/machine.py")
+    assert {"solvers/catenary.py", "solvers/block_chain.py"} & strange
