@@ -124,7 +124,7 @@ def _told(path: Path, ended: list[Ended]) -> int:
     for end in failed:
         print(f"\nthe stage {end.stage.name} failed ({end.stage.shown}):", file=sys.stderr)
         print(*(f"  {line}" for line in end.tail), sep="\n", file=sys.stderr)
-    red = [end.stage.arguments[1] for end in ended if end.stage.group == "tests" and end.code == 1]
+    red = [end.stage.title.removeprefix("tests: ") for end in ended if end.stage.group == "tests" and end.code == 1]
     if red:
         print(f"\nverification tests fail in {', '.join(red)}: the page names them", file=sys.stderr)
     print(path)

@@ -161,7 +161,7 @@ def _stages(results: Results) -> list[dict]:
     ran = [entry for entry in tests if entry["finished"]]
     if not tests:
         return shown
-    whole = {"title": f"verification tests, {len(ran)} of {len(tests)} files",
+    whole = {"title": f"verification tests, {len(ran)} of {len(tests)} stages",
              "command": "python -m pytest verification",
              "seconds": sum(entry["seconds"] for entry in ran) if ran else None,
              "finished": max((entry["finished"] for entry in ran), default=None),

@@ -12,8 +12,8 @@ from .sources import ROOT, program
 SCENES = ROOT / "reference_data" / "scenes"
 TESTS = ROOT / "verification"
 
-RANDOM, QUICK_RANDOM = 600, 150
-"""Random lines judged against 50 digits: enough to see one wrong answer in a few hundred, the whole report within ten
+RANDOM, QUICK_RANDOM = 400, 150
+"""Random lines judged against 50 digits: enough to see one wrong answer in a hundred, the whole report within ten
 minutes on two cores; a look in two minutes. `python -m benchmarks.accuracy --random N` judges more."""
 
 CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
@@ -66,8 +66,8 @@ class Stage:
         return text
 
 
-# ---------------------------------------------------------------- tests: a stage for each file
-LONG_TESTS = {"test_exact": 40, "test_defects": 25, "test_harmonic_balance": 23, "test_network": 20,
+# ---------------------------------------------------------------- tests
+LONG_TESTS = {"test_exact": 40, "test_harmonic_balance": 23, "test_network": 20,
               "test_network_properties": 15, "test_exact_dynamics": 14, "test_network_checks": 13, "test_stability": 12,
               "test_invariants": 10, "test_time_domain": 10, "test_cable_order": 10, "test_references": 9,
               "test_cable_invariants": 7, "test_oscillators": 7, "test_checks": 7, "test_fuzz": 7,
@@ -79,14 +79,19 @@ IN_QUICK = {"test_exact": "not 50_digits and not random_lines"}
 WHOLE_TREE = {"test_architecture": ("solvers", "verification", "benchmarks", "reference_data", "reports")}
 """Tests that read sources which they do not name one by one."""
 
-
-OF_REPORTS = ("test_report", "test_report_runs", "test_dynamics_report", "test_page")
-"""Tests that make reports themselves; in a report they would show nothing that it does not show. pytest runs them."""
+ELSEWHERE = ("test_report", "test_report_runs", "test_dynamics_report", "test_page", "test_defects")
+"""Tests of what makes a report, which show nothing in one that it does not show itself; `pytest` runs them."""
 
 
 def _tests(quick: bool) -> list[Stage]:
-    stems = [path.stem for path in sorted(TESTS.glob("test_*.py")) if path.stem not in OF_REPORTS]
-    return [_test(stem, quick) for stem in stems if not quick or stem not in LONG_TESTS or stem in IN_QUICK]
+    """A stage for each long file; the others together, for to start costs more than most of them."""
+    stems = [path.stem for path in sorted(TESTS.glob("test_*.py")) if path.stem not in ELSEWHERE]
+    alone = [stem for stem in stems if stem in WHOLE_TREE or (stem in LONG_TESTS and (not quick or stem in IN_QUICK))]
+    short = tuple(f"verification/{stem}.py" for stem in stems if stem not in LONG_TESTS and stem not in WHOLE_TREE)
+    together = Stage("test_short", "tests", "tests: short files", ("pytest", *short, "--junitxml={part}"),
+                     "tests/test_short.xml", (*short, "verification/conftest.py"), ("pyproject.toml",), seconds=40,
+                     codes=(0, 1))  # fmt: skip
+    return [*(_test(stem, quick) for stem in alone), together]
 
 
 def _test(stem: str, quick: bool) -> Stage:
@@ -131,6 +136,7 @@ def _accuracy(quick: bool) -> Stage:
 def _benchmarks(quick: bool) -> Stage:
     files = tuple(f"benchmarks/{path.name}" for path in sorted((ROOT / "benchmarks").glob("bench_*.py")))
     arguments = ("pytest", *files, "--benchmark-enable", "--benchmark-only", "--benchmark-json={part}")
+    arguments += ("--benchmark-max-time=0.5",)
     shorter = ("--benchmark-max-time=0.2", "--benchmark-min-rounds=3") if quick else ()
     return Stage("benchmarks", "benchmarks", "timings", (*arguments, *shorter), "benchmark.json", files,
                  ("pyproject.toml",), timed=True, seconds=10 if quick else 16,
