@@ -19,7 +19,7 @@ from .network_table2 import STARTS
 
 SPREAD = (5, 95)  # percentiles of the ratios: their extremes are single interruptions
 BUDGET = 1.0  # s for all turns of one comparison of methods, between the bounds of TURNS
-TURNS, QUICK_TURNS = (5, 15), (3, 7)
+TURNS, QUICK_TURNS = (3, 15), (3, 7)
 
 SIZES, QUICK_SIZES = (2, 5, 10, 20, 40), (2, 5, 10)  # elements of a chain
 END_MOVES = 8.0  # m, 1 % of the chain's span
