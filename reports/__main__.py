@@ -30,8 +30,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--quick",
         action="store_true",
-        help="less than two minutes: fewer random lines and tests, without the sweep of the tolerance and the"
-        " seeded defects",
+        help="less than two minutes: fewer random lines and tests, without the sweep of the tolerance, "
+        "the timings of single calls and the seeded defects",
     )
     parser.add_argument("--only", nargs="+", metavar="STAGE", help=f"run these only (after the scene files), of: "
                         f"{', '.join(GROUPS)}")

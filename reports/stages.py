@@ -12,7 +12,7 @@ from .sources import ROOT, program
 SCENES = ROOT / "reference_data" / "scenes"
 TESTS = ROOT / "verification"
 
-RANDOM, QUICK_RANDOM = 400, 150
+RANDOM, QUICK_RANDOM = 400, 60
 """Random lines judged against 50 digits: enough to see one wrong answer in a hundred, the whole report within ten
 minutes on two cores; a look in two minutes. `python -m benchmarks.accuracy --random N` judges more."""
 
@@ -68,7 +68,8 @@ class Stage:
 
 # ---------------------------------------------------------------- tests
 LONG_TESTS = {"test_exact": 50, "test_network": 20, "test_harmonic_balance": 15, "test_stability": 13,
-              "test_invariants": 13, "test_time_domain": 12, "test_exact_dynamics": 12, "test_network_properties": 12,
+              "test_failures": 14, "test_invariants": 13, "test_time_domain": 12, "test_exact_dynamics": 12,
+              "test_network_properties": 12,
               "test_cable_order": 11, "test_network_checks": 11, "test_checks": 9, "test_cable_invariants": 8,
               "test_oscillators": 8, "test_references": 7, "test_cable_failures": 6, "test_harmonic_levels": 6,
               "test_cable_statics": 5, "test_found_by_defects": 5, "test_fuzz": 5}  # fmt: skip
@@ -88,8 +89,8 @@ def _tests(quick: bool) -> list[Stage]:
     alone = [stem for stem in stems if stem in WHOLE_TREE or (stem in LONG_TESTS and (not quick or stem in IN_QUICK))]
     short = tuple(f"verification/{stem}.py" for stem in stems if stem not in LONG_TESTS and stem not in WHOLE_TREE)
     together = Stage("test_short", "tests", "tests: short files", ("pytest", *short, "--junitxml={part}"),
-                     "tests/test_short.xml", (*short, "verification/conftest.py"), ("pyproject.toml",), seconds=21,
-                     codes=(0, 1))  # fmt: skip
+                     "tests/test_short.xml", (*short, "verification/conftest.py"), ("pyproject.toml",),
+                     seconds=13, codes=(0, 1))  # fmt: skip
     return [*(_test(stem, quick) for stem in alone), together]
 
 
@@ -132,14 +133,11 @@ def _accuracy(quick: bool) -> Stage:
     return _measured("accuracy", "error of every solver", words, 25 if quick else 50, jobs=JOBS, better=better)
 
 
-def _benchmarks(quick: bool) -> Stage:
+def _benchmarks() -> Stage:
     files = tuple(f"benchmarks/{path.name}" for path in sorted((ROOT / "benchmarks").glob("bench_*.py")))
     arguments = ("pytest", *files, "--benchmark-enable", "--benchmark-only", "--benchmark-json={part}")
-    arguments += ("--benchmark-max-time=0.5",)
-    shorter = ("--benchmark-max-time=0.2", "--benchmark-min-rounds=3") if quick else ()
-    return Stage("benchmarks", "benchmarks", "timings", (*arguments, *shorter), "benchmark.json", files,
-                 ("pyproject.toml",), timed=True, seconds=10 if quick else 16,
-                 better=arguments if quick else ())  # fmt: skip
+    return Stage("benchmarks", "benchmarks", "timings", (*arguments, "--benchmark-max-time=0.5"), "benchmark.json",
+                 files, ("pyproject.toml",), timed=True, seconds=16)  # fmt: skip
 
 
 MOVING = {"dynamics": ("moving cable", "benchmarks.cable_dynamics", (21, 6), (10, 4)),
@@ -180,7 +178,7 @@ def scene_stage(path: Path, published: bool = False) -> Stage:
 
 
 # ---------------------------------------------------------------- the whole
-SLOW = ("work_precision", "defects")
+SLOW = ("work_precision", "defects", "benchmarks")
 """Groups left out by --quick; results of an earlier whole run are still shown."""
 
 GROUPS = ("tests", "machine", "accuracy", "benchmarks", "work_precision", "speed", "networks", *DYNAMICS, "defects",
@@ -193,7 +191,7 @@ def plan(quick: bool, published: list[Path]) -> list[Stage]:
         *_tests(quick),
         _machine(),
         _accuracy(quick),
-        _benchmarks(quick),
+        _benchmarks(),
         _measured("work_precision", "error against time", ("benchmarks.work_precision",), 33, timed=True),
         _measured("speed", "speed side by side", ("benchmarks.speed",), 14, timed=True),
         _sized("networks", "networks of lines", ("benchmarks.networks",), (40, 20), quick, timed=True),
