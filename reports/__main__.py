@@ -9,7 +9,7 @@ import signal
 import sys
 from pathlib import Path
 
-from . import compare, history, published
+from . import brought, compare, history, published
 from .ledger import digests, write_atomically
 from .runner import BusyError, Ended, run_all
 from .sources import ROOT, files_of
@@ -31,6 +31,14 @@ def _parser() -> argparse.ArgumentParser:
         action="store_true",
         help="less than two minutes: fewer random lines and tests, without the sweep of the tolerance",
     )
+    parser.add_argument(
+        "--solver",
+        action="append",
+        default=[],
+        type=Path,
+        metavar="FILE.py",
+        help="a solver of your own, in the same tables and figures (README, Bring your own solver); may be repeated",
+    )
     parser.add_argument("--only", nargs="+", metavar="STAGE", help=f"run these only, of: {', '.join(GROUPS)}")
     parser.add_argument("--out", type=Path, default=DEFAULT_OUT, metavar="DIR", help="folder of page and results")
     parser.add_argument("--fresh", action="store_true", help="measure again what has not changed since the last run")
@@ -46,6 +54,8 @@ def _checked(parser: argparse.ArgumentParser, argv) -> argparse.Namespace:
     for path in arguments.scenes:
         if not path.is_file():
             parser.error(f"{path}: there is no such scene file")
+    if trouble := brought.bring(arguments.solver):
+        parser.error(trouble)
     stems = [path.stem for path in arguments.scenes]
     if len(set(stems)) < len(stems):
         parser.error("two scene files have the same name: results are kept by name, so rename one")
@@ -63,6 +73,7 @@ def main(argv=None) -> int:
     out = arguments.out.resolve()
     (out / "results").mkdir(parents=True, exist_ok=True)
     stages, name = _planned(arguments, out)
+    stages = brought.depending(stages)
     wanted = arguments.only or [group for group in GROUPS if not (arguments.quick and group in SLOW)]
     chosen = [stage for stage in stages if stage.group in wanted]
     signal.signal(signal.SIGTERM, signal.default_int_handler)
