@@ -1,9 +1,9 @@
-"""Error against run time of the moving cables: harmonic balance, time domain, and MoorDyn where it is installed."""
+"""Error against run time of the moving cables: harmonic balance, time domain, and other codes that solve them."""
 
 from __future__ import annotations
 
-import importlib.util
 import time
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from solvers.motion import Ramped
 from solvers.threads import one_blas_thread
 from solvers.time_domain import solve_time_domain
 
+from . import harness, peers
 from .dynamic_cases import PERIODS, on_mesh, system, wave
 from .harness import clock
 
@@ -22,38 +23,59 @@ SETTINGS = {
     "time domain": ((25, 0.8, 2), (25, 0.4, 2), (50, 0.4, 2), (50, 0.2, 2), (100, 0.2), (100, 0.1), (200, 0.1),
                     (200, 0.05)),
     "time domain, extrapolated": ((13, 0.8, 2), (13, 0.4), (25, 0.4), (25, 0.2)),
-    "MoorDyn": ((12, 0.1), (24, 0.04), (49, 0.02), (98, 0.01)),
 }  # fmt: skip
 """(nodes, harmonics), (nodes of the coarser of two meshes, harmonics), (nodes, dt in s), (nodes and dt of the coarser
-of two runs), (segments, coupling step in s): pairs that grow together, for of two errors the larger hides the other.
-Two periods, where they are given, are enough for the errors of large steps; finer ones need PERIODS. 196 segments take
-MoorDyn four times as long as 98 and, but for case 3, no further: they are left out."""
+of two runs): pairs that grow together, for of two errors the larger hides the other. Two periods, where they are
+given, are enough for the errors of large steps; finer ones need PERIODS. Other codes have their own settings, (cells,
+steps in a period)."""
 QUICK = {
     "harmonic balance": ((13, 3), (25, 5), (50, 9), (50, 15)),
     "harmonic balance, extrapolated": ((13, 9), (17, 15), (25, 20)),
     "time domain": ((25, 0.4, 2), (50, 0.2, 2), (100, 0.2)),
     "time domain, extrapolated": ((13, 0.4),),
-    "MoorDyn": ((24, 0.04), (49, 0.02)),
 }
-COUPLING = 0.02  # s: of MoorDyn beside the paper's settings
+QUICK_PEER = slice(1, 3)  # of the settings of another code
+BESIDE = (49, 1000)  # (cells, steps in a period) of another code beside the paper's settings
 
 LONG, ENOUGH, REPEATS = 0.3, 0.2, 3  # s: of a call that is timed once; of all repeats of a shorter one; at most so many
 
 
-def methods() -> list[str]:
-    """Of this project, and the peer if it is there."""
-    return [name for name in SETTINGS if name != "MoorDyn" or has_moordyn()]
+def others() -> dict[str, peers.Adapter]:
+    """Label -> other code that solves moving cables."""
+    return {adapter.label: adapter for adapter in peers.solving("cable").values()}
 
 
-def has_moordyn() -> bool:
-    """Whether the peer is installed."""
-    return importlib.util.find_spec("moordyn") is not None
+@dataclass(frozen=True)
+class Told:
+    """Fairlead tension (n,) in N of another code over the last period, from its beginning; None: it gave none.
+
+    kind "refused" or "unsupported", message why.
+    """
+
+    tension: np.ndarray | None
+    kind: str = ""
+    message: str = ""
+
+
+def ask(adapter: peers.Adapter, scene, motion, period: float, setting, periods=PERIODS) -> Told:
+    """The last of some periods (s) of a motion that starts from rest, at (cells, steps in a period); it never raises."""
+    cells, steps = setting
+    time = np.linspace(0.0, periods * period, periods * steps + 1)
+    fairlead = np.array(scene.fairlead) + motion.displacement(time).T
+    limit = adapter.limit("cable") * max(1.0, periods / PERIODS)
+    who = f"{adapter.name}, cables"
+    found, kind, message = harness.attempt(lambda: adapter.cable(scene, time, fairlead, cells), limit, who)
+    if not kind:
+        found, kind, message = harness.checked(found, time.shape)
+    if kind:
+        return Told(None, kind, message)
+    return Told(found[-1 - steps : -1])
 
 
 def call(name: str, method: str, size: int, other, periods=PERIODS):
     """A function of no argument that solves the case from rest; what it returns is for ``errors``."""
-    if method == "MoorDyn":
-        return _moordyn(system(name), size, other)
+    if method in others():
+        return _theirs(others()[method], system(name), size, other)
     chain = system(name, size)
     if method == "time domain":
         return lambda: solve_time_domain(chain, dt=other, periods=periods, throw=False)
@@ -63,6 +85,11 @@ def call(name: str, method: str, size: int, other, periods=PERIODS):
     if method == "time domain, extrapolated":
         return lambda: extrapolated_steps(chain, finer, other, periods)
     return lambda: extrapolated(chain, finer, other)
+
+
+def beside(name: str) -> dict:
+    """Label -> call of every other code on a case, as finely as the paper's settings."""
+    return {label: call(name, label, *BESIDE) for label in others()}
 
 
 def extrapolated(chain, finer, harmonics: int) -> np.ndarray:
@@ -83,31 +110,18 @@ def _second_order(coarse, fine) -> np.ndarray:
     return fine + (fine - coarse) / 3
 
 
-def _moordyn(chain, segments, coupling):
-    from .peers import moordyn
-
-    scene, period = chain.scene, chain.period
-    moved = Ramped(scene.motion, period / 2)  # as solve_time_domain starts by default
-    options = {"segments": segments, "coupling": coupling}
-    return lambda: moordyn.simulate(scene, moved.displacement, PERIODS * period, **options)
-
-
-def last_period(found, period: float) -> np.ndarray:
-    """Tension of a peer, (time, tension), at equal times of the last period from its beginning."""
-    time, tension = found
-    return np.roll(tension[time > time[-1] - period + 1e-9], 1)  # its first value is one step into the period
+def _theirs(adapter, chain, cells, steps):
+    moved = Ramped(chain.scene.motion, chain.period / 2)  # as solve_time_domain starts by default
+    return lambda: ask(adapter, chain.scene, moved, chain.period, (cells, steps))
 
 
 def errors(reference, found) -> dict:
-    """rms, error and status of what ``call`` returned."""
-    if isinstance(found, np.ndarray):
-        return reference.errors(found) | {"status": "SUCCESS"}
-    if not isinstance(found, tuple):
-        return reference.of(found) | {"status": found.status.name}
-    tension = last_period(found, reference.period)
-    if not np.isfinite(tension).all():
-        return {"rms": None, "error": None, "status": "NOT_FINITE"}
-    return reference.errors(tension) | {"status": "SUCCESS"}
+    """rms, error and status of what ``call`` returned; of another code that gave no tension, why."""
+    if isinstance(found, Told) and found.tension is None:
+        return {"rms": None, "error": None, "status": found.kind.upper(), "message": found.message[:200]}
+    if isinstance(found, (np.ndarray, Told)):
+        return reference.errors(getattr(found, "tension", found)) | {"status": "SUCCESS"}
+    return reference.of(found) | {"status": found.status.name}
 
 
 def least_seconds(run) -> tuple[float, object]:
@@ -122,12 +136,24 @@ def least_seconds(run) -> tuple[float, object]:
 
 
 def points(name: str, reference, quick: bool):
-    """Yield each point of a case."""
-    for method in methods():
+    """Yield each point of a case; of a code whose model does not include it, none."""
+    period = reference.period
+    for method, settings in (QUICK if quick else SETTINGS).items():
         second = "harmonics" if method.startswith("harmonic") else "dt"
-        for size, other, *periods in (QUICK if quick else SETTINGS)[method]:
+        for size, other, *periods in settings:
             run = call(name, method, size, other, *periods)
             with one_blas_thread():  # also around what is made of a response: threads wait for each other
                 seconds, found = least_seconds(run)
             point = {"case": name, "method": method, "size": size, second: other, "seconds": seconds}
             yield point | ({"periods": periods[0]} if periods else {}) | errors(reference, found)
+    for method, adapter in others().items():
+        for cells, steps in adapter.settings[QUICK_PEER if quick else slice(None)]:
+            with one_blas_thread():
+                seconds, found = least_seconds(call(name, method, cells, steps))
+            if found.kind == "unsupported":
+                break
+            point = {"case": name, "method": method, "size": cells, "dt": period / steps, "seconds": seconds}
+            point["code"] = f"{method} {adapter.version}".strip()
+            yield point | errors(reference, found)
+            if found.message.startswith(harness.OVERTIME):
+                break

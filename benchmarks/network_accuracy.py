@@ -1,13 +1,12 @@
 """Error against run time of the methods for networks, a sweep of tolerances: the part "work" of networks.json.
 
 Every method starts from the node positions of the network and does without fallback; the error is that of the end
-tensions, against 40 digits. MoorPy, where it is installed, takes its tolerance in m: the same ladder times the longest
-line, as for single lines. Its system is built anew before each solve, outside the clock.
+tensions, against 40 digits. Other codes that solve networks are asked at the same ladder, as their adapters translate it.
 """
 
 from __future__ import annotations
 
-import importlib.util
+import time
 from dataclasses import dataclass
 from functools import cache, partial
 
@@ -16,7 +15,7 @@ import numpy as np
 from solvers import solve_network
 from verification.reference import WRONG, exact_network, tension_error
 
-from . import harness
+from . import harness, peers
 from .network_systems import WEIGHTS, cpu_seconds, scene, two_lines, without_friction
 
 TOLERANCES, QUICK_TOLERANCES = (1e-1, 1e-3, 1e-5, 1e-7, 1e-9, 1e-11), (1e-1, 1e-5, 1e-9)
@@ -28,11 +27,16 @@ QUICK_FROM = 1  # the quick run leaves out the first system
 
 @dataclass(frozen=True)
 class Method:
-    """name and label in figures; options of solve_network."""
+    """name and label in figures; options of solve_network, or the adapter of another code."""
 
     name: str
     label: str
     options: dict
+    adapter: peers.Adapter | None = None
+
+    def ladder(self, tolerances) -> tuple:
+        """Those of the tolerances that it is asked for: none but its own where it takes none."""
+        return (None,) if self.adapter and not self.adapter.tolerances else tolerances
 
 
 METHODS = (
@@ -42,7 +46,11 @@ METHODS = (
     Method("nested-analytic", "nested, analytic", {"method": "nested"}),
     Method("nested-differences", "nested, differences", {"method": "nested", "jacobian": "finite-difference"}),
 )
-PEER = Method("moorpy", "MoorPy", {})
+
+
+def peer_methods() -> list[Method]:
+    """Other codes that solve networks."""
+    return [Method(name, one.label, {}, one) for name, one in peers.solving("network").items()]
 
 
 def systems() -> dict:
@@ -53,7 +61,7 @@ def systems() -> dict:
 
 def tasks(quick: bool) -> list:
     """Calls, each giving rows of the part "work": one system and method."""
-    methods = [*METHODS, PEER] if importlib.util.find_spec("moorpy") else METHODS
+    methods = [*METHODS, *peer_methods()]
     tolerances = QUICK_TOLERANCES if quick else TOLERANCES
     titles = list(systems())[QUICK_FROM if quick else 0 :]
     return [partial(ladder, title, method, tolerances) for title in titles for method in methods]
@@ -70,21 +78,25 @@ def ladder(title: str, method: Method, tolerances) -> list[dict]:
     """Points of one method; a tolerance that does not change the answer is not timed again."""
     exact, network = truth(title)
     found, before = [], {"error": None}
-    for tolerance in tolerances:
-        tension, message, clock = (moorpy if method is PEER else ours)(network, method, tolerance)
+    for tolerance in method.ladder(tolerances):
+        tension, verdict, message, clock = (theirs if method.adapter else ours)(network, method, tolerance)
         error = None if tension is None else tension_error(tension, exact)
         same = error is not None and error == before["error"]
         with harness.quiet():
             seconds = None if error is None else before["seconds"] if same else min(clock() for _ in range(REPEATS))
-        verdict = "refused" if error is None else "wrong" if error > WRONG else "right"
+        verdict = verdict or ("wrong" if error > WRONG else "right")
         before = {"solver": method.name, "label": method.label, "case": title, "tolerance": tolerance}
+        if method.adapter:
+            before["code"] = f"{method.label} {method.adapter.version}".strip()
         before |= {"verdict": verdict, "message": message[:200], "error": error, "seconds": seconds}
         found.append(before)
+        if message.startswith(harness.OVERTIME):
+            break
     return found
 
 
 def ours(network, method: Method, tolerance: float) -> tuple:
-    """(end tensions (e, 2) or None where it did not converge, message, call that times one solve, s)."""
+    """(end tensions (e, 2) or None, "refused" where it did not converge, message, call that times one solve, s)."""
 
     def solve():
         return solve_network(network, **method.options, tolerance=tolerance, start="nodes", fallback=False, throw=False)
@@ -93,23 +105,26 @@ def ours(network, method: Method, tolerance: float) -> tuple:
         state = solve()
     tension = np.column_stack([np.hypot(state.H_anchor, state.V_anchor), np.hypot(state.H, state.V)])
     clock = partial(cpu_seconds, solve)
-    return (tension, "", clock) if state.success else (None, state.status.value, clock)
+    return (tension, "", "", clock) if state.success else (None, "refused", state.status.value, clock)
 
 
-def moorpy(network, _, tolerance: float) -> tuple:
-    """The same of MoorPy."""
-    from .peers import moorpy_networks as adapter
-
-    metres = tolerance * max(element.L for element in network.elements)
+def theirs(network, method: Method, tolerance) -> tuple:
+    """The same of another code, "unsupported" too; a program is timed by the wall clock, as a child of this process."""
+    clock = time.perf_counter if isinstance(method.adapter, peers.Program) else time.process_time
 
     def once() -> tuple:
-        system = adapter.build(network)
-        return cpu_seconds(lambda: adapter.solve(system, metres)), adapter.tensions(system)
+        start = clock()
+        found = method.adapter.network(network, tolerance)
+        if callable(found):
+            start, found = clock(), found()
+        return clock() - start, found
 
-    try:
-        with harness.quiet():
-            tension = once()[1]
-    except Exception as error:  # whatever it raises is its way of refusing
-        return None, f"{type(error).__name__}: {error}", None
-    clock = lambda: once()[0]
-    return (tension, "", clock) if np.isfinite(tension).all() else (None, "tensions that are not finite", clock)
+    def asked() -> tuple:
+        limit = method.adapter.limit("network")
+        found, kind, message = harness.attempt(once, limit, f"{method.name}, networks")
+        return found or (None, None), kind, message
+
+    (_, tension), kind, message = asked()
+    if not kind:
+        tension, kind, message = harness.checked(tension, (len(network.elements), 2))
+    return tension, kind, message, lambda: asked()[0][0] or np.inf

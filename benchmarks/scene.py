@@ -65,7 +65,7 @@ def _ladder(case: SpanCase, exact: SpanTruth) -> list[dict]:
     for solver in harness.solvers().values():
         default = harness.measure(solver, case, exact)
         rows.append({"solver": solver.name, "label": solver.label, "tolerance": None} | default)
-        if default["verdict"] != "unsupported":
+        if default["verdict"] != "unsupported" and solver.tolerances:
             rows += work_precision.sweep(solver, case, exact)
     return [{key: row[key] for key in _LADDER} for row in rows]
 

@@ -1,4 +1,4 @@
-"""The same grids on the other codes that are installed: refused, wrong or right; lines at rest, and MoorDyn in surge.
+"""The same grids on other codes: refused, wrong or right; lines at rest, and in surge.
 
 A wrong answer is told by its kind, the regime of the line and the size of the force that was returned; of each kind
 one input stands in the file.
@@ -13,7 +13,7 @@ import numpy as np
 from solvers import solve_periodic
 
 from . import harness
-from .dynamic_work import has_moordyn, last_period
+from .dynamic_work import ask, others
 from .stability_maps import Axis
 from .stability_spans import GRIDS
 from .stability_time import line
@@ -24,7 +24,7 @@ of it have no truth."""
 
 NODES, COARSE, HARMONICS, SEGMENTS = 41, 21, 12, 20
 PERIODS, SECONDS = 6, 120.0  # at least, so that the waves of the start have died away
-COUPLING = 1 / 1000  # of a period
+STEPS = 1000  # in a period
 HERTZ = Axis("frequency, Hz", (0.01, 0.03, 0.1, 0.2, 0.5))
 DRAG = Axis("drag coefficient", (0.3, 3.0, 30.0, 100.0))
 SURGE = Axis("amplitude of the surge, m", (1.0, 3.0, 9.0))
@@ -79,28 +79,27 @@ def _strangeness(case) -> float:
 
 
 def dynamics(quick: bool):
-    """Yield a row for each grid of MoorDyn in surge, where it is installed; none in the quick run."""
-    if quick or not has_moordyn():
+    """Yield a row for each grid of every other code in surge; none in the quick run."""
+    if quick:
         return
-    from .peers import moordyn
-
     by_frequency, by_drag = (lambda n, f, a: line(a, f, nodes=n)), (lambda n, c, a: line(a, Cdn=c, nodes=n))
-    for name, x, make in (("frequency", HERTZ, by_frequency), ("drag", DRAG, by_drag)):
-        points = [_moved(moordyn, make, u, v) for v in SURGE.values for u in x.values]
-        yield {
-            "map": name,
-            "axes": [x.label, SURGE.label],
-            "solver": "moordyn",
-            "label": moordyn.LABEL,
-            "version": moordyn.version(),
-            "counts": {v: sum(point["verdict"] == v for point in points) for v in (*VERDICTS, "no truth")},
-            "points": points,
-            "segments": SEGMENTS,
-            "bound": DYNAMIC_WRONG,
-        }
+    for adapter in others().values():
+        for name, x, make in (("frequency", HERTZ, by_frequency), ("drag", DRAG, by_drag)):
+            points = [_moved(adapter, make, u, v) for v in SURGE.values for u in x.values]
+            yield {
+                "map": name,
+                "axes": [x.label, SURGE.label],
+                "solver": adapter.name,
+                "label": adapter.label,
+                "version": adapter.version,
+                "counts": {v: sum(point["verdict"] == v for point in points) for v in (*VERDICTS, "no truth")},
+                "points": points,
+                "segments": SEGMENTS,
+                "bound": DYNAMIC_WRONG,
+            }
 
 
-def _moved(moordyn, make, x, y) -> dict:
+def _moved(adapter, make, x, y) -> dict:
     row, waves = {"x": x, "y": y}, []
     for nodes in (COARSE, NODES):
         system = make(nodes, x, y)
@@ -111,14 +110,11 @@ def _moved(moordyn, make, x, y) -> dict:
     exact, spread = waves[1], np.ptp(waves[1])
     if abs(waves[1] - waves[0]).max() / 3 > DYNAMIC_WRONG / 5 * spread:
         return row | {"verdict": "no truth", "message": "two meshes differ"}
-    moved = system.ramped(system.period / 2).motion.displacement
-    periods, step = max(PERIODS, math.ceil(SECONDS / system.period)), COUPLING * system.period
-    try:
-        found = moordyn.simulate(system.scene, moved, periods * system.period, segments=SEGMENTS, coupling=step)
-    except Exception as error:  # whatever it raises is its way of refusing
-        return row | {"verdict": "refused", "message": f"{type(error).__name__}: {error}"[:200]}
-    wave = last_period(found, system.period)
-    if not np.isfinite(wave).all():
-        return row | {"verdict": "refused", "message": "tensions that are not finite"}
+    moved = system.ramped(system.period / 2).motion
+    periods = max(PERIODS, math.ceil(SECONDS / system.period))
+    told = ask(adapter, system.scene, moved, system.period, (SEGMENTS, STEPS), periods)
+    if told.tension is None:
+        return row | {"verdict": told.kind, "message": told.message[:200]}
+    wave = told.tension
     error = float(abs(wave - exact[:: TIMES // wave.size]).max() / spread)
     return row | {"verdict": "wrong" if error > DYNAMIC_WRONG else "right", "error": error}

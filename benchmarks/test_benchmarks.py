@@ -9,6 +9,7 @@ import os
 import sys
 import time
 import warnings
+from collections import Counter
 from dataclasses import replace
 
 import numpy as np
@@ -59,7 +60,7 @@ def solver_of(solve):
 
 
 @pytest.mark.parametrize("case", ORDINARY, ids=lambda case: case.name)
-@pytest.mark.parametrize("name", [name for name in SOLVERS if name in peers.PACKAGES])
+@pytest.mark.parametrize("name", [name for name in SOLVERS if name in ORDINARY_ERROR])
 def test_an_adapter_asks_the_question_that_was_meant(name, case):
     found = harness.assess(SOLVERS[name], case, exact_span(case))
     if found["verdict"] == "unsupported":
@@ -96,12 +97,15 @@ def hangs(case, tolerance):
         (lambda *_: SpanAnswer(math.nan, 1.0), "returned H = nan"),
         (lambda *_: SpanAnswer(math.inf, 1.0), "returned H = inf"),
         (lambda *_: SpanAnswer(1.0, 1.0, refused="it said so"), "it said so"),
+        (lambda *_: (1.0, 1.0), "returned (1.0, 1.0), and SpanAnswer(H, V) is wanted"),
+        (lambda *_: SpanAnswer("1", 1.0), "returned H = '1'"),
+        (lambda *_: sys.exit(3), "SystemExit: 3"),
     ],
 )
 def test_every_way_of_failing_is_refused(monkeypatch, solve, message):
-    monkeypatch.setattr(harness, "TIME_LIMIT", 0.1)
+    monkeypatch.setattr(harness, "_overtime", Counter())
     case = NAMED[0]
-    found = harness.assess(solver_of(solve), case, exact_span(case))
+    found = harness.assess(replace(solver_of(solve), limit=0.1), case, exact_span(case))
     assert (found["verdict"], found["message"][: len(message)]) == ("refused", message)
     assert results.plain(found)["error"] is None
 
@@ -130,17 +134,34 @@ def test_printing_warning_peers_stay_silent(capsys, recwarn):
     assert not recwarn.list
 
 
+def test_a_solver_that_keeps_hanging_is_not_asked_again(monkeypatch):
+    """After PATIENCE times in a row; one answer in between and the count begins anew."""
+    monkeypatch.setattr(harness, "_overtime", Counter())
+    calls = []
+
+    def hangs_but_once(case, tolerance):
+        calls.append(case)
+        return SpanAnswer(1.0, 1.0) if len(calls) == 2 else hangs(case, tolerance)
+
+    solver = replace(solver_of(hangs_but_once), limit=0.02)
+    found = [harness.ask(solver, NAMED[0]).refused for _ in range(harness.PATIENCE + 4)]
+    assert len(calls) == harness.PATIENCE + 2
+    assert found[1] == "" and "not asked again" not in found[harness.PATIENCE + 1]
+    assert all("not asked again" in words and words.startswith(harness.OVERTIME) for words in found[-2:])
+
+
 def test_a_peer_that_is_not_installed_is_left_out_and_a_broken_one_is_named(monkeypatch):
-    monkeypatch.setattr(peers, "PACKAGES", {"moorpy": "moorpy"})
+    monkeypatch.setattr(peers, "PACKAGES", ("moorpy",))
+    monkeypatch.delenv(peers.BROUGHT, raising=False)
     monkeypatch.delitem(sys.modules, "benchmarks.peers.moorpy", raising=False)
     for name in [name for name in sys.modules if name.split(".")[0] == "moorpy"]:
         monkeypatch.delitem(sys.modules, name)
     finder = Finder(ModuleNotFoundError("No module named 'moorpy'", name="moorpy"))
     monkeypatch.setattr(sys, "meta_path", [finder, *sys.meta_path])
-    assert peers.available.__wrapped__() == {}
+    assert peers.adapters.__wrapped__() == {}
     finder.error = ModuleNotFoundError("No module named 'scikit_missing'", name="scikit_missing")
     with pytest.raises(ImportError, match=r"moorpy is installed but cannot be imported.*scikit_missing"):
-        peers.available.__wrapped__()
+        peers.adapters.__wrapped__()
 
 
 class Finder:

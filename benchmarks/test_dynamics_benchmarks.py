@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solvers import solve_span
+from solvers import Motion, solve_span
 from solvers.harmonic_balance import solve_periodic
 from solvers.motion import Ramped
 
-from . import cable_dynamics, dynamic_cases, dynamic_orders, dynamic_work, harmonic_limits
+from . import cable_dynamics, dynamic_cases, dynamic_orders, dynamic_work, harmonic_limits, peers
 from .dynamic_cases import TIMES, Reference, instants, rms, scene, system, wave
 
 PERIOD = 20.0
@@ -33,21 +33,45 @@ def test_an_offset_is_measured_at_any_sampling(count):
     assert found["error"] == pytest.approx(0.01, rel=1e-12)
 
 
-def test_a_peer_is_compared_at_the_right_instants():
-    """A sine given at the ends of coupling steps has no error; taken one step late it would have 0.3 %."""
-    step = PERIOD / TIMES
-    time = step * np.arange(1, 3 * TIMES + 1)
-    tension = np.sin(2 * np.pi * time / PERIOD)
-    assert dynamic_work.errors(reference(), (time, tension))["error"] < 1e-12
-    late = dynamic_work.errors(reference(), (time, np.roll(tension, -1)))
-    assert late["error"] == pytest.approx(np.pi / TIMES, rel=1e-3)
+class Planted(peers.Adapter):
+    """A code whose tension is that function of time."""
+
+    def __init__(self, tension):
+        self.label, self.tension = "planted", tension
+
+    def cable(self, scene, time, fairlead, cells):
+        return self.tension(time)
 
 
-def test_a_peer_that_blows_up_has_no_error():
-    """A tension that is not finite gives no number."""
-    time = PERIOD / TIMES * np.arange(1, TIMES + 1)
-    found = dynamic_work.errors(reference(), (time, np.where(time > 3, np.nan, 1.0)))
-    assert (found["rms"], found["status"]) == (None, "NOT_FINITE")
+def told(tension, steps=TIMES):
+    """What a planted code says of the last of three periods of a motion."""
+    still = Ramped(Motion.harmonic(1 / PERIOD, (0, 0, 0)), PERIOD / 2)
+    return dynamic_work.ask(Planted(tension), scene("case_1"), still, PERIOD, (10, steps), periods=3)
+
+
+@pytest.mark.parametrize("steps", (TIMES // 5, TIMES, 2 * TIMES))
+def test_another_code_is_compared_at_the_right_instants(steps):
+    """A sine at the times that are given has no error; one step late it has that of one step."""
+    sine = lambda t: np.sin(2 * np.pi * t / PERIOD)
+    assert dynamic_work.errors(reference(), told(sine, steps))["error"] < 1e-12
+    late = told(lambda t: sine(t - PERIOD / steps), steps)
+    assert dynamic_work.errors(reference(), late)["error"] == pytest.approx(np.pi / steps, rel=1e-2)
+
+
+@pytest.mark.parametrize(
+    ("tension", "status", "words"),
+    [
+        (lambda t: np.where(t > 3, np.nan, 1.0), "REFUSED", "tensions that are not finite"),
+        (lambda t: t[1:], "REFUSED", "returned tensions of shape (3000,), and (3001,) is wanted"),
+        (lambda t: "none", "REFUSED", "returned 'none'"),
+        (lambda t: 1 / 0, "REFUSED", "ZeroDivisionError"),
+    ],
+)
+def test_another_code_that_fails_is_refused_in_words(tension, status, words):
+    """No number, and why."""
+    found = dynamic_work.errors(reference(), told(tension))
+    assert (found["rms"], found["status"]) == (None, status)
+    assert found["message"].startswith(words)
 
 
 def test_harmonics_of_a_reference():
@@ -140,22 +164,21 @@ def test_two_meshes_extrapolated_are_better_than_the_finer_one():
 # ---------------------------------------------------------------- the peer
 STATIC_ERROR = 1e-3  # of the tension: five times that of 49 straight segments with their masses at the nodes
 MOVING_ERROR = 2e-3  # rms over the range: that of 24 segments, and half as much again
-moordyn_installed = pytest.mark.skipif(not dynamic_work.has_moordyn(), reason="the optional peer is not installed")
+moordyn_installed = pytest.mark.skipif("moordyn" not in peers.adapters(), reason="the optional peer is not installed")
 
 
-def still(t):
-    return np.zeros((3, np.size(t)))
+def simulated(case, motion, period: float, steps: int, cells: int, periods: int = 3):
+    """What MoorDyn says of the last period."""
+    return dynamic_work.ask(peers.adapters()["moordyn"], case, motion, period, (cells, steps), periods)
 
 
 @moordyn_installed
 @pytest.mark.parametrize(("factor", "within"), [(1.0, True), (1.01, False)])
 def test_the_adapter_describes_the_line_that_was_meant(factor, within):
     """At rest MoorDyn carries the tension of the catenary; a line 1 % heavier is told apart."""
-    from .peers import moordyn
-
     case = scene("case_1")
     heavier = replace(case, cable=replace(case.cable, mass_per_length=factor * case.cable.mass_per_length))
-    _, tension = moordyn.simulate(heavier, still, 60.0, coupling=0.1)
+    tension = simulated(heavier, Motion.harmonic(0.05, (0, 0, 0)), 20.0, 200, 49).tension
     exact = solve_span(case.spans()[0]).tension
     assert (abs(tension[-100:].mean() / exact - 1) < STATIC_ERROR) == within
 
@@ -165,29 +188,24 @@ def test_the_adapter_describes_the_line_that_was_meant(factor, within):
                                                 ({"Ca": 3.0}, False)])  # fmt: skip
 def test_the_adapter_moves_the_line_that_was_meant(change, within):
     """In surge MoorDyn has the tension of harmonic balance; 5 % more drag, or drag along the line, is told apart."""
-    from .peers import moordyn
-
     chain = system("case_1")
     known = Reference(chain.period, wave(solve_periodic(chain, harmonics=15)), 0.0)
     changed = replace(chain.scene, cable=replace(chain.scene.cable, **change))
-    moved = Ramped(changed.motion, chain.period / 2)
-    found = moordyn.simulate(changed, moved.displacement, 3 * chain.period, segments=24)
+    found = simulated(changed, Ramped(changed.motion, chain.period / 2), chain.period, 1000, 24)
     assert (dynamic_work.errors(known, found)["rms"] < MOVING_ERROR) == within
 
 
 @moordyn_installed
 def test_the_adapter_refuses_what_it_does_not_describe():
     """A current, a seabed or structural damping is named, not left out."""
-    from .peers import moordyn
-
     case = scene("case_1")
-    assert moordyn.unsupported(case) == ""
     for other in (
         replace(case, environment=replace(case.environment, current=(1.0, 0.0, 0.0))),
         replace(case, environment=replace(case.environment, depth=400.0, seabed_stiffness=1e4)),
         replace(case, cable=replace(case.cable, damping=0.1)),
     ):
-        assert moordyn.unsupported(other)
+        found = simulated(other, case.motion, 20.0, 10, 5)
+        assert found.kind == "unsupported" and "this adapter" in found.message
 
 
 # ---------------------------------------------------------------- the files

@@ -29,7 +29,7 @@ def points(known: truth.TruthCache):
             yield list(sweep(solver, case, exact))
     sample = [(case, known.of(case)) for case in mixed_cases()]
     for solver in harness.solvers().values():
-        for tolerance in TOLERANCES:
+        for tolerance in ladder(solver):
             yield [mixed_point(solver, sample, tolerance)]
     for tolerance in TOLERANCES:
         yield [batch_point(sample, tolerance)]
@@ -37,18 +37,23 @@ def points(known: truth.TruthCache):
 
 def total() -> int:
     """Steps of ``points``."""
-    solvers = len(harness.solvers())
-    return len(NAMED) * solvers + len(TOLERANCES) * (solvers + 1)
+    solvers = harness.solvers().values()
+    return len(NAMED) * len(solvers) + sum(len(ladder(solver)) for solver in solvers) + len(TOLERANCES)
+
+
+def ladder(solver: harness.Solver) -> tuple:
+    """The tolerances that a solver is asked for: none but its own where it takes none."""
+    return TOLERANCES if solver.tolerances else (None,)
 
 
 def sweep(solver: harness.Solver, case, exact):
     """One point a tolerance, loosest first; below a tolerance that ran out of time nothing tighter is tried."""
-    for tolerance in TOLERANCES:
+    for tolerance in ladder(solver):
         found = harness.measure(solver, case, exact, tolerance)
         if found["verdict"] == "unsupported":
             return
         yield _point(solver.name, solver.label, case.name, tolerance, found)
-        if found["message"] == harness.OVERTIME:
+        if found["message"].startswith(harness.OVERTIME):
             return
 
 
@@ -74,15 +79,18 @@ def first_cases(columns: dict, n: int) -> list[SpanCase]:
 
 def mixed_point(solver: harness.Solver, sample, tolerance) -> dict:
     """Mean time a line and median error over the lines of the sample that the solver supports and answers."""
-    found = [harness.assess(solver, case, exact, tolerance) for case, exact in sample]
-    answered = [case for (case, _), one in zip(sample, found, strict=True) if one["verdict"] in ("right", "wrong")]
+    answers = [harness.ask(solver, case, tolerance) for case, _ in sample]
+    found = [harness.judge(answer, exact, case) for answer, (case, exact) in zip(answers, sample, strict=True)]
+    answered = [i for i, one in enumerate(found) if one["verdict"] in ("right", "wrong")]
 
     def all_lines():
-        for case in answered:
-            solver.solve(case, tolerance)
+        for i in answered:
+            solver.solve(sample[i][0], tolerance)
 
-    seconds = harness.seconds_per_call(all_lines) / len(answered) if answered else None
-    return _point(solver.name, solver.label, harness.MIXED, tolerance, _together(found) | {"seconds": seconds})
+    own = [answers[i].seconds for i in answered]
+    seconds = harness.seconds_or_none(all_lines, solver, own)
+    mean = seconds and seconds / len(answered)
+    return _point(solver.name, solver.label, harness.MIXED, tolerance, _together(found) | {"seconds": mean})
 
 
 _WORST_FIRST = ("wrong", "refused", "right",

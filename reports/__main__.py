@@ -9,7 +9,7 @@ import signal
 import sys
 from pathlib import Path
 
-from . import compare, history, published
+from . import brought, compare, history, published
 from .ledger import digests, write_atomically
 from .runner import BusyError, Ended, run_all
 from .sources import ROOT, files_of
@@ -33,6 +33,14 @@ def _parser() -> argparse.ArgumentParser:
         help="less than two minutes: fewer random lines and tests, without the sweep of the tolerance, "
         "the timings of single calls and the seeded defects",
     )
+    parser.add_argument(
+        "--solver",
+        action="append",
+        default=[],
+        type=Path,
+        metavar="FILE.py",
+        help="a solver of your own, in the same tables and figures (README, Bring your own solver); may be repeated",
+    )
     parser.add_argument("--only", nargs="+", metavar="STAGE", help=f"run these only (after the scene files), of: "
                         f"{', '.join(GROUPS)}")
     parser.add_argument("--out", type=Path, default=DEFAULT_OUT, metavar="DIR",
@@ -52,6 +60,8 @@ def _checked(parser: argparse.ArgumentParser, argv) -> argparse.Namespace:
     for path in arguments.scenes:
         if not path.is_file():
             parser.error(f"{path}: there is no such scene file")
+    if trouble := brought.bring(arguments.solver):
+        parser.error(trouble)
     stems = [path.stem for path in arguments.scenes]
     if len(set(stems)) < len(stems):
         parser.error("two scene files have the same name: results are kept by name, so rename one")
@@ -73,6 +83,7 @@ def main(argv=None) -> int:
         print(f"{out}: no results can be written there ({error.strerror}): give another --out", file=sys.stderr)
         return 2
     stages, name = _planned(arguments, out)
+    stages = brought.depending(stages)
     wanted = arguments.only or [group for group in GROUPS if not (arguments.quick and group in SLOW)]
     chosen = [stage for stage in stages if stage.group in wanted]
     if not chosen:

@@ -149,7 +149,8 @@ def _kN(value) -> str:
 
 
 def _work(data, folder, tables) -> Shown:
-    columns = {key: key for key in ("case", "method", "size", "harmonics", "dt", "seconds", "rms", "error", "status")}
+    keys = ("case", "method", "size", "harmonics", "dt", "seconds", "rms", "error", "status", "message")
+    columns = {key: key for key in keys}
     table = written(tables, "work", "Error against run time", data["points"], columns)
     return Shown(dynamics_work_figures.work(data, folder), table)
 

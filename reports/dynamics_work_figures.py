@@ -18,14 +18,15 @@ def work(data: dict, folder: Path) -> style.Group:
     for case in dict.fromkeys(point["case"] for point in data["points"]):
         points = [p for p in data["points"] if p["case"] == case and p["rms"]]
         figure, axes = plt.subplots(figsize=(style.PANEL[0], 3.9))
-        for method in (name for name in METHODS if any(p["method"] == name for p in points)):
+        looks = style.completed(METHODS, dict.fromkeys(p["method"] for p in data["points"]))
+        for method in (name for name in looks if any(p["method"] == name for p in points)):
             mine = [p for p in points if p["method"] == method]
             axes.plot(
                 [p["seconds"] for p in mine],
                 [p["rms"] for p in mine],
                 linestyle="none",
                 label=method,
-                **METHODS[method],
+                **looks[method],
             )
         front = pareto(points)
         axes.plot([p["seconds"] for p in front], [p["rms"] for p in front], "o", markersize=11, markerfacecolor="none",
@@ -76,7 +77,7 @@ def at_equal_error(points: list[dict], method: str, family: str = "harmonic") ->
 
 def _equal_error(points) -> list[str]:
     said = []
-    for method in ("time domain", "MoorDyn"):
+    for method in dict.fromkeys(p["method"].split(",")[0] for p in points if not p["method"].startswith("harmonic")):
         ratios = at_equal_error(points, method)
         if ratios:
             faster = sum(r < 1 for r in ratios)

@@ -34,6 +34,10 @@ class Behind:
         return f"from an error of {number(self.least, 2)} {end} {theirs}, this project {mine}"
 
 
+OUR_METHODS = ("harmonic balance", "time domain")
+"""How the names of this project's methods for moving cables begin."""
+
+
 def behind(points: list[dict], mine: Callable[[dict], bool], label: Callable[[dict], str]) -> list[Behind]:
     """Every stretch of errors at which a point that is not mine is the fastest; points: ``seconds``, ``error``."""
     front, found, upper = analysis.pareto(points), [], math.inf
@@ -90,10 +94,10 @@ def _limit(point: dict) -> float:
     return point["error"] / point["in_limits"] if point.get("in_limits") else 0.0
 
 
-def moving(points: list[dict], titles: dict, peers=("MoorDyn",)) -> list[Front]:
+def moving(points: list[dict], titles: dict) -> list[Front]:
     """The fronts of the moving cables; points of the part "work" of harmonic_balance.json."""
     good = [p | {"error": p["rms"]} for p in points if p["rms"]]
-    mine, label = lambda p: p["method"] not in peers, lambda p: p["method"]
+    mine, label = lambda p: p["method"].startswith(OUR_METHODS), lambda p: p["method"]
     return [_front(titles[case], [p for p in good if p["case"] == case], mine, label)
             for case in dict.fromkeys(p["case"] for p in good)]  # fmt: skip
 

@@ -31,9 +31,10 @@ METHOD_LOOKS = {
 def work(points: list[dict], folder: Path) -> style.Group | None:
     """One panel a system."""
     good, figures = analysis.usable(points), []
+    looks = style.completed(METHOD_LOOKS, dict.fromkeys(point["solver"] for point in points))
     for case in dict.fromkeys(point["case"] for point in good):
         figure, axes = plt.subplots(figsize=TALL)
-        draw_points(axes, [point for point in points if point["case"] == case], METHOD_LOOKS)
+        draw_points(axes, [point for point in points if point["case"] == case], looks)
         axes.set(ylabel="relative error of the end tensions", ylim=_errors(good))
         time_ticks(axes)
         axes.set_title(case)

@@ -321,9 +321,9 @@ def _call(name: str, inputs: dict) -> str:
     """Python to paste: the other code and this project on the same inputs."""
     arguments = ", ".join(f"{key}={value!r}" for key, value in inputs.items())
     return (
-        f"from benchmarks.peers import {name}\nfrom solvers import Span, solve_span\n"
+        "from benchmarks.peers import adapters\nfrom solvers import Span, solve_span\n"
         f"from verification.cases.spans import SpanCase\ninputs = dict({arguments})\n"
-        f'{name}.solve(SpanCase("example", "", **inputs)), solve_span(Span(**inputs))'
+        f'adapters()["{name}"].span(SpanCase("example", "", **inputs)), solve_span(Span(**inputs))'
     )
 
 

@@ -17,7 +17,7 @@ def table(
     accuracy: dict | None, work: dict | None, networks: dict | None, harmonic: dict | None, versions: dict
 ) -> Table:
     """Wrong and refused answers, and the time over that of this project at equal error, of every code measured."""
-    rows = [*_lines(accuracy, work), *_networks(networks, versions), *_moving(harmonic, versions)]
+    rows = [*_lines(accuracy, work), *_networks(networks, versions), *_moving(harmonic)]
     columns = {"code": "code", "problem": "problem", "cases": "cases", "right": "right", "wrong": "wrong",
                "refused": "refused", "unsupported": "not modelled", "median": "median error, limits",
                "ratio": "time over this project", "of": "at", "faster": FASTER}  # fmt: skip
@@ -45,27 +45,37 @@ def _lines(accuracy, work):
 
 
 def _networks(data, versions):
+    """Warm re-solves beside MoorPy; every code at the tightest tolerance that it answers, a system a case."""
     rows = (data or {}).get("peers") or []
     if rows:
         both = [row[key] for row in rows for key in ("ratio", "ratio_back")]
         slower = [row["system"] for row in rows if max(row["ratio"], row["ratio_back"]) < 1]
         yield {
-            "code": f"MoorPy {versions.get('MoorPy') or ''}".strip(), "problem": "networks", "cases": len(rows),
+            "code": f"MoorPy {versions.get('MoorPy') or ''}".strip(), "problem": "networks, moved", "cases": len(rows),
             "ratio": median(both), "of": f"warm re-solves, {ratio(min(both))} to {ratio(max(both))}",
             "faster": "; ".join(dict.fromkeys(slower)).replace("_", " ") or "nowhere",
         }  # fmt: skip
+    points = (data or {}).get("work") or []
+    for code in dict.fromkeys(p["code"] for p in points if p.get("code")):
+        mine = [p for p in points if p.get("code") == code]
+        last = {p["case"]: p for p in mine if p["verdict"] in ("right", "wrong")}
+        verdicts = [last.get(case, {"verdict": "refused"})["verdict"] for case in dict.fromkeys(p["case"] for p in mine)]
+        verdicts = ["unsupported"] * len(verdicts) if {p["verdict"] for p in mine} == {"unsupported"} else verdicts
+        yield {"code": code, "problem": "networks", "cases": len(verdicts)} | {v: verdicts.count(v) for v in
+              analysis.VERDICTS}  # fmt: skip
 
 
-def _moving(data, versions):
+def _moving(data):
+    """Every code at the errors of its own settings."""
     points = ((data or {}).get("work") or {}).get("points") or []
-    ratios = at_equal_error(points, "MoorDyn")
-    if ratios:
-        found = [front for front in fronts.moving(points, CASES) if front.behind]
-        mine = [p for p in points if p["method"] == "MoorDyn"]
-        yield {
-            "code": f"MoorDyn {versions.get('MoorDyn') or ''}".strip(), "problem": "moving cable",
-            "cases": len({p["case"] for p in mine}), "ratio": median(ratios),
-            "of": f"the error of each of its {plural(len(ratios), 'setting')}, "
-                  f"{ratio(min(ratios))} to {ratio(max(ratios))}",
-            "faster": "; ".join(front.case for front in found) or "nowhere",
-        }  # fmt: skip
+    for code, method in dict.fromkeys((p["code"], p["method"]) for p in points if p.get("code")):
+        mine, ratios = [p for p in points if p["method"] == method], at_equal_error(points, method)
+        found = [front for front in fronts.moving(points, CASES) if any(b.label == method for b in front.behind)]
+        row = {"code": code, "problem": "moving cable", "cases": len({p["case"] for p in mine})}
+        refused = sum(p["status"] == "REFUSED" for p in mine)
+        row |= {"refused": refused} if refused else {}
+        if ratios:
+            of = f"the error of each of its {plural(len(ratios), 'best setting')}, {ratio(min(ratios))} to "
+            row |= {"ratio": median(ratios), "of": of + ratio(max(ratios)),
+                    "faster": "; ".join(front.case for front in found) or "nowhere"}  # fmt: skip
+        yield row

@@ -113,15 +113,15 @@ def _moving(rows: list[dict]) -> Table:
     ]
     columns = {"map": "grid", "solver": "solver", "right": "right", "wrong": "wrong", "refused": "refused",
                "no truth": "no converged truth", "worst": "greatest error"}  # fmt: skip
-    return Table("stability_moving", "Surge on MoorDyn", columns, shown, {"worst": short})
+    return Table("stability_moving", "Surge on other codes", columns, shown, {"worst": short})
 
 
 def _example(row: dict, one: dict) -> dict:
     arguments = ", ".join(f"{key}={value!r}" for key, value in one["inputs"].items())
     call = (
-        f"from benchmarks.peers import {row['solver']}\nfrom solvers import Span, solve_span\n"
+        "from benchmarks.peers import adapters\nfrom solvers import Span, solve_span\n"
         f"from verification.cases.spans import SpanCase\ninputs = dict({arguments})\n"
-        f'{row["solver"]}.solve(SpanCase("example", "", **inputs)), solve_span(Span(**inputs))'
+        f'adapters()["{row["solver"]}"].span(SpanCase("example", "", **inputs)), solve_span(Span(**inputs))'
     )
     return one | {"label": f"{row['label']} {row['version']}", "map": row["title"], "call": call}
 

@@ -73,6 +73,14 @@ def looks(names) -> dict[str, dict]:
     return found
 
 
+def completed(known: dict, names) -> dict[str, dict]:
+    """``known`` looks, and one for each of the names that has none: a code that was brought along."""
+    new = [name for name in names if name not in known]
+    return known | {
+        name: {"color": PALETTE[-1 - k % len(PALETTE)], "marker": "*<>hX"[k % 5]} for k, name in enumerate(new)
+    }
+
+
 def save(figure, folder: Path, name: str, title: str, alt: str, rows: list[dict] | None = None) -> Figure:
     """Write name.svg, name.png and name.csv to ``folder`` and return the figure for the page.
 

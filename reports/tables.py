@@ -113,18 +113,15 @@ def short(value) -> str:
 def speed(data: dict) -> Table:
     """The measurements side by side."""
     cold, batch, rows = data["cold_oc3"], data["batch"], []
-    for name in ("catenary", "moorpy", "pycatenary"):
-        if cold.get(f"{name}_us") is not None:
-            spread = cold.get("ratio_spread" if name == "moorpy" else f"ratio_spread_{name}")
-            rows.append(
-                {
-                    "what": f"one cold solve, {cold.get(f'case_{name}', 'OC3 line')}",
-                    "solver": {"catenary": "this project", "moorpy": "MoorPy"}.get(name, name),
-                    "us": cold[f"{name}_us"], "ratio": cold.get(f"ratio_{name}"),
-                    "least": spread[0] if spread else None, "most": spread[1] if spread else None,
-                    "error": cold.get(f"error_{name}"),
-                }
-            )  # fmt: skip
+    for name, label in cold["solvers"].items():
+        spread = cold.get(f"ratio_spread_{name}") or (None, None)
+        rows.append(
+            {
+                "what": f"one cold solve, {cold[f'case_{name}']}", "solver": label, "us": cold[f"{name}_us"],
+                "ratio": cold.get(f"ratio_{name}"), "least": spread[0], "most": spread[1],
+                "error": cold[f"error_{name}"],
+            }
+        )  # fmt: skip
     for size in ("1e5", "1e6"):
         title = f"{float(size):,.0f} mixed lines in one call".replace(",", " ")
         rows.append({"what": title, "solver": "this project", "us": batch[f"us_per_line_{size}"]})

@@ -9,12 +9,18 @@ from solvers import Span, solve_span
 
 @dataclass(frozen=True)
 class SpanAnswer:
-    """Fairlead force (H, V) in N as a solver returned it; ``refused`` says why it returned none."""
+    """Fairlead force (H, V) in N as a solver returned it.
+
+    refused : why it returned none; unsupported : why the case is outside its model
+    seconds : of the solve by the solver's own clock, where it has one (a program, without its start)
+    """
 
     H: float = float("nan")
     V: float = float("nan")
     iterations: int | None = None
     refused: str = ""
+    unsupported: str = ""
+    seconds: float | None = None
 
 
 def catenary(case, tolerance=None) -> SpanAnswer:

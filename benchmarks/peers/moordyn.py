@@ -1,6 +1,5 @@
 """MoorDyn 2 on a cable with a moving fairlead, through its own Python bindings.
 
-Not one of the solvers of spans in ``peers.available``; benchmarks.dynamic_work imports it where MoorDyn is installed.
 What to mind: the tension output of a line is that of its last segment, half a segment from the end (first order), so
 the force on the point is taken; in a coupling step the fairlead moves with one velocity, so the mean one is given, and
 a long coupling step still shifts the response. Its RK2 is unstable for a line without internal damping: DAMPING is a
@@ -18,7 +17,7 @@ from pathlib import Path
 import moordyn
 import numpy as np
 
-LABEL = "MoorDyn"
+from .adapter import Adapter
 
 DAMPING = -0.1
 STEP = 0.2  # s over the number of segments: 4 ms for 49 of them; twice that is beyond the limit of stability
@@ -53,17 +52,38 @@ RK2 tScheme
 """
 
 
-def version() -> str:
-    return metadata.version("moordyn")
+class MoorDyn(Adapter):
+    """Its coupling step is the step between the times that are asked for."""
 
+    label = "MoorDyn"
+    version = metadata.version("moordyn")
+    settings = ((12, 200), (24, 500), (49, 1000), (98, 2000))
+    # 196 segments take four times as long as 98 and, but for case 3 of the paper, no further
 
-def unsupported(scene) -> str:
-    environment, cable = scene.environment, scene.cable
-    if environment.depth is not None or any(environment.current):
-        return "this adapter describes still water without a seabed"
-    if cable.Cdb != cable.Cdn or cable.damping:
-        return "this adapter gives one transverse drag coefficient and no damping in s"
-    return ""
+    def cable(self, scene, time, fairlead, cells):
+        """The force on the fairlead at the start and at the end of each coupling step."""
+        environment, cable = scene.environment, scene.cable
+        if environment.depth is not None or any(environment.current):
+            raise NotImplementedError("this adapter describes still water without a seabed")
+        if cable.Cdb != cable.Cdn or cable.damping:
+            raise NotImplementedError("this adapter gives one transverse drag coefficient and no damping in s")
+        step = time[1] - time[0]
+        velocity = np.diff(fairlead, axis=0) / step
+        force = np.empty((len(time), 3))
+        with tempfile.TemporaryDirectory() as folder, _silence():
+            file = Path(folder) / "lines.txt"
+            file.write_text(describe(scene, cells), encoding="utf-8")
+            system = moordyn.Create(str(file))
+            try:
+                moordyn.Init(system, list(fairlead[0]), [0.0, 0.0, 0.0])
+                point = moordyn.GetPoint(system, 2)
+                force[0] = moordyn.GetPointForce(point)
+                for k in range(len(time) - 1):
+                    moordyn.Step(system, list(fairlead[k]), list(velocity[k]), time[k], step)
+                    force[k + 1] = moordyn.GetPointForce(point)
+            finally:
+                moordyn.Close(system)
+        return np.linalg.norm(force, axis=1)
 
 
 def describe(scene, segments: int) -> str:
@@ -75,31 +95,6 @@ def describe(scene, segments: int) -> str:
         Cdt=cable.Cdt, L=scene.length, segments=segments, step=STEP / segments, g=environment.g, rho=environment.rho,
         depth=DEPTH, **points,
     )  # fmt: skip
-
-
-def simulate(scene, displacement, duration: float, *, segments=49, coupling=0.02) -> tuple[np.ndarray, np.ndarray]:
-    """(time (K,) s, fairlead tension (K,) N) at the ends of the coupling steps (s), from rest.
-
-    displacement: t (K,) in s -> (3, K) in m, of the fairlead about its place in the scene.
-    """
-    count = round(duration / coupling)
-    time = coupling * np.arange(count + 1)
-    place = np.array(scene.fairlead) + displacement(time).T
-    velocity = np.diff(place, axis=0) / coupling
-    force = np.empty((count, 3))
-    with tempfile.TemporaryDirectory() as folder, _silence():
-        file = Path(folder) / "lines.txt"
-        file.write_text(describe(scene, segments), encoding="utf-8")
-        system = moordyn.Create(str(file))
-        try:
-            moordyn.Init(system, list(place[0]), [0.0, 0.0, 0.0])
-            point = moordyn.GetPoint(system, 2)
-            for k in range(count):
-                moordyn.Step(system, list(place[k]), list(velocity[k]), time[k], coupling)
-                force[k] = moordyn.GetPointForce(point)
-        finally:
-            moordyn.Close(system)
-    return time[1:], np.linalg.norm(force, axis=1)
 
 
 @contextmanager

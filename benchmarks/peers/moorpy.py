@@ -1,43 +1,55 @@
-"""MoorPy: moorpy.Catenary.catenary, its solver of one line."""
+"""MoorPy: moorpy.Catenary.catenary, its solver of one line, and moorpy.System for networks."""
 
 from __future__ import annotations
 
 import os
 from importlib import metadata
 
-from verification.registry import SpanAnswer
+from .adapter import Adapter, SpanAnswer
 
 os.environ["PYTHONBREAKPOINT"] = "0"  # catenary() has breakpoint() calls on its error paths: they must not stop a run
 os.environ.setdefault("MPLBACKEND", "Agg")  # it imports pyplot
 
 from moorpy.Catenary import catenary
 
-NAME = "moorpy"
-LABEL = "MoorPy"
+from . import moorpy_networks as systems
 
 OUT_OF_REACH = 100.0
 """Depth of a seabed that is not there, in units of the deepest place that the line can reach."""
 
 
-def version() -> str:
-    return metadata.version("moorpy")
+class MoorPy(Adapter):
+    """Its tolerances are distances in m: ``tolerance`` times L of a line, or of the longest line of a network."""
 
+    label = "MoorPy"
+    version = metadata.version("moorpy")
 
-def unsupported(case) -> str:
-    if case.w == 0:
-        return "its equations are per submerged weight (EA/W): a weightless line is outside its model"
-    if case.friction > 0 and case.clearance > 0:
-        return "its argument CB is either the friction or the height of end A above the seabed"
-    return ""
+    def span(self, case, tolerance=None) -> SpanAnswer:
+        """Tol is 1e-6 m as it comes."""
+        if case.w == 0:
+            raise NotImplementedError(
+                "its equations are per submerged weight (EA/W): a weightless line is outside its model"
+            )
+        if case.friction > 0 and case.clearance > 0:
+            raise NotImplementedError("its argument CB is either the friction or the height of end A above the seabed")
+        options = {} if tolerance is None else {"Tol": tolerance * case.L}
+        *_, FxB, FzB, info = catenary(case.x, case.z, case.L, case.EA, case.w, CB=_seabed(case), **options)
+        iterations = info["catenary"]["iter"] if "catenary" in info else 0
+        # forces of the line on end B, z up: the fairlead carries the opposite; an end A above end B is reversed inside
+        return SpanAnswer(float(-FxB), float(-FzB), iterations, str(info["message"]) if info["error"] else "")
 
+    def network(self, network, tolerance=None):
+        """The system is built outside the clock; solveEquilibrium's tol is 0.05 m as it comes."""
+        if any(element.friction for element in network.elements):
+            raise NotImplementedError("it loses seabed friction in a system of lines")
+        system = systems.build(network)
+        metres = systems.DEFAULT if tolerance is None else tolerance * max(element.L for element in network.elements)
 
-def solve(case, tolerance=None) -> SpanAnswer:
-    """``tolerance`` relative to L: Tol is an absolute distance in m (its default is 1e-6 m)."""
-    options = {} if tolerance is None else {"Tol": tolerance * case.L}
-    *_, FxB, FzB, info = catenary(case.x, case.z, case.L, case.EA, case.w, CB=_seabed(case), **options)
-    iterations = info["catenary"]["iter"] if "catenary" in info else 0
-    # forces of the line on end B, z up: the fairlead carries the opposite. An end A above end B is reversed inside.
-    return SpanAnswer(float(-FxB), float(-FzB), iterations, str(info["message"]) if info["error"] else "")
+        def solve():
+            systems.solve(system, metres)
+            return systems.tensions(system)
+
+        return solve
 
 
 def _seabed(case) -> float:

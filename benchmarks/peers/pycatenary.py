@@ -10,33 +10,28 @@ from importlib import metadata
 
 from pycatenary import MooringLine
 
-from verification.registry import SpanAnswer
-
-NAME = "pycatenary"
-LABEL = "pycatenary"
+from .adapter import Adapter, SpanAnswer
 
 
-def version() -> str:
-    return metadata.version("pycatenary")
+class PyCatenary(Adapter):
+    """Its ``tol`` is a distance in m, 1e-10 as it comes: ``tolerance`` times L."""
 
+    label = "pycatenary"
+    version = metadata.version("pycatenary")
 
-def unsupported(case) -> str:
-    if case.w <= 0:
-        return "it divides by the submerged weight and takes it as acting downwards"
-    if case.seabed and case.friction > 0:
-        return "it has no seabed friction"
-    if case.seabed and case.clearance > 0:
-        return "its floor is at the level of the lower end"
-    return ""
-
-
-def solve(case, tolerance=None) -> SpanAnswer:
-    """``tolerance`` relative to L: its ``tol`` is an absolute distance in m (default 1e-10 m)."""
-    line = MooringLine(
-        fairlead=[case.x, 0.0, case.z], anchor=[0.0, 0.0, 0.0], L=case.L, w=case.w, EA=case.EA, floor=case.seabed
-    )
-    if tolerance is not None:
-        line.catenary.tol = tolerance * case.L
-    line.compute_solution()
-    force = line.get_fairlead_force()  # of the line on the fairlead, z up
-    return SpanAnswer(float(-force[0]), float(-force[2]))
+    def span(self, case, tolerance=None) -> SpanAnswer:
+        """compute_solution of a MooringLine."""
+        if case.w <= 0:
+            raise NotImplementedError("it divides by the submerged weight and takes it as acting downwards")
+        if case.seabed and case.friction > 0:
+            raise NotImplementedError("it has no seabed friction")
+        if case.seabed and case.clearance > 0:
+            raise NotImplementedError("its floor is at the level of the lower end")
+        line = MooringLine(
+            fairlead=[case.x, 0.0, case.z], anchor=[0.0, 0.0, 0.0], L=case.L, w=case.w, EA=case.EA, floor=case.seabed
+        )
+        if tolerance is not None:
+            line.catenary.tol = tolerance * case.L
+        line.compute_solution()
+        force = line.get_fairlead_force()  # of the line on the fairlead, z up
+        return SpanAnswer(float(-force[0]), float(-force[2]))
