@@ -201,6 +201,7 @@ class Balance:
         *lead, n_r, n_f, nodes, Nt = by_y.shape
         at, to = (np.cumsum([0, *map(len, parts)]) for parts in (active, self.columns))
         out = np.zeros((math.prod(lead), nodes, at[-1], self.n), precision)
+        filled = set()
         for tangent, of_rate in ((by_y, False), (by_ydot, True)):
             if tangent is None:
                 continue
@@ -221,7 +222,9 @@ class Balance:
                 blocks = (sampled.reshape(-1, Nt) @ weight).reshape(len(out), len(rows), nodes, weight.shape[1])
                 for e, (a, b) in enumerate(entries):
                     place = out[:, :, at[a] : at[a + 1], to[b] : to[b + 1]]
-                    place += blocks[:, e].reshape(place.shape)
+                    block = blocks[:, e].reshape(place.shape)
+                    np.add(place, block, out=place) if (a, b) in filled else np.copyto(place, block)
+            filled = set(map(tuple, np.argwhere(there)))
         return out.reshape(*lead, *out.shape[1:])
 
     def _weight(self, rows, columns, of_rate, precision):
