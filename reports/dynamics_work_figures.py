@@ -42,8 +42,8 @@ def work(data: dict, folder: Path) -> style.Group:
     caption = (
         "Each point is one setting; lower and further left is better; rings: the Pareto front. Of harmonic balance "
         "are, "
-        f"{'; '.join(said)}. {' '.join(_equal_error(data['points']) + _at_errors(data))} The grey band is the uncertainty of the "
-        "reference. "
+        f"{'; '.join(said)}. {' '.join(_equal_error(data['points']) + _at_errors(data))} "
+        "The grey band is the uncertainty of the reference. "
         "“Extrapolated” solves on two meshes, the second from the first (or with two steps), and takes the error of "
         "second order out."
     )
