@@ -37,6 +37,8 @@ QUICK = {
 QUICK_PEER = slice(1, 3)  # of the settings of another code
 BESIDE = (49, 1000)  # (cells, steps in a period) of another code beside the paper's settings
 
+ERRORS = (1e-2, 3e-3, 1e-3, 3e-4)  # rms of the tension over its range, at which the methods are set side by side
+
 LONG, ENOUGH, REPEATS = 0.3, 0.2, 3  # s: of a call that is timed once; of all repeats of a shorter one; at most so many
 
 
@@ -157,3 +159,22 @@ def points(name: str, reference, quick: bool):
             yield point | errors(reference, found)
             if found.message.startswith(harness.OVERTIME):
                 break
+
+
+def at_errors(points, family: str = "harmonic") -> list[dict]:
+    """Of each other method and each of ERRORS: the least time to an error at most so large, over that of the family.
+
+    Names that begin with the same word are one method. ratios: one a case in which both get there.
+    """
+    rows = []
+    names = dict.fromkeys(point["method"].removesuffix(", extrapolated") for point in points)
+    for method in (name for name in names if not name.startswith(family)):
+        for level in ERRORS:
+            ratios = []
+            for case in dict.fromkeys(point["case"] for point in points):
+                good = [p for p in points if p["case"] == case and p["rms"] is not None and p["rms"] <= level]
+                sides = [[p["seconds"] for p in good if p["method"].startswith(name)] for name in (method, family)]
+                if all(sides):
+                    ratios.append(min(sides[0]) / min(sides[1]))
+            rows.append({"method": method, "rms": level, "ratios": ratios})
+    return [row for row in rows if row["ratios"]]

@@ -202,7 +202,7 @@ def work(quick: bool, references):
         for point in dynamic_work.points(case, reference, quick):
             found.append(point)
             yield None
-    yield {"points": found, "uncertainty": uncertainty}
+    yield {"points": found, "uncertainty": uncertainty, "at_errors": dynamic_work.at_errors(found)}
 
 
 def needed(quick: bool, references):

@@ -164,6 +164,21 @@ def test_two_meshes_extrapolated_are_better_than_the_finer_one():
 # ---------------------------------------------------------------- the peer
 STATIC_ERROR = 1e-3  # of the tension: five times that of 49 straight segments with their masses at the nodes
 MOVING_ERROR = 2e-3  # rms over the range: that of 24 segments, and half as much again
+def test_times_at_equal_errors():
+    """The least time on either side that meets the error; a case in which one side does not is left out."""
+    point = lambda case, method, seconds, rms: {"case": case, "method": method, "seconds": seconds, "rms": rms}
+    points = [
+        point("a", "harmonic balance", 1.0, 5e-3),
+        point("a", "harmonic balance, extrapolated", 2.0, 1e-4),
+        point("a", "time domain", 6.0, 2e-3),
+        point("a", "time domain", 9.0, 9e-4),
+        point("b", "harmonic balance", 1.0, 1e-3),
+        point("b", "time domain", 1.0, None),
+    ]
+    found = {row["rms"]: row["ratios"] for row in dynamic_work.at_errors(points)}
+    assert found == {1e-2: [6.0], 3e-3: [3.0], 1e-3: [4.5]}
+
+
 moordyn_installed = pytest.mark.skipif("moordyn" not in peers.adapters(), reason="the optional peer is not installed")
 
 

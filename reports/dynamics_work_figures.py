@@ -42,8 +42,8 @@ def work(data: dict, folder: Path) -> style.Group:
     caption = (
         "Each point is one setting; lower and further left is better; rings: the Pareto front. Of harmonic balance "
         "are, "
-        f"{'; '.join(said)}. {' '.join(_equal_error(data['points']))} The grey band is the uncertainty of the "
-        "reference. "
+        f"{'; '.join(said)}. {' '.join(_equal_error(data['points']) + _at_errors(data))} "
+        "The grey band is the uncertainty of the reference. "
         "“Extrapolated” solves on two meshes, the second from the first (or with two steps), and takes the error of "
         "second order out."
     )
@@ -87,4 +87,17 @@ def _equal_error(points) -> list[str]:
                 f"{times(median(ratios))} as long as harmonic balance "
                 f"(median of {len(ratios)}, {number(min(ratios), 2)} to {number(max(ratios), 2)}{end})."
             )
+    return said
+
+
+def _at_errors(data) -> list[str]:
+    """The least time to each of some errors, as a multiple of that of harmonic balance."""
+    said = []
+    for method in dict.fromkeys(row["method"] for row in data["at_errors"]):
+        rows = [row for row in data["at_errors"] if row["method"] == method]
+        parts = [f"{number(median(row['ratios']), 2)} ({row['rms']:.0e}; {len(row['ratios'])})" for row in rows]
+        said.append(
+            f"The least time of {method} to an error, over that of harmonic balance, median of the cases "
+            f"(the error; how many cases): {', '.join(parts)}."
+        )
     return said

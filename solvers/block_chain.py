@@ -15,16 +15,13 @@ from scipy.linalg import blas, lapack
 
 
 class _Step(NamedTuple):
-    """Factors of a node: its open rows are upper^T [lower^T, below^T] in exchanged ``columns``; q = n - p."""
+    """Factors of a node, p of whose unknowns its open rows take away and q = n - p the cell's."""
 
-    columns: np.ndarray  # (n,) order of the unknowns, the first p of them by the open rows
-    first: np.ndarray  # (p, p) LU
-    below: np.ndarray  # (q, p)
-    shares: np.ndarray  # (n + k, p) of the open rows in those of the cell and the full ones
-    rows: np.ndarray  # (n + k,) order of those, the first q of them for the other unknowns
-    second: np.ndarray  # (q, q) LU
-    left: np.ndarray  # (p + k, q) of those rows in the rows left over
-    right: np.ndarray  # (q, n) coefficients of the next node in those rows
+    columns: np.ndarray  # (n,) order of the unknowns, those of the open rows first
+    lower: np.ndarray  # (n, n) of which the lower triangle counts: open rows, and rows of the cell
+    upper: np.ndarray  # (n, n) of which the upper triangle counts
+    left: np.ndarray  # (p + k, n) of those rows in the rows left over and the full ones
+    right: np.ndarray  # (q, n) coefficients of the next node in the rows of the cell
 
 
 class BlockChain:
@@ -41,30 +38,43 @@ class BlockChain:
         letter = "s" if self.precision == np.float32 else "d"
         self._trsm, self._trsv = (getattr(blas, letter + name) for name in ("trsm", "trsv"))
         self._getrf, self._laswp = (getattr(lapack, letter + name) for name in ("getrf", "laswp"))
-        opened, full = start, border[:, 0]
+        self._order = np.arange(start.shape[1], dtype=self.precision)[:, None]
+        self.p, rows, opened, full = len(start), [], start, border[:, 0]
         for i, (left, right) in enumerate(cell for part in parts for cell in zip(*part, strict=True)):
-            opened, full = self._eliminate(opened, np.concatenate([left, full]), right, border[:, i + 1])
+            step, order, opened, full = self._eliminated(opened, left, right, full, border[:, i + 1])
+            self.steps.append(step)
+            rows.append(order)
+        self.rows = np.array(rows, dtype=int).reshape(len(rows), start.shape[1])  # (N - 1, n) order, the first q to solve
         self.last, self.last_pivots, info = self._getrf(np.concatenate([opened, end, full]))
         self.singular |= info != 0 or not np.isfinite(self.last).all()
 
-    def _eliminate(self, opened, left, right, full):
-        """Eliminate a node; the rows open at the next one, and what the full rows are there."""
+    def _eliminated(self, opened, left, right, full, full_right):
+        """The factors of a node, the order of the cell's rows, and the open and full rows at the next node."""
         p, n = opened.shape
+        q, k = n - p, len(full)
         first, columns = self._factors(opened.T)
-        top, below = np.asfortranarray(first[:p]), first[p:]
+        if k:
+            left = np.concatenate([left, full])
         left = left.T[columns].T
-        shares = self._unit_solve(top, left[:, :p])
-        rest = left[:, p:] - shares @ below.T
-        lu, rows = self._factors(rest[:n])
-        second, pivots = np.asfortranarray(lu[: n - p]), right[rows[: n - p]]
-        pivots = self._unit_solve(second, pivots.T).T
-        lower = lu[n - p :]
-        if len(full):
-            lower = np.concatenate([lower, self._trsm(1.0, second, rest[n:], side=1) if p < n else rest[n:]])
-        over = np.concatenate([right[rows[n - p :]], full]) - lower @ pivots
-        rows = np.concatenate([rows, np.arange(n, n + len(full))])
-        self.steps.append(_Step(columns, top, below, shares, rows, second, lower, pivots))
-        return over[:p], over[p:]
+        shares = self._unit_solve(first[:p], left[:, :p])
+        rest = left[:, p:] - shares @ first[p:].T
+        second, rows = self._factors(rest[:n])
+        ahead = right[rows]
+        pivots = self._unit_solve(second[:q], ahead[:q].T).T
+
+        lower, upper, over = (np.empty((m, n), self.precision, "F") for m in (n, n, p + k))
+        upper[:p], upper[p:, p:] = first.T, second[:q]
+        lower[:p, :p], lower[p:, :p], lower[p:, p:] = first[:p].T, shares[rows[:q]], second[:q]
+        upper.ravel("K")[: p * (n + 1) : n + 1] = 1.0  # the diagonals of the unit triangles
+        lower.ravel("K")[p * (n + 1) :: n + 1] = 1.0
+        over[:p, :p], over[:p, p:] = shares[rows[q:]], second[q:]
+        if k:
+            over[p:, :p] = shares[n:]
+            over[p:, p:] = self._trsm(1.0, second[:q], rest[n:], side=1) if q else rest[n:]
+        following = -over[:, p:] @ pivots
+        following[:p] += ahead[q:]
+        following[p:] += full_right
+        return _Step(columns, lower, upper, over, pivots), rows, following[:p], following[p:]
 
     def _unit_solve(self, lu, rows):
         """Rows in Fortran order, overwritten, times the transposed inverse of the unit lower factor."""
@@ -72,37 +82,30 @@ class BlockChain:
 
     def _factors(self, panel):
         """LU of a tall panel, and the order of its rows."""
-        rows, count = panel.shape
-        if not count:
-            return panel, np.arange(rows)
+        if not panel.shape[1]:
+            return panel, np.arange(len(panel))
         lu, exchanges, info = self._getrf(panel)
         self.singular |= info != 0
-        return lu, self._laswp(np.arange(rows, dtype=self.precision)[:, None], exchanges)[:, 0].astype(int)
+        return lu, self._laswp(self._order, exchanges)[:, 0].astype(int)
 
     def solve(self, start, cells, end, border):
         """Solution (N, n) for right-hand sides (p,), (N - 1, n), (n - p - k,) and (k,)."""
-        p, n, k = len(start), self.last.shape[0], len(border)
-        q = n - p
-        x, y = (np.empty((count, n), self.precision) for count in (len(self.steps) + 1, len(self.steps)))
-        right = np.empty((len(self.steps), n + k), self.precision)
-        right[:, :n] = cells
-        over = np.concatenate([start, border]).astype(self.precision)
-        for step, b, found in zip(self.steps, right, y, strict=True):
-            b[n:] = over[p:]
-            if p:
-                found[:p] = self._trsv(step.first, over[:p], lower=0, trans=1)
-            b = (b - step.shares @ found[:p])[step.rows]
-            if q:
-                found[p:] = self._trsv(step.second, b[:q], lower=1, diag=1)
-            over = b[q:] - step.left @ found[p:]
-        b = np.concatenate([over[:p], end, over[p:]]).astype(self.precision)
+        p, k, n = self.p, len(border), self.last.shape[0]
+        q, cell = n - p, np.take_along_axis(np.asarray(cells, self.precision), self.rows, axis=1)
+        found = np.empty((len(self.steps), n), self.precision)
+        found[:, p:] = cell[:, :q]
+        over = np.zeros((len(self.steps) + 1, p + k), self.precision)  # right-hand sides of open and full rows
+        over[0, :p], over[1:, :p] = start, cell[:, q:]
+        for step, f, here, following in zip(self.steps, found, over, over[1:], strict=False):
+            f[:p] = here[:p]
+            self._trsv(step.lower, f, lower=1, overwrite_x=1)
+            following -= step.left @ f
+        b = np.concatenate([over[-1, :p], end, border + over[1:, p:].sum(axis=0)]).astype(self.precision)
         b = self._laswp(b[:, None], self.last_pivots)[:, 0]
+        x = np.empty((len(self.steps) + 1, n), self.precision)
         x[-1] = self._trsv(self.last, self._trsv(self.last, b, lower=1, diag=1))
         for i in range(len(self.steps) - 1, -1, -1):
-            step, found = self.steps[i], y[i]
-            if q:
-                found[p:] = self._trsv(step.second, found[p:] - step.right @ x[i + 1])
-            if p:
-                found[:p] = self._trsv(step.first, found[:p] - step.below.T @ found[p:], lower=1, trans=1, diag=1)
-            x[i, step.columns] = found
+            step, f = self.steps[i], found[i]
+            f[p:] -= step.right @ x[i + 1]
+            x[i, step.columns] = self._trsv(step.upper, f, overwrite_x=1)
         return x.astype(float)

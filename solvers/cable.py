@@ -142,6 +142,16 @@ class CableSystem(ChainSystem):
             coarse.source = lambda t: self.source(t)[:, at]
         return coarse, lambda z: CubicSpline(coarse.s, z, axis=1)(self.s)
 
+    def carried(self, t) -> np.ndarray | None:
+        """The rest with velocities that grow from none at the anchor to the prescribed ones at the fairlead."""
+        if self.motion is None:
+            return None
+        y = np.repeat(self.rest()[..., None], len(t), axis=-1)
+        turn = self._rows.velocity(self.rest())[1][:, 1 : 1 + self.dimension]  # a rotation
+        share, moved = self.s / self.s[-1], self.axes @ self.motion.velocity(t)
+        y[1 : 1 + self.dimension] = np.einsum("dcn,n,dt->cnt", turn, share, moved)
+        return y
+
     def mirror(self) -> tuple[tuple[int, ...], ...] | None:
         """Reflection at the plane of the line: w, theta, row 3, row 6 and the sideways velocity change sign."""
         if self.planar:

@@ -68,6 +68,13 @@ class ChainSystem:
         """The chain on about half the nodes, and what carries z (n_f, nodes, C) from there to here; None: no such."""
         return None
 
+    def carried(self, t) -> np.ndarray | None:
+        """A rough state (n_f, N, S) of the moving chain at times t (S,), to start from instead of rest; None: no such.
+
+        At rest a quadratic drag has no slope: Newton's first step, undamped, goes far too far.
+        """
+        return None
+
     def mirror(self) -> tuple[tuple[int, ...], ...] | None:
         """Signs +1 or -1 of the fields and of the start, cell and end rows under a mirror that may map it to itself."""
         return None

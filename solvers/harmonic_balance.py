@@ -23,6 +23,7 @@ from .response import Response
 from .threads import one_blas_thread
 
 _COARSE, _START = 3, 5e-3  # harmonics of the driving for a start, and the error (76) that is good enough there
+_BOLD = 8  # full Newton steps before damped ones are tried
 _SMALLEST_RISE = 2.0**-5  # of the amplitude, in the continuation
 _BETWEEN = 4  # instants for each sample at which a state must be valid
 _MOST = 10**5  # harmonics or samples, far beyond what memory holds
@@ -150,16 +151,35 @@ def _climbed(system, basis, fewest, how):
         chains.append(coarser[0])
         carry.append(coarser[1])
     at, of, spent = len(chains) - 1, basis, 0
-    z = np.zeros((len(system.fields), chains[at].nodes, basis.harmonic.size))
-    for coarse, harmonics in _levels(at, fewest, basis.harmonics):
+    z, levels = _carried(chains[at], basis), _levels(at, fewest, basis.harmonics)
+    first = how[0]
+    if z.any():
+        first, levels = _bold_newton, levels or [(at, basis.harmonics)]
+    for coarse, harmonics in levels:
         for step in reversed(carry[coarse:at]):
             z = step(z)
         at, to = coarse, Basis(harmonics, 4 * harmonics, basis.omega, basis.mean)
-        z, steps, *_ = _continued(chains[at], to, _resized(z, of, to), _START, *how)
-        of, spent = to, spent + steps
+        z, steps, *_ = _continued(chains[at], to, _resized(z, of, to), _START, first, *how[1:])
+        of, spent, first = to, spent + steps, how[0]
     for step in reversed(carry[:at]):
         z = step(z)
     return _resized(z, of, basis), spent
+
+
+def _carried(system, basis) -> np.ndarray:
+    """Coefficients of the rough state that the chain offers, zeros where it offers none."""
+    rest = system.rest()
+    y = system.carried(basis.times)
+    return np.zeros((*rest.shape, basis.harmonic.size)) if y is None else (y - rest[..., None]) @ basis.P
+
+
+def _bold_newton(linearise, residual, x, tolerance, norm):
+    """Full steps, which from a rough start with drag are few and do not ask what they do; damped ones if they fail."""
+    found, bold, converged = relaxed_newton(linearise, residual, x, tolerance, norm, _BOLD)
+    if converged:
+        return found, bold, True
+    found, steps, converged = damped_newton(linearise, residual, x, tolerance, norm)
+    return found, bold + steps, converged
 
 
 def _levels(coarsest, fewest, harmonics):

@@ -14,7 +14,9 @@ import numpy as np
 from .block_chain import BlockChain
 from .harmonic_krylov import HarmonicKrylov
 
-_PART = 64  # cells whose blocks exist at once, beside the factors
+_SINGLE = 48  # unknowns of a node from which on single precision saves more than its check costs
+_PART = 16  # cells whose blocks exist at once, beside the factors
+_ROUNDED = 1e-13  # share of sums of products of Fourier functions below which they are zero, rounded
 _REFINED = 1e-2  # size of a refinement beside its solution above which single precision does not do
 _SYMMETRIC = 1e-9  # share of the rows that may be left where a symmetry says zero
 
@@ -60,14 +62,15 @@ class Balance:
         rng = np.random.default_rng(1)
         shape = self.rest.shape
         y, ydot = self.rest * (1 + 0.1 * rng.random(shape)) + 0.1 * rng.random(shape), rng.random(shape)
-        signs, half = np.array(fields)[:, None], math.pi / self.basis.omega
-        for t in half * rng.random(3):
-            for part, sign in zip(("start", "between", "end"), rows, strict=True):
-                here = getattr(self.system, part)(y, ydot, t, False).value
-                there = getattr(self.system, part)(signs * y, signs * ydot, t + half, False).value
-                turned = (np.array(sign) * here.T).T
-                if abs(turned - there).max(initial=0) > _SYMMETRIC * abs(here).max(initial=0):
-                    return False
+        signs, half = np.array(fields)[:, None, None], math.pi / self.basis.omega
+        t = half * rng.random(3)
+        y, ydot = (np.repeat(part[..., None], t.size, axis=-1) for part in (y, ydot))
+        for part, sign in zip(("start", "between", "end"), rows, strict=True):
+            here = getattr(self.system, part)(y, ydot, t, False).value
+            there = getattr(self.system, part)(signs * y, signs * ydot, t + half, False).value
+            turned = (np.array(sign) * here.T).T
+            if abs(turned - there).max(initial=0) > _SYMMETRIC * abs(here).max(initial=0):
+                return False
         return True
 
     def holds_start(self, z) -> bool:
@@ -151,14 +154,15 @@ class Balance:
             factors = HarmonicKrylov(self, rows, state)
             return F, None if factors.singular else factors.solve
         slope = self.slope(state)
-        for precision in (np.float32, float):
-            factors = BlockChain(*self.jacobian(rows, slope, _PART, precision))
-            solve = lambda F: factors.solve(*self._split(F))  # noqa: B023 (returned, or not used again)
+        if self.n >= _SINGLE:
+            factors = BlockChain(*self.jacobian(rows, slope, _PART, np.float32))
+            solve = lambda F: factors.solve(*self._split(F))
             step = solve(F)
             more = solve(F - self.product(rows, slope, step))
             if not factors.singular and abs(more).mean() <= _REFINED * abs(step).mean():
                 return F, lambda right: step + more if right is F else solve(right)
-        return F, None if factors.singular else solve
+        factors = BlockChain(*self.jacobian(rows, slope, _PART, float))
+        return F, None if factors.singular else lambda F: factors.solve(*self._split(F))
 
     def slope(self, state):
         """d(drift)/dy at the samples, (n_d, n_f, N, Nt), or None where no mean is closed with it."""
@@ -194,29 +198,44 @@ class Balance:
 
     def _blocks(self, by_y, by_ydot, active, precision):
         """P^T diag(dF/dy) Q + P^T diag(dF/dydot) Q_t: (..., nodes, rows, n) of tangents (..., n_r, n_f, nodes, Nt)."""
-        *lead, _, _, nodes, _ = by_y.shape
-        ends = [np.cumsum([0, *map(len, parts)]) for parts in (active, self.columns)]
-        out = np.zeros((*lead, nodes, ends[0][-1], self.n), precision)
+        *lead, n_r, n_f, nodes, Nt = by_y.shape
+        at, to = (np.cumsum([0, *map(len, parts)]) for parts in (active, self.columns))
+        out = np.zeros((math.prod(lead), nodes, at[-1], self.n), precision)
+        filled = set()
         for tangent, of_rate in ((by_y, False), (by_ydot, True)):
             if tangent is None:
                 continue
-            others = *range(len(lead)), -2, -1
-            still = (tangent == tangent[..., :1]).all(axis=others)  # the same at all times
-            for a, b in np.argwhere(tangent.any(axis=others)):
-                part, weight = tangent[..., a, b, :, :], self._weight(active[a], self.columns[b], of_rate, precision)
+            tangent = tangent.reshape(len(out), n_r, n_f, nodes, Nt)
+            there = (tangent != 0).reshape(len(out), n_r, n_f, nodes * Nt).any(axis=3).any(axis=0)
+            still = (tangent == tangent[..., :1]).reshape(len(out), n_r, n_f, nodes * Nt).all(axis=3).all(axis=0)
+            alike = {}  # entries of the same coefficients are transformed at once
+            for a, b in np.argwhere(there):
+                weight, diagonal = self._weight(active[a], self.columns[b], of_rate, precision)
                 if still[a, b]:
-                    part, weight = part[..., :1], weight.sum(axis=0, keepdims=True)
-                place = out[..., ends[0][a] : ends[0][a + 1], ends[1][b] : ends[1][b + 1]]
-                place += (part.astype(precision) @ weight).reshape(place.shape)
-        return out
+                    i, j, share = diagonal
+                    out[:, :, at[a] + i, to[b] + j] += tangent[:, a, b, :, :1] * share
+                else:
+                    alike.setdefault(id(weight), (weight, []))[1].append((a, b))
+            for weight, entries in alike.values():
+                rows, columns = np.array(entries).T
+                sampled = tangent[:, rows, columns].astype(precision)
+                blocks = (sampled.reshape(-1, Nt) @ weight).reshape(len(out), len(rows), nodes, weight.shape[1])
+                for e, (a, b) in enumerate(entries):
+                    place = out[:, :, at[a] : at[a + 1], to[b] : to[b + 1]]
+                    block = blocks[:, e].reshape(place.shape)
+                    np.add(place, block, out=place) if (a, b) in filled else np.copyto(place, block)
+            filled = set(map(tuple, np.argwhere(there)))
+        return out.reshape(*lead, *out.shape[1:])
 
     def _weight(self, rows, columns, of_rate, precision):
-        """P[t, i] Q[t, j] or P[t, i] Q_t[t, j], (Nt, rows columns)."""
+        """P[t, i] Q[t, j] or P[t, i] Q_t[t, j], (Nt, rows columns); its sum over t: places i, j and values."""
         key = (rows.tobytes(), columns.tobytes(), of_rate, precision)
         if key not in self.weights:
             Q = self.basis.Q_t if of_rate else self.basis.Q
             weight = self.basis.P[:, rows, None] * Q[:, None, columns]
-            self.weights[key] = weight.reshape(len(weight), -1).astype(precision)
+            total = weight.sum(axis=0)
+            i, j = np.nonzero(abs(total) > _ROUNDED * abs(total).max(initial=0))
+            self.weights[key] = weight.reshape(len(weight), -1).astype(precision), (i, j, total[i, j])
         return self.weights[key]
 
     def _split(self, F):

@@ -491,9 +491,12 @@ def test_compression_is_named():
 
 
 def test_a_motion_too_large_is_named():
-    """At 40 m no response is found: the status says so, with the share of the motion that was reached."""
+    """At 40 m no response is found: the status says so, with the share of the motion that was reached.
+
+    Five harmonics: with three the rows have a root in deep compression, which is found and called that.
+    """
     with pytest.raises(ConvergenceError, match=r"no periodic response .* amplitude reached: 0\.") as raised:
-        solve_periodic(surge(40.0, 12), harmonics=3)
+        solve_periodic(surge(40.0, 12), harmonics=5)
     response = raised.value.outcome
     assert response.status is Status.NO_PERIODIC_RESPONSE and 0.2 < response.amplitude < 0.8
     time, node = response.event  # the line is in compression there, which is why

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from solvers import Environment, Motion, Scene
+from solvers import Environment, Motion, Scene, harmonic_rows
 from solvers.cable import cable_system
 from solvers.fourier import Basis
 from solvers.harmonic_krylov import HarmonicKrylov
@@ -308,9 +308,11 @@ def _spread(balance):
     return np.array([SPREAD.get(field, 1.0) for field in balance.system.fields])
 
 
+@pytest.mark.parametrize("single", [0, 10**6], ids=["single and its check", "double"])
 @each_chain
-def test_newton_steps_solve_the_complex_step_jacobian(name):
-    """The step that linearise gives meets J dx = F as well as LAPACK does on the whole matrix."""
+def test_newton_steps_solve_the_complex_step_jacobian(name, single, monkeypatch):
+    """The step that linearise gives meets J dx = F as well as LAPACK does on the whole matrix, in both precisions."""
+    monkeypatch.setattr(harmonic_rows, "_SINGLE", single)
     setting = SETTINGS[2]
     balance, x = random_balance(name, setting)
     F, solve = balance.linearise(x)

@@ -118,6 +118,10 @@ class MassChain:
         """Masses are what they are: there are no fewer."""
         return None
 
+    def carried(self, t) -> None:
+        """It starts from rest."""
+        return None
+
     def scale(self) -> np.ndarray:
         """One unit of each."""
         return np.ones(3)

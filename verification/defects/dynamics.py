@@ -344,6 +344,15 @@ DEFECTS = (
         "(76) by the smallest change of a coefficient: done after one step",
         _TRIGONOMETRIC,
     ),
+    Defect(
+        "carried start turned the wrong way",
+        "cable",
+        '"dcn,n,dt->cnt"',
+        '"cdn,n,dt->cnt"',
+        "symbol",
+        "the rotation into the frame of the line is transposed: the start moves elsewhere than its fairlead",
+        "test_harmonic_levels.py::test_the_carried_state_meets_both_ends",
+    ),
     # ------------------------------------------------------------ harmonic_rows
     Defect(
         "weights of states for rates",
@@ -440,8 +449,8 @@ DEFECTS = (
     Defect(
         "transposed elimination",
         "block_chain",
-        "full]) - lower @ pivots",
-        "full]) + lower @ pivots",
+        "following = -over[:, p:] @ pivots",
+        "following = over[:, p:] @ pivots",
         "sign",
         "the Schur complement is added",
         _CHAIN,
@@ -449,7 +458,7 @@ DEFECTS = (
     Defect(
         "full rows not carried on",
         "block_chain",
-        "self._trsm(1.0, second, rest[n:], side=1) if p < n else rest[n:]",
+        "self._trsm(1.0, second[:q], rest[n:], side=1) if q else rest[n:]",
         "0 * rest[n:]",
         "term",
         "full rows are not updated by the elimination",
@@ -458,8 +467,8 @@ DEFECTS = (
     Defect(
         "rows not exchanged on the right",
         "block_chain",
-        "b = (b - step.shares @ found[:p])[step.rows]",
-        "b = b - step.shares @ found[:p]",
+        "np.take_along_axis(np.asarray(cells, self.precision), self.rows, axis=1)",
+        "np.asarray(cells, self.precision)",
         "term",
         "row exchanges are forgotten for the right-hand side",
         _CHAIN,
