@@ -67,10 +67,10 @@ def _ladder(case: SpanCase, exact: SpanTruth) -> list[dict]:
         rows.append({"solver": solver.name, "label": solver.label, "tolerance": None} | default)
         if default["verdict"] != "unsupported" and solver.tolerances:
             rows += work_precision.sweep(solver, case, exact)
-    return [{key: row[key] for key in _LADDER} for row in rows]
+    return [{key: row.get(key) for key in _LADDER} for row in rows]
 
 
-_LADDER = ("solver", "label", "tolerance", "error", "seconds", "verdict")
+_LADDER = ("solver", "label", "tolerance", "error", "seconds", "verdict", "message")
 
 
 def _sensitivity(span, name: str, condition: float) -> float | None:

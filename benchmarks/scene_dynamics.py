@@ -11,8 +11,10 @@ import numpy as np
 
 from solvers import ConvergenceError, Scene, Status, cable_system, solve_periodic, solve_static, solve_time_domain
 from solvers.modes import natural_modes
+from solvers.motion import Ramped
 
-from .dynamic_cases import instants, on_mesh, wave
+from . import dynamic_work
+from .dynamic_cases import TIMES, instants, on_mesh, wave
 
 STATIC_NODES = (25, 50, 100, 200)
 HARMONIC = ((25, 3), (25, 5), (25, 9), (50, 9), (50, 15), (100, 15), (100, 25), (200, 25))
@@ -143,6 +145,23 @@ def study(scene: Scene):
     yield _report(made, statics, reference, ladder)
 
 
+def others(made: Study, known) -> list[dict]:
+    """Rows of other codes at two of their settings, against the converged tension."""
+    moved, rows = Ramped(made.scene.motion, made.period / 2), []
+    for label, adapter in dynamic_work.others().items():
+        for cells, steps in adapter.settings[dynamic_work.QUICK_PEER]:
+            began = time.perf_counter()
+            told = dynamic_work.ask(adapter, made.scene, moved, made.period, (cells, steps), PERIODS)
+            row = {"method": label, "nodes": cells + 1, "dt": made.period / steps, "warnings": [], "error": None}
+            row |= {"seconds": time.perf_counter() - began, "status": told.kind.upper() or "SUCCESS"}
+            if known is not None and not told.kind:
+                row["error"] = _error(told.tension[:: max(1, steps // TIMES)], known[:: max(1, TIMES // steps)])
+            rows.append(row | {"sentence": told.message[:200]})
+            if told.kind:
+                break
+    return rows
+
+
 def static_ladder(made: Study) -> dict:
     """Fairlead tension at rest on finer and finer meshes, against shooting."""
     exact = float(solve_static(made.chain(STATIC_NODES[-1]), method="shooting").tension[-1])
@@ -164,6 +183,7 @@ def _report(made: Study, statics: dict, reference: dict, ladder: list[dict]) -> 
         right = point["wave"] is not None and known is not None
         rows.append(row | {"error": _error(point["wave"], known) if right else None})
     best = _recommended(rows, reference, scene.tolerance)
+    rows += others(made, known)
     about = {key: value for key, value in reference.items() if key not in ("wave", "response")}
     found = {"period": made.period, "fields": made.chain(STATIC_NODES[0]).fields, "statics": statics, "ladder": rows}
     found |= {"reference": about, "recommended": best, "tolerance": scene.tolerance, "python": _python(best)}
@@ -227,9 +247,10 @@ def _warnings(made: Study, found: dict):
     """Sentences on what the owner of this moving line should know."""
     if any(made.scene.environment.current):
         yield "The current acts on the moving line; forces, profile and stiffness above are those of still water."
-    failed = {row["sentence"] for row in found["ladder"] if row["status"] not in ("SUCCESS", "NO_PERIODIC_RESPONSE")}
+    mine = [row for row in found["ladder"] if row["method"] in ("harmonic balance", "time domain")]
+    failed = {row["sentence"] for row in mine if row["status"] not in ("SUCCESS", "NO_PERIODIC_RESPONSE")}
     yield from (f"Some settings failed: {sentence}." for sentence in sorted(failed))
-    if any(row["status"] == "NO_PERIODIC_RESPONSE" for row in found["ladder"]):
+    if any(row["status"] == "NO_PERIODIC_RESPONSE" for row in mine):
         yield "Harmonic balance did not find the periodic response of this line: the settings are of time stepping."
     for driven in found["driving"]:
         nearest = min(found["modes"], key=lambda mode: abs(mode - driven))

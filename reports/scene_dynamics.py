@@ -13,7 +13,8 @@ from .tables import Table
 from .words import DASH, number, plural, seconds, slug
 
 STAR = "#f2c230"
-SECOND = {"harmonic balance": "harmonics", "time domain": "dt"}
+OTHERS = {"REFUSED": "refused", "UNSUPPORTED": "not modelled"}
+"""How other codes that give no tension are shown."""
 
 
 def section(scene: dict, stem: str, figure_folder: Path, table_folder: Path) -> dict | None:
@@ -108,7 +109,7 @@ def _work(found, name, folder) -> style.Figure:
     title = "Error against run time"
     figure, axes = panel(title, "run time, s", "error / greatest tension", xscale="log", yscale="log")
     solved = [row for row in found["ladder"] if row["error"]]
-    for method, look in METHODS.items():
+    for method, look in style.completed(METHODS, dict.fromkeys(row["method"] for row in solved)).items():
         rows = [row for row in solved if row["method"] == method]
         if rows:
             axes.plot([r["seconds"] for r in rows], [r["error"] for r in rows], look["marker"], label=method,
@@ -175,6 +176,8 @@ def _settings(found, name) -> Table:
 
 
 def _ended(row, best) -> str:
+    if row["status"] in OTHERS:
+        return f"{OTHERS[row['status']]}: {row['sentence']}"
     if row["status"] != "SUCCESS":
         return row["status"].lower().replace("_", " ")
     same = best and all(best.get(key) == row.get(key) for key in ("method", "nodes", "harmonics", "dt"))

@@ -17,6 +17,7 @@ ACCURACY = {
     "label": "line", "condition": "condition number", "limit": "condition limit", "error": "error against 50 digits",
     "in_limits": "error / limit", "cost": "cost, this project",
 }  # fmt: skip
+WORDS = {"unsupported": "not modelled"}
 SIX = dict.fromkeys(("K11", "K12", "K21", "K22"), lambda v: number(v, 6))
 
 
@@ -39,7 +40,18 @@ def scene_tables(scene: dict, stem: str, folder: Path) -> list[Table]:
     rows = [{"label": line["label"], **line["sensitivity"]} for line in lines]
     percent = dict.fromkeys(scene["lines"][0]["sensitivity"], _percent)
     changes = Table(f"scene_{stem}_sensitivity", "Change of the fairlead tension", heads, rows, percent)
-    return [table.write(folder) for table in (forces, stiffness, changes, _expected(lines, scene, stem))]
+    made = (forces, stiffness, changes, _expected(lines, scene, stem), _solvers(lines, stem))
+    return [table.write(folder) for table in made]
+
+
+def _solvers(lines, stem) -> Table:
+    """Every solver on every line, as it comes."""
+    rows = [point | {"line": line["label"], "words": WORDS.get(point["verdict"], point["verdict"])}
+            for line in lines for point in line["ladder"] if point["tolerance"] is None]  # fmt: skip
+    heads = {"line": "line", "label": "solver", "words": "answer", "error": "error", "seconds": "run time",
+             "message": "why not"}  # fmt: skip
+    shown = {"error": short, "seconds": seconds}
+    return Table(f"scene_{stem}_solvers", "Every solver, as it comes", heads, rows, shown)
 
 
 def _expected(lines, scene, stem) -> Table:
