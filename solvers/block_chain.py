@@ -44,7 +44,7 @@ class BlockChain:
             step, order, opened, full = self._eliminated(opened, left, right, full, border[:, i + 1])
             self.steps.append(step)
             rows.append(order)
-        self.rows = np.array(rows, dtype=int).reshape(len(rows), start.shape[1])  # (N - 1, n) order, the first q to solve
+        self.rows = np.array(rows, dtype=int).reshape(len(rows), start.shape[1])  # (N - 1, n)
         self.last, self.last_pivots, info = self._getrf(np.concatenate([opened, end, full]))
         self.singular |= info != 0 or not np.isfinite(self.last).all()
 
