@@ -73,7 +73,8 @@ def main(argv=None) -> int:
     mine = [one for one in found.values() if not arguments.files or type(one).__module__.startswith("brought_")]
     for adapter in mine:
         solved = [problem for problem in PARTS if adapter.solves(problem)]
-        print(f"{adapter.label} {adapter.version} ({adapter.name}) solves {', '.join(solved)}")
+        title = " ".join(filter(None, (adapter.label, adapter.version, f"({adapter.name})")))
+        print(f"{title} solves {', '.join(solved)}")
         for problem in () if arguments.list else solved:
             print(*(f"  {line}" for line in PARTS[problem](adapter)), sep="\n", flush=True)
     if not mine:
