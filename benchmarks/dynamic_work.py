@@ -60,7 +60,7 @@ class Told:
 
 
 def ask(adapter: peers.Adapter, scene, motion, period: float, setting, periods=PERIODS) -> Told:
-    """The last of some periods (s) of a motion that starts from rest, at (cells, steps in a period); it never raises."""
+    """The last of some periods (s) of a motion from rest, at (cells, steps in a period); it never raises."""
     cells, steps = setting
     time = np.linspace(0.0, periods * period, periods * steps + 1)
     fairlead = np.array(scene.fairlead) + motion.displacement(time).T

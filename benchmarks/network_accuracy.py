@@ -1,7 +1,7 @@
 """Error against run time of the methods for networks, a sweep of tolerances: the part "work" of networks.json.
 
 Every method starts from the node positions of the network and does without fallback; the error is that of the end
-tensions, against 40 digits. Other codes that solve networks are asked at the same ladder, as their adapters translate it.
+tensions, against 40 digits. Other codes that solve networks are asked at the same ladder, by their adapters.
 """
 
 from __future__ import annotations

@@ -95,7 +95,8 @@ def _speed(data, folder, tables) -> dict:
     rows = []
     for name, values in data["seconds"].items():
         ratios = [value / one for value, one in zip(values, base, strict=False)]
-        rows.append({"solver": names.get(name, name), "least": min(values), "median": median(values), "ratio": median(ratios)})
+        row = {"solver": names.get(name, name), "least": min(values), "median": median(values)}
+        rows.append(row | {"ratio": median(ratios)})
     columns = {
         "solver": "three periods of case 1",
         "least": "least time",

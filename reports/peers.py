@@ -59,7 +59,8 @@ def _networks(data, versions):
     for code in dict.fromkeys(p["code"] for p in points if p.get("code")):
         mine = [p for p in points if p.get("code") == code]
         last = {p["case"]: p for p in mine if p["verdict"] in ("right", "wrong")}
-        verdicts = [last.get(case, {"verdict": "refused"})["verdict"] for case in dict.fromkeys(p["case"] for p in mine)]
+        cases = dict.fromkeys(p["case"] for p in mine)
+        verdicts = [last.get(case, {"verdict": "refused"})["verdict"] for case in cases]
         verdicts = ["unsupported"] * len(verdicts) if {p["verdict"] for p in mine} == {"unsupported"} else verdicts
         yield {"code": code, "problem": "networks", "cases": len(verdicts)} | {v: verdicts.count(v) for v in
               analysis.VERDICTS}  # fmt: skip

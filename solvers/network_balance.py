@@ -191,7 +191,7 @@ FRAME = np.array([_frame(0, 0), _frame(1, 0) - _frame(0, 0), _frame(0, 1) - _fra
 
 
 def exact_forces(balance, geometry, rows=slice(None)):
-    """(H, V, H_anchor, V_anchor) (4, k) of the given elements, the call that gives their D (k, 4, 3), span iterations."""
+    """(H, V, H_anchor, V_anchor) (4, k) of the elements, the call that gives their D (k, 4, 3), span iterations."""
     lines = balance.w, balance.EA, balance.L, geometry.l, geometry.rise, balance.rests, geometry.friction
     w, EA, *lines = (column[rows] for column in (*lines, geometry.clearance))
     solved = one_by_one(w, EA, *lines) if w.size <= FEW and geometry.finite else span_arrays(w, EA, *lines)

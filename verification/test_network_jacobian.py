@@ -406,7 +406,9 @@ def test_network_derivatives(check):
     assert check() == []
 
 
-@pytest.mark.parametrize("case", [chain_wire_chain(), hanging_mass(), _raised(), spring_net()], ids=lambda case: case.name)
+@pytest.mark.parametrize(
+    "case", [chain_wire_chain(), hanging_mass(), _raised(), spring_net()], ids=lambda case: case.name
+)
 def test_floats_leave_other_lines_and_resting_nodes_to_arrays(case):
     balance, state = Balance(network_of(case)), solved(case)
     few = network_few.Few(balance, state.r, (1.0, 1.0))

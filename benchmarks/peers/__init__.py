@@ -29,8 +29,8 @@ PACKAGES = ("moorpy", "pycatenary", "moordyn")
 BROUGHT = "MOORING_SOLVERS"
 """Environment variable: files with adapters, separated as in PATH."""
 
-OURS = ("this project", "catenary", "planar", "six fields", "reference", "harmonic balance", "time domain", "monolithic",
-        "nested")  # fmt: skip
+OURS = ("this project", "catenary", "planar", "six fields", "reference", "harmonic balance", "time domain",
+        "monolithic", "nested")  # fmt: skip
 """How the names and labels of this project's own rows begin."""
 
 
@@ -107,6 +107,6 @@ def _classes(module: ModuleType):
 def _check(adapter: Adapter):
     if not any(adapter.solves(problem) for problem in LIMITS):
         raise ValueError("solves nothing: define span, network or cable")
-    for cells, steps in adapter.settings:
+    for _, steps in adapter.settings:
         if INSTANTS % steps and steps % INSTANTS:
             raise ValueError(f"settings: {steps} steps in a period must divide {INSTANTS}, or be a multiple of it")

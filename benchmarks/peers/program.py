@@ -5,7 +5,7 @@ in   {"problem": "span", "tolerance": null, "w", "EA", "L", "x", "z", "seabed", 
       "nodes": [{"kind", "r", "mass", "volume", "force"}], "elements": [{"w", "EA", "L", "ends", "friction"}]}
      {"problem": "cable", "cells", "time": [K], "fairlead": [K x 3], "anchor": [3], "length", "w", "EA", "diameter",
       "mass_per_length", "Cdn", "Cdb", "Cdt", "Ca", "damping", "rho", "g", "current": [3], "depth", "seabed_stiffness"}
-out  {"H", "V"}, {"tension": [e x 2]} or {"tension": [K]}, N; and if it likes "iterations", and "seconds" of the solve by
+out  {"H", "V"}, {"tension": [e x 2]} or {"tension": [K]}, N; and if it likes "iterations" and "seconds" of the solve by
      its own clock (else the whole call is timed, its start included); or {"refused": "why"}, {"unsupported": "why"}
 Lines before that object are passed over. An exit status other than 0 is a refusal, with the last line that it printed.
 """
