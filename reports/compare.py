@@ -17,8 +17,9 @@ from .sources import ROOT
 
 THRESHOLD = 1.3
 """Default ratio B over A beyond which a time or an error counts. Two runs of one commit on a virtual machine with two
-cores differed by 0.98 to 1.04 in timings with quartiles and by 0.92 to 1.02 in groups; beside another program that
-keeps a core busy, single timings took up to 2.3 times as long: what is compared wants a quiet machine."""
+cores differed by 0.98 to 1.04 in timings with quartiles and by 0.92 to 1.02 in groups (one pair: benchmarks, speed and
+networks). In a run on a busier machine, of an earlier commit, single timings were up to 2.3 times as long: what is
+compared wants a quiet machine."""
 
 GOOD = ("right", "passed", "solved", "SUCCESS", "caught")
 SHOWN = 40  # rows of each kind
