@@ -178,7 +178,7 @@ def scene_stage(path: Path, published: bool = False) -> Stage:
 
 
 # ---------------------------------------------------------------- the whole
-SLOW = ("work_precision", "defects", "benchmarks")
+SLOW = ("work_precision", "defects", "benchmarks", "speed")
 """Groups left out by --quick; results of an earlier whole run are still shown."""
 
 GROUPS = ("tests", "machine", "accuracy", "benchmarks", "work_precision", "speed", "networks", *DYNAMICS, "defects",
