@@ -64,7 +64,7 @@ def verdicts(data: dict | None) -> list[Verdict]:
     points = sum(total.values())
     bad = total["wrong"] + total["crashed"]
     text = f"of {number(points)} points of {len(data['maps'])} stability maps, wanted 0"
-    answers = f"of {number(points)}; the others say that they have none"
+    answers = f"of {number(points)}; the others warn, or say that they have none"
     return [
         Verdict(number(bad), "wrong at the limits", text, bad == 0, "stability"),
         Verdict(number(total["solved"]), "solved at the limits", answers, None, "stability"),
