@@ -250,18 +250,21 @@ def test_any_network_is_balanced(method):
 def test_nested_and_monolithic_agree_on_any_network():
     """Two methods that share no iteration find the same forces, where the free nodes are held.
 
-    The nested one places nodes, and stops short, with a status, where positions as doubles tell no finer force.
+    Either stops short, with a status, only where positions as doubles tell no finer force.
     """
     compared = []
 
     @FEW
     @given(networks())
     def holds(case):
-        states = solved(case), solved(case, method="nested", throw=False)
-        if states[1].status is not Status.SUCCESS:
+        states = solved(case, throw=False), solved(case, method="nested", throw=False)
+        short = [state for state in states if state.status is not Status.SUCCESS]
+        for state in short:
             stiffest = max(line.EA / line.L for line in case.elements)
-            size = max(abs(states[0].r).max(), *(line.L for line in case.elements))
-            assert states[1].residual_norm * abs(states[0].V_anchor).max() <= EPS * stiffest * size, states[1].status
+            size = max(abs(state.r).max(), *(line.L for line in case.elements))
+            largest = max(abs(force).max() for force in (state.H, state.V, state.H_anchor, state.V_anchor))
+            assert state.residual_norm * largest <= EPS * stiffest * size, state.status
+        if short:
             compared.append(False)
             return
         bound = allowed(case, *states)
