@@ -37,7 +37,7 @@ def missing_errata(text: str) -> list[str]:
     """Places that the pages call "Erratum `where`" and that are in no row of reference_data/errata.toml."""
     rows = tomllib.loads((ROOT / "reference_data" / "errata.toml").read_text(encoding="utf-8"))["erratum"]
     places = {row["where"] for row in rows}
-    return [where for where in re.findall(r"Erratum `([^`]+)`", text) if where not in places]
+    return [where for where in re.findall(r"[Ee]rratum `([^`]+)`", text) if where not in places]
 
 
 def blocks(text: str) -> list[str]:
