@@ -123,8 +123,9 @@ def attempt(call: Callable, limit: float, who: str) -> tuple[object, str, str]:
         found = None, "refused", str(error) or "it gave no reason"
     except (Exception, SystemExit) as error:  # whatever it raises is its way of refusing
         found = None, "refused", f"{type(error).__name__}: {error}"
-    _overtime[who] = _overtime[who] + 1 if found[2].startswith(OVERTIME) else 0
-    return found
+    value, kind, words = found
+    _overtime[who] = _overtime[who] + 1 if words.startswith(OVERTIME) else 0
+    return value, kind, " ".join(words.split())  # on one line of a table
 
 
 def ask(solver: Solver, case, tolerance=None) -> SpanAnswer:

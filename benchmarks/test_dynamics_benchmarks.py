@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -182,6 +183,12 @@ def test_times_at_equal_errors():
 moordyn_installed = pytest.mark.skipif("moordyn" not in peers.adapters(), reason="the optional peer is not installed")
 
 
+def moordyn_step() -> float:
+    """Of the adapter, where MoorDyn is installed."""
+    adapter = peers.adapters().get("moordyn")
+    return sys.modules[type(adapter).__module__].STEP if adapter else 0.0
+
+
 def simulated(case, motion, period: float, steps: int, cells: int, periods: int = 3):
     """What MoorDyn says of the last period."""
     return dynamic_work.ask(peers.adapters()["moordyn"], case, motion, period, (cells, steps), periods)
@@ -208,6 +215,19 @@ def test_the_adapter_moves_the_line_that_was_meant(change, within):
     changed = replace(chain.scene, cable=replace(chain.scene.cable, **change))
     found = simulated(changed, Ramped(changed.motion, chain.period / 2), chain.period, 1000, 24)
     assert (dynamic_work.errors(known, found)["rms"] < MOVING_ERROR) == within
+
+
+@moordyn_installed
+@pytest.mark.parametrize(("step", "within"), [(moordyn_step(), True), (4 * moordyn_step(), False)])
+def test_the_adapter_steps_as_short_a_line_as_it_takes(monkeypatch, step, within):
+    """A line of a third of the length, whose stable step is a third too, is at rest; with four times the step it is not."""
+    monkeypatch.setattr(sys.modules[type(peers.adapters()["moordyn"]).__module__], "STEP", step)
+    case = scene("case_1")
+    ends = {name: tuple(np.array(getattr(case, name)) / 3) for name in ("anchor", "fairlead")}
+    short = replace(case, length=case.length / 3, **ends)
+    tension = simulated(short, Motion.harmonic(0.05, (0, 0, 0)), 20.0, 200, 49).tension
+    exact = solve_span(short.spans()[0]).tension
+    assert (tension is not None and abs(tension[-100:].mean() / exact - 1) < STATIC_ERROR) == within
 
 
 @moordyn_installed

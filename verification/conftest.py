@@ -20,15 +20,6 @@ for _name, _examples in EXAMPLES.items():
     )
 
 
-def pytest_addoption(parser):
-    parser.addoption(
-        "--deep",
-        action="store_true",
-        default=False,
-        help="the long version: 5000 random lines and 5000 Hypothesis examples against 50 digits",
-    )
-
-
 def pytest_configure(config):
     config._one_blas_thread = threadpool_limits(1)  # held for the whole run
     settings.load_profile("deep" if config.getoption("--deep") else "default")

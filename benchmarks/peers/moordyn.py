@@ -8,6 +8,7 @@ share of the critical damping of a segment, so it vanishes with refinement.
 
 from __future__ import annotations
 
+import math
 import os
 import tempfile
 from contextlib import contextmanager
@@ -20,7 +21,7 @@ import numpy as np
 from .adapter import Adapter
 
 DAMPING = -0.1
-STEP = 0.2  # s over the number of segments: 4 ms for 49 of them; twice that is beyond the limit of stability
+STEP = 0.5  # of the time that an axial wave takes through a segment; twice that is beyond the limit of stability
 DEPTH = 5000.0  # m: of a seabed that is not there
 
 _INPUT = """MoorDyn
@@ -90,9 +91,10 @@ def describe(scene, segments: int) -> str:
     """Its input file; the submerged weight follows from diameter and mass."""
     cable, environment = scene.cable, scene.environment
     points = {name: " ".join(map(repr, getattr(scene, name))) for name in ("anchor", "fairlead")}
+    crossing = scene.length / segments / math.sqrt(cable.EA / cable.mass_per_length)  # s
     return _INPUT.format(
         d=cable.diameter, m=cable.mass_per_length, EA=cable.EA, damping=DAMPING, Cd=cable.Cdn, Ca=cable.Ca,
-        Cdt=cable.Cdt, L=scene.length, segments=segments, step=STEP / segments, g=environment.g, rho=environment.rho,
+        Cdt=cable.Cdt, L=scene.length, segments=segments, step=STEP * crossing, g=environment.g, rho=environment.rho,
         depth=DEPTH, **points,
     )  # fmt: skip
 
