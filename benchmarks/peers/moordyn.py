@@ -90,7 +90,7 @@ class MoorDyn(Adapter):
 def describe(scene, segments: int) -> str:
     """Its input file; the submerged weight follows from diameter and mass."""
     cable, environment = scene.cable, scene.environment
-    points = {name: " ".join(map(repr, getattr(scene, name))) for name in ("anchor", "fairlead")}
+    points = {name: " ".join(f"{float(part)!r}" for part in getattr(scene, name)) for name in ("anchor", "fairlead")}
     crossing = scene.length / segments / math.sqrt(cable.EA / cable.mass_per_length)  # s
     return _INPUT.format(
         d=cable.diameter, m=cable.mass_per_length, EA=cable.EA, damping=DAMPING, Cd=cable.Cdn, Ca=cable.Ca,
