@@ -220,7 +220,7 @@ def test_the_adapter_moves_the_line_that_was_meant(change, within):
 @moordyn_installed
 @pytest.mark.parametrize(("step", "within"), [(moordyn_step(), True), (4 * moordyn_step(), False)])
 def test_the_adapter_steps_as_short_a_line_as_it_takes(monkeypatch, step, within):
-    """A line of a third of the length, whose stable step is a third too, is at rest; with four times the step it is not."""
+    """A line a third as long, whose stable step is a third too, comes to rest; with four times the step it does not."""
     monkeypatch.setattr(sys.modules[type(peers.adapters()["moordyn"]).__module__], "STEP", step)
     case = scene("case_1")
     ends = {name: tuple(np.array(getattr(case, name)) / 3) for name in ("anchor", "fairlead")}
