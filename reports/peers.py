@@ -11,6 +11,7 @@ from .tables import Table, short
 from .words import plural, ratio
 
 FASTER = "where it is the faster one"
+MOVING_WRONG = 0.1  # greatest error over the range of the tension, as in the stability maps
 
 
 def table(
@@ -72,11 +73,17 @@ def _moving(data):
     for code, method in dict.fromkeys((p["code"], p["method"]) for p in points if p.get("code")):
         mine, ratios = [p for p in points if p["method"] == method], at_equal_error(points, method)
         found = [front for front in fronts.moving(points, CASES) if any(b.label == method for b in front.behind)]
-        row = {"code": code, "problem": "moving cable", "cases": len({p["case"] for p in mine})}
-        refused = sum(p["status"] == "REFUSED" for p in mine)
-        row |= {"refused": refused} if refused else {}
+        last = {p["case"]: p for p in mine if p["rms"] is not None}
+        verdicts = [_moved(last.get(case)) for case in dict.fromkeys(p["case"] for p in mine)]
+        row = {"code": code, "problem": "moving cable", "cases": len(verdicts)}
+        row |= {verdict: verdicts.count(verdict) for verdict in analysis.VERDICTS}
         if ratios:
             of = f"the error of each of its {plural(len(ratios), 'best setting')}, {ratio(min(ratios))} to "
             row |= {"ratio": median(ratios), "of": of + ratio(max(ratios)),
                     "faster": "; ".join(front.case for front in found) or "nowhere"}  # fmt: skip
         yield row
+
+
+def _moved(point: dict | None) -> str:
+    """The verdict on the finest setting of a case; None where it gave no tension."""
+    return "refused" if point is None else "wrong" if point["error"] > MOVING_WRONG else "right"
