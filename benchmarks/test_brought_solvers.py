@@ -7,9 +7,17 @@ import os
 import re
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
+
+from solvers import solve_periodic
+from solvers.motion import Ramped
+from verification.cases.spans import NAMED
+
+from . import dynamic_work, harness, network_accuracy, peers
+from .dynamic_cases import Reference, system, wave
 
 ROOT = Path(__file__).parents[1]
 SCENE = ROOT / "reference_data" / "scenes" / "taut_polyester.toml"
@@ -30,6 +38,36 @@ try:
 except NotImplementedError as error:
     print(json.dumps({"unsupported": str(error)}))
 """
+
+WHOLE = """
+import json, sys
+
+import numpy as np
+
+from solvers import (CableProperties, Element, Environment, Network, Node, SampledMotion, Scene, cable_system,
+                     solve_network, solve_time_domain)
+
+asked = json.load(sys.stdin)
+if asked["problem"] == "network":
+    water = Environment(asked["rho"], asked["g"], asked["depth"])
+    parts = [Node(**node) for node in asked["nodes"]], [Element(**element) for element in asked["elements"]]
+    state = solve_network(Network(*parts, water))
+    tension = np.column_stack([np.hypot(state.H_anchor, state.V_anchor), np.hypot(state.H, state.V)])
+else:
+    cable = CableProperties(*(asked[key] for key in ("EA", "diameter", "mass_per_length", "w")),
+                            **{key: asked[key] for key in ("Cdn", "Cdb", "Cdt", "Ca", "damping")})
+    water = Environment(asked["rho"], asked["g"], asked["depth"], current=asked["current"],
+                        seabed_stiffness=asked["seabed_stiffness"])
+    time, places = np.array(asked["time"]), np.array(asked["fairlead"])
+    scene = Scene("asked", cable, asked["length"], tuple(asked["anchor"]), tuple(places[0].tolist()), water)
+    chain = cable_system(scene, asked["cells"] + 1, motion=SampledMotion(time, places - places[0]))
+    history = solve_time_domain(chain, dt=time[1], duration=time[-1])
+    tension = history.fairlead_tension(time)
+print(json.dumps({"tension": (FACTOR * tension).tolist()}))
+"""
+LINE = NAMED[0]
+NETWORK, CABLE = "two lines, 59.1 N/m", "case_1"
+MOVED = 5e-3  # rms over the range: 40 cells and 100 steps in a period, second order
 
 TOYS = """
 import sys
@@ -141,3 +179,89 @@ def test_a_file_that_brings_nothing_is_refused_before_any_work(text, words, tmp_
     said = python("reports", SCENE, "--solver", tmp_path / "bad.py", "--out", tmp_path / "out", code=2)
     assert words in said and "bad.py" in said, said
     assert not (tmp_path / "out" / "results" / "scene_taut_polyester.json").exists()
+
+
+# ---------------------------------------------------------------- networks and moving cables, programs that end badly
+class Whole(peers.Program):
+    """This project's own solvers behind a command line, times a factor."""
+
+    problems = ("network", "cable")
+
+    def __init__(self, folder, factor):
+        path = folder / "whole.py"
+        path.write_text(WHOLE.replace("FACTOR", repr(factor)), encoding="utf-8")
+        self.command, self.folder = (sys.executable, str(path)), str(ROOT)
+
+
+@pytest.mark.parametrize(("factor", "verdict"), [(1.0, "right"), (1.02, "wrong")])
+def test_a_network_reaches_a_program_whole(tmp_path, factor, verdict):
+    """What it is given is all of the network: its answer is that of the solver itself; 2 % more is wrong."""
+    adapter = Whole(tmp_path, factor)
+    method = network_accuracy.Method("whole", "whole", {}, adapter)
+    (row,) = network_accuracy.ladder(NETWORK, method, (1e-3, 1e-6))  # one point: it takes no tolerance
+    assert (row["verdict"], row["error"] < ROUNDED) == (verdict, verdict == "right"), row
+
+
+@pytest.mark.parametrize(("factor", "right"), [(1.0, True), (1.02, False)])
+def test_a_moving_cable_reaches_a_program_whole(tmp_path, factor, right):
+    """Section, water and motion: its tension is that of harmonic balance on a fine mesh; 2 % more is told apart."""
+    chain = system(CABLE)
+    known = Reference(chain.period, wave(solve_periodic(chain, harmonics=12)), 0.0)
+    moved = Ramped(chain.scene.motion, chain.period / 2)
+    told = dynamic_work.ask(Whole(tmp_path, factor), chain.scene, moved, chain.period, (40, 100), periods=2)
+    assert told.kind == "", told.message
+    assert (dynamic_work.errors(known, told)["rms"] < MOVED) == right
+
+
+class Shell(peers.Program):
+    """A line of shell."""
+
+    def __init__(self, text):
+        self.command = ("sh", "-c", text)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="programs of a POSIX shell")
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("kill -SEGV $$", "ended by SIGSEGV"),
+        ("true", "printed nothing"),
+        ("yes", "printed more than 1 MB"),
+        ("yes >&2", "printed more than 1 MB"),
+        ("echo '{\"H\": 1}'", "returned H = 1, V = None"),
+        ("echo '{\"H\": \"much\", \"V\": 1}'", "returned H = 'much', V = 1"),
+        ("echo '{\"refused\": \"too slack\"}'", "too slack"),
+        ("echo '[1, 2]'", "printed no JSON object: '[1, 2]"),
+    ],
+)
+def test_a_program_that_ends_badly_is_refused_in_words(monkeypatch, text, words):
+    """However it ends and whatever it prints, there is a sentence, and soon."""
+    monkeypatch.setattr(peers.program, "MOST", 1_000_000)
+    adapter = Shell(text)
+    solver = harness.Solver("shell", "shell", "", adapter.span, tolerances=False)
+    found = harness.ask(solver, LINE)
+    assert words in found.refused, found
+
+
+@pytest.mark.skipif(not Path("/proc").is_dir(), reason="processes are counted in /proc")
+def test_a_program_that_takes_too_long_ends_with_all_that_it_started(tmp_path):
+    """Nothing of it runs on beside the timings that follow."""
+    mark, long = tmp_path / "still-here", f"sleep 60.{os.getpid()}"
+    adapter = Shell(f"{long} & {long} & touch {mark}; wait")
+    adapter.time_limits = {"span": 0.5}
+    solver = harness.Solver("slow", "slow", "", adapter.span, 5.0, False)
+    assert harness.ask(solver, LINE).refused == "no answer within 0.5 s"
+    assert mark.exists()
+    time.sleep(0.1)
+    assert long not in commands()
+
+
+def commands() -> list[str]:
+    """Command lines of the processes that are there."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*/cmdline"):
+        try:
+            found.append(path.read_bytes().replace(b"\0", b" ").decode(errors="replace").strip())
+        except OSError:
+            continue  # it has just ended
+    return found
