@@ -89,7 +89,7 @@ def _tests(quick: bool) -> list[Stage]:
     alone = [stem for stem in stems if stem in WHOLE_TREE or (stem in LONG_TESTS and (not quick or stem in IN_QUICK))]
     short = tuple(f"verification/{stem}.py" for stem in stems if stem not in LONG_TESTS and stem not in WHOLE_TREE)
     together = Stage("test_short", "tests", "tests: short files", ("pytest", *short, "--junitxml={part}"),
-                     "tests/test_short.xml", (*short, "verification/conftest.py"), ("pyproject.toml",),
+                     "tests/test_short.xml", (*short, "verification/conftest.py"), ("pyproject.toml", "conftest.py"),
                      seconds=13, codes=(0, 1))  # fmt: skip
     return [*(_test(stem, quick) for stem in alone), together]
 
@@ -100,7 +100,7 @@ def _test(stem: str, quick: bool) -> Stage:
     fewer = ("-k", IN_QUICK[stem]) if quick and stem in IN_QUICK else ()
     return Stage(
         stem, "tests", f"tests: {stem.removeprefix('test_').replace('_', ' ')}", (*whole, *fewer), f"tests/{stem}.xml",
-        (file, "verification/conftest.py"), ("pyproject.toml", *WHOLE_TREE.get(stem, ())),
+        (file, "verification/conftest.py"), ("pyproject.toml", "conftest.py", *WHOLE_TREE.get(stem, ())),
         seconds=8 if fewer else LONG_TESTS.get(stem, 3), codes=(0, 1), better=whole if fewer else (),
     )  # fmt: skip
 

@@ -28,7 +28,7 @@ from .defect import Defect, arguments
 from .interpreter import Interpreter, Stopped
 
 ROOT = Path(__file__).parents[2]
-COPIED = ("solvers", "verification", "benchmarks", "reference_data", "pyproject.toml")
+COPIED = ("solvers", "verification", "benchmarks", "reference_data", "conftest.py", "pyproject.toml")
 SKIPPED = ("verification/defects", "verification/test_defects.py", "benchmarks")
 """What no check of a solver depends on: results stay valid when it changes."""
 
