@@ -15,7 +15,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from solvers import Element, Environment, Network, Node, Span, solve_network, solve_span
-from solvers.outcome import Status
 
 from .cases.networks import NetworkCase, hanging_mass, two_line
 from .reference import EPS, exact_network, tension_error
@@ -248,25 +247,13 @@ def test_any_network_is_balanced(method):
 
 
 def test_nested_and_monolithic_agree_on_any_network():
-    """Two methods that share no iteration find the same forces, where the free nodes are held.
-
-    Either stops short, with a status, only where positions as doubles tell no finer force.
-    """
+    """Two methods that share no iteration find the same forces, where the free nodes are held."""
     compared = []
 
     @FEW
     @given(networks())
     def holds(case):
-        states = solved(case, throw=False), solved(case, method="nested", throw=False)
-        short = [state for state in states if state.status is not Status.SUCCESS]
-        for state in short:
-            stiffest = max(line.EA / line.L for line in case.elements)
-            size = max(abs(state.r).max(), *(line.L for line in case.elements))
-            largest = max(abs(force).max() for force in (state.H, state.V, state.H_anchor, state.V_anchor))
-            assert state.residual_norm * largest <= EPS * stiffest * size, state.status
-        if short:
-            compared.append(False)
-            return
+        states = solved(case), solved(case, method="nested")
         bound = allowed(case, *states)
         compared.append(bound is not None)
         assert bound is None or apart(*((state.H, state.V) for state in states)) <= bound
