@@ -18,13 +18,13 @@ from .network_monolithic import solve as monolithic
 from .network_nested import (
     SHORT,
     Count,
-    attainable,
     coupled_stiffness,
     evaluate,
     largest_force,
     nested,
     robust_start,
 )
+from .network_rounding import within_rounding
 from .outcome import InputError, Outcome, Status
 from .properties import one_of, real_array, real_number, vector
 
@@ -83,7 +83,7 @@ def _cross(a) -> np.ndarray:
     return np.array([[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]])
 
 
-PROMISED = 1e-9  # of the largest force: never more is left of a balance that is called solved, unless asked for
+PROMISED = 1e-9  # of the largest force: no more is left of a balance that is called solved, unless asked for
 METHODS = {
     "method": ("monolithic", "nested"),
     "jacobian": ("analytic", "finite-difference"),
@@ -111,8 +111,8 @@ def solve_network(
     globalisation : "line-search" or "trust-region", and units "scaled", "N" or "kN" of the forces: monolithic only
     start : None (no guess needed), "nodes" (the free nodes' own r), a NetworkState, or arrays (r (n, 3), H, V (e,))
     fallback : when the method stops short, go on from there by the monolithic one, then from no guess
-    tolerance : of residual_norm; where exact spans between positions as doubles do not resolve less than 1e-9 (nested),
-        what they resolve is accepted
+    tolerance : of residual_norm; forces that positions as doubles do not resolve so far are those of positions less than
+        a rounding away
     Raises InputError for unknown options, ConvergenceError when no equilibrium was found unless throw is False.
     """
     given = {"method": method, "jacobian": jacobian, "globalisation": globalisation, "units": units}
@@ -139,23 +139,29 @@ def solve_network(
 
 
 def _settled(balance, best, count, tolerance) -> NetworkState:
-    """The best found from where a method stopped, then from each way of leading to a start, ending monolithic.
-
-    The state itself where all else ends worse: exact spans may not resolve the tolerance.
+    """The best that the monolithic method finds from where a method stopped, then from each way of leading to a start:
+    from where the nested method goes from there, and from the start itself.
     """
-    ways = (None, True, False) if balance.w.size <= SHORT else (None, False, True)
-    for contact in ways if balance.any_rests else ways[:2]:
-        state = best
-        if contact is not None:
-            r, _ = nested(balance, robust_start(balance, count, contact), "analytic", tolerance, count)
-            state = _state(balance, r, count, tolerance)
-        if not state.residual_norm <= tolerance:
-            last, solved = monolithic(balance, state.r, state.H, state.V, count, tolerance=tolerance)
-            state = _state(balance, last.r, count, tolerance, last.elements) if solved else state
-        best = state if not best.residual_norm <= state.residual_norm else best
+    ways = (True, False) if balance.w.size <= SHORT else (False, True)
+    best = _led(balance, best, best, count, tolerance)
+    for contact in ways if balance.any_rests else ways[:1]:
         if best.residual_norm <= tolerance:
             break
+        start = _state(balance, robust_start(balance, count, contact), count, tolerance)
+        r, _ = nested(balance, start.r, "analytic", tolerance, count)
+        best = _led(balance, best, _state(balance, r, count, tolerance), count, tolerance)
+        best = best if best.residual_norm <= tolerance else _led(balance, best, start, count, tolerance)
     return replace(best, **vars(count))
+
+
+def _led(balance, best, state, count, tolerance) -> NetworkState:
+    """The better of the best so far and where the monolithic method leads from a state, going on once if it stops."""
+    for _ in range(2):
+        if state.residual_norm <= tolerance:
+            break
+        last, solved = monolithic(balance, state.r, state.H, state.V, count, tolerance=tolerance)
+        state = _state(balance, last.r, count, tolerance, last.elements if solved else None)
+    return state if not best.residual_norm <= state.residual_norm else best
 
 
 def _start(balance, start, count):
@@ -183,21 +189,31 @@ def _start(balance, start, count):
 def _state(balance, r, count, tolerance, elements=None) -> NetworkState:
     """The result, with the forces of the monolithic unknowns if they are given, else of exact spans at r.
 
-    Exact spans of very stiff lines cannot tell the force from positions rounded to doubles; the unknowns can.
+    Exact spans of very stiff lines cannot tell the force from positions rounded to doubles; the unknowns can, and so
+    can a motion of less than that rounding.
     """
-    elements = balance.spans(r) if elements is None else elements
-    force = balance.unbalanced(elements)
-    unbalanced = np.where(balance.moving(r, force), force, 0.0)
-    largest = largest_force(elements) or 1.0
-    residual = float(np.abs(unbalanced).max()) / largest
-    solved = residual <= tolerance or residual <= min(attainable(balance) / largest, PROMISED)
+    found = elements or balance.spans(r)
+    reaction, residual = _left(balance, r, found)
+    if elements is None and not residual <= tolerance:
+        refined = within_rounding(balance, r, tolerance, count)
+        if refined is not None:
+            r, found = refined
+            reaction, residual = _left(balance, r, found)
     return NetworkState(
         r=r,
-        **{name: getattr(elements, name) for name in ("H", "V", "H_anchor", "V_anchor")},
-        reaction=force - unbalanced,
+        **{name: getattr(found, name) for name in ("H", "V", "H_anchor", "V_anchor")},
+        reaction=reaction,
         coupled=balance.coupled,
-        status=Status.SUCCESS if solved else Status.NOT_CONVERGED,
+        status=Status.SUCCESS if residual <= tolerance else Status.NOT_CONVERGED,
         residual_norm=residual,
         balance=balance,
         **vars(count),
     )
+
+
+def _left(balance, r, elements):
+    """(n, 3) what the elements leave to supports and seabed, N; the largest unbalanced force over the largest force."""
+    force = balance.unbalanced(elements)
+    unbalanced = np.where(balance.moving(r, force), force, 0.0)
+    worst, largest = float(np.abs(unbalanced).max()), largest_force(elements)
+    return force - unbalanced, worst and (worst / largest if largest else np.inf)

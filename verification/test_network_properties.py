@@ -114,8 +114,9 @@ def unsupported(case, r, force) -> np.ndarray:
 
 
 def largest(ends, loads) -> float:
-    """Largest component of a force in the network, N; 1 where there is none at all."""
-    return max(np.abs(loads).max(), *(np.abs(end.stated).max() for end in ends)) or 1.0
+    """Largest horizontal or vertical force in the network, N; 1 where there is none at all."""
+    forces = np.array([*loads, *(end.stated for end in ends)])
+    return float(max(np.hypot(*forces.T[:2]).max(), np.abs(forces[:, 2]).max())) or 1.0
 
 
 def balance_misses(case, state) -> tuple[list[str], bool]:
