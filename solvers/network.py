@@ -111,8 +111,8 @@ def solve_network(
     globalisation : "line-search" or "trust-region", and units "scaled", "N" or "kN" of the forces: monolithic only
     start : None (no guess needed), "nodes" (the free nodes' own r), a NetworkState, or arrays (r (n, 3), H, V (e,))
     fallback : when the method stops short, go on from there by the monolithic one, then from no guess
-    tolerance : of residual_norm; forces that positions as doubles do not resolve so far are those of positions less than
-        a rounding away
+    tolerance : of residual_norm; forces that positions as doubles do not tell so far are those of positions less than a
+        rounding away
     Raises InputError for unknown options, ConvergenceError when no equilibrium was found unless throw is False.
     """
     given = {"method": method, "jacobian": jacobian, "globalisation": globalisation, "units": units}

@@ -707,7 +707,7 @@ def test_success_is_never_more_than_the_promise(monkeypatch):
 
 UPRIGHT = (NodeCase("coupled", (0.0, 0.0, 0.0)), NodeCase("free", (0.0, 0.0, 0.0)))
 BUOY = (NodeCase("fixed", (0.0, 0.0, -10.0)), NodeCase("free", (0.0, 0.0, 0.0), volume=6e-18))
-FOLDED = 1e-6  # of a force that a fold carries, w/2 times a difference of lengths that is a rounding of the fold or less
+FOLDED = 1e-6  # of a force that a fold carries: w/2 times its length, the difference of rounded lengths of 1 m
 BELOW_ROUNDING = {
     # Hanging lines side by side: the others fold over at the longest reach, x = 5e-10 m, of the stiffest; the folds are
     # (w/2)(w L^2/(2 EA) - x), and the stiffest carries them.

@@ -79,8 +79,8 @@ _TIME = ("test_time_domain.py", "test_cable_order.py", "test_cable_invariants.py
 _PERIODIC = ("test_harmonic_jacobian.py", "test_oscillators.py", "test_block_chain.py", "test_harmonic_balance.py")
 _FILES = {
     **dict.fromkeys(("catenary", "catenary_profile", "catenary_regimes", "catenary_solve", "elementary"), _SPAN),
-    **dict.fromkeys(("network", "network_balance", "network_few", "network_jacobian", "network_model",
-                     "network_monolithic", "network_nested", "network_rounding", "network_scene", "map_file"), _NETWORK),
+    **dict.fromkeys(("network", "network_balance", "network_few", "network_jacobian", "network_model", "network_nested",
+                     "network_monolithic", "network_rounding", "network_scene", "map_file"), _NETWORK),
     **dict.fromkeys(("cable", "cable_planar", "cable_spatial", "loads", "chain"),
                     (*_CABLE, "test_time_domain.py", "test_harmonic_balance.py")),
     **dict.fromkeys(("statics", "shooting"), _CABLE),
