@@ -16,6 +16,7 @@ from .network_balance import Balance
 from .network_model import Network
 from .network_monolithic import solve as monolithic
 from .network_nested import (
+    EPS,
     SHORT,
     Count,
     coupled_stiffness,
@@ -84,6 +85,7 @@ def _cross(a) -> np.ndarray:
 
 
 PROMISED = 1e-9  # of the largest force: no more is left of a balance that is called solved, unless asked for
+NO_FORCE = 1e-300  # N
 METHODS = {
     "method": ("monolithic", "nested"),
     "jacobian": ("analytic", "finite-difference"),
@@ -212,8 +214,11 @@ def _state(balance, r, count, tolerance, elements=None) -> NetworkState:
 
 
 def _left(balance, r, elements):
-    """(n, 3) what the elements leave to supports and seabed, N; the largest unbalanced force over the largest force."""
+    """(n, 3) what the elements leave to supports and seabed, N; the largest unbalanced force over the largest force.
+
+    Where lines lie or hang slack without a force, a rounding of the heaviest one's weight is the force to compare with.
+    """
     force = balance.unbalanced(elements)
     unbalanced = np.where(balance.moving(r, force), force, 0.0)
-    worst, largest = float(np.abs(unbalanced).max()), largest_force(elements)
-    return force - unbalanced, worst and (worst / largest if largest else np.inf)
+    largest = max(largest_force(elements), EPS * balance.heaviest, NO_FORCE)
+    return force - unbalanced, float(np.abs(unbalanced).max()) / largest

@@ -53,6 +53,7 @@ class Balance:
         )
         self.any_friction = bool(self.friction.any())
         weight = np.abs(self.w) * self.L
+        self.heaviest = float(weight.max())  # N
         self.nothing, self.least = np.zeros(self.w.size), ROUNDING * self.L
         self.typical_length = float(np.median(self.L))
         self.typical_force = max(float(np.median(weight)), float(np.abs(self.load).max()) / weight.size, 1e-300)

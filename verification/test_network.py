@@ -734,6 +734,15 @@ def test_forces_below_the_rounding_of_positions(name, method, monkeypatch):
         assert alone.status is Status.NOT_CONVERGED
 
 
+def test_a_force_that_is_none():
+    """A pull far below the rounding of the weights, at a line that lies and one that needs none, is no want of balance."""
+    nodes = (BUOY[0], NodeCase("free", (0.0, 0.0, 0.0), force=(0.0, 7e-263, 0.0)))
+    lines = (ElementCase(0.0, 1e4, 10.0, (0, 1)), ElementCase(1.0, 1e4, 10.0, (0, 1)))
+    case = NetworkCase("hardly pulled", nodes, lines, EnvironmentCase(depth=10.0))
+    for method in ("monolithic", "nested"):
+        assert solve_network(network_of(case), method=method).residual_norm == pytest.approx(0.0, abs=EPS)
+
+
 def test_no_step_within_rounding_leads_to_an_equilibrium():
     """A node a millimetre off is none by a rounding: what the step foresees is not what spans there say, or too far."""
     for case in (hanging_mass(), two_line(), bridle()):
