@@ -735,7 +735,7 @@ def test_forces_below_the_rounding_of_positions(name, method, monkeypatch):
 
 
 def test_a_force_that_is_none():
-    """A pull far below the rounding of the weights, at a line that lies and one that needs none, is no want of balance."""
+    """A pull far below the rounding of the weights is no want of balance where the lines carry nothing."""
     nodes = (BUOY[0], NodeCase("free", (0.0, 0.0, 0.0), force=(0.0, 7e-263, 0.0)))
     lines = (ElementCase(0.0, 1e4, 10.0, (0, 1)), ElementCase(1.0, 1e4, 10.0, (0, 1)))
     case = NetworkCase("hardly pulled", nodes, lines, EnvironmentCase(depth=10.0))
