@@ -26,6 +26,7 @@ PACKAGES = {
     "hypothesis": "hypothesis",
     "MoorPy": "moorpy",
     "pycatenary": "pycatenary",
+    "MoorDyn": "moordyn",
 }
 """Name on the page -> distribution."""
 

@@ -26,6 +26,7 @@ from . import (
     accuracy,
     console,
     harness,
+    machine,
     network_accuracy,
     network_growth,
     network_pictures,
@@ -164,6 +165,15 @@ def test_a_peer_that_is_not_installed_is_left_out_and_a_broken_one_is_named(monk
     finder.error = ModuleNotFoundError("No module named 'scikit_missing'", name="scikit_missing")
     with pytest.raises(ImportError, match=r"moorpy is installed but cannot be imported.*scikit_missing"):
         peers.adapters.__wrapped__()
+
+
+def test_the_machine_lists_the_version_of_every_peer():
+    """peers.PACKAGES are the distributions of the other codes that adapters call."""
+    described = machine.describe()["versions"]
+    listed = {package: described[name] for name, package in machine.PACKAGES.items()}
+    assert set(peers.PACKAGES) <= listed.keys()
+    for name, adapter in peers.adapters().items():
+        assert listed.get(name, adapter.version) == adapter.version
 
 
 class Finder:
