@@ -34,15 +34,8 @@ QUICK_MOST = {"nodes": 200, "harmonics, direct": 20, "harmonics, iterative": 20}
 FITTED_FROM = {"nodes": 100, "harmonics, direct": 15, "harmonics, iterative": 15}
 TURNS, QUICK_TURNS = 9, 3
 
-LIBRARIES = (
-    {"masses": 10, "harmonics": 9, "pyHarm": 18, "mousai": 15285, "harmonicbalance": 517, "dense": 2.2},
-    {"masses": 50, "harmonics": 9, "pyHarm": 753, "mousai": None, "harmonicbalance": 37000, "dense": 65},
-    {"masses": 100, "harmonics": 15, "pyHarm": 24747, "mousai": None, "harmonicbalance": None, "dense": 1906},
-    {"masses": 300, "harmonics": 15, "pyHarm": None, "mousai": None, "harmonicbalance": None, "dense": 37996},
-)
-"""CPU ms of one solve, 3 to 4 Newton steps, on a chain of masses with cubic springs: pyHarm 1.2.2, mousai 0.3.1,
-harmonicbalance 0.2.0, a dense LU; measured once on another day, 2-core x86-64, one BLAS thread. None: gave up on, or
-not tried."""
+SIZES = {"10 masses": (10, 9), "50 masses": (50, 9), "100 masses": (100, 15), "300 masses": (300, 15)}
+"""Set of reference_data/other_codes, which has the times of libraries -> (masses, harmonics)."""
 
 
 def limit(quick: bool, references):
@@ -119,15 +112,10 @@ def fields(quick: bool, references):
 def oscillators(quick: bool, references):
     """Chains of masses with cubic springs, in the sizes at which libraries were measured."""
     rows = []
-    for printed in LIBRARIES:
-        chain = cubic_chain(printed["masses"])
-        row = dict(printed)
-        for name, symmetry in (("seconds", True), ("seconds_full", False)):
-            row[name], found = least_seconds(
-                lambda chain=chain, Nh=printed["harmonics"], symmetry=symmetry: solve_periodic(
-                    chain, harmonics=Nh, symmetry=symmetry
-                )
-            )
+    for name, (masses, Nh) in SIZES.items():
+        chain, row = cubic_chain(masses), {"set": name, "masses": masses, "harmonics": Nh}
+        for key, symmetry in (("seconds", True), ("seconds_full", False)):
+            row[key], found = least_seconds(partial(solve_periodic, chain, harmonics=Nh, symmetry=symmetry))
         row |= {"iterations": found.iterations + found.coarse_iterations, "residual_norm": found.residual_norm}
         rows.append(row | {"fields": len(chain.fields)})
         yield None

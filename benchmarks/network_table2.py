@@ -31,22 +31,6 @@ STARTS = {
 UNITS = ("N", "kN", "scaled")
 REPEATS = 5
 
-PRINTED = (
-    {"method": "nested", "iterations": 24, "inner_iterations": 90, "operations": 4272,
-     "residual_norm": 0.18, "inner_residual_norm": 2.74e-7},
-    *(
-        {"method": "monolithic", "jacobian": jacobian, "globalisation": globalisation, "iterations": 7,
-         "operations": 1600, "residual_norm": norm}
-        for jacobian, globalisation, norm in (
-            ("finite-difference", "trust-region", 2.04e-5),
-            ("analytic", "trust-region", 2.04e-5),
-            ("finite-difference", "line-search", 2.08e-9),
-            ("analytic", "line-search", 2.10e-9),
-        )
-    ),
-)  # fmt: skip
-"""The paper's Table 2, beside which the measured rows stand; its norms have units that it does not name."""
-
 
 def methods():
     """Options of solve_network, one dict a row of the table."""

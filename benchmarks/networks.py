@@ -25,7 +25,7 @@ WHOLE = {"growth": network_growth.whole}
 def measured(parts, quick: bool = False) -> dict:
     """The file, or the named parts of it."""
     tasks = {name: PARTS[name](quick) for name in parts}
-    file = {"quick": quick, "printed": network_table2.PRINTED}
+    file = {"quick": quick}
 
     def steps() -> Iterator[None]:
         for name, calls in tasks.items():

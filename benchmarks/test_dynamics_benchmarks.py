@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+import tomllib
 from dataclasses import replace
 
 import numpy as np
@@ -13,7 +14,7 @@ from solvers import Motion, solve_span
 from solvers.harmonic_balance import solve_periodic
 from solvers.motion import Ramped
 
-from . import cable_dynamics, dynamic_cases, dynamic_orders, dynamic_work, harmonic_limits, peers
+from . import cable_dynamics, dynamic_cases, dynamic_orders, dynamic_work, harmonic_balance, harmonic_limits, peers
 from .dynamic_cases import TIMES, Reference, instants, rms, scene, system, wave
 
 PERIOD = 20.0
@@ -22,6 +23,27 @@ SINE = np.sin(2 * np.pi * instants(PERIOD) / PERIOD)
 
 def reference(tension=SINE) -> Reference:
     return Reference(PERIOD, tension, 0.0)
+
+
+# ---------------------------------------------------------------- beside others
+def sets(name: str) -> dict:
+    """source.toml of a set of reference_data."""
+    return tomllib.loads((dynamic_cases.ROOT / "reference_data" / name / "source.toml").read_text(encoding="utf-8"))
+
+
+def test_what_stands_beside_others_has_their_settings():
+    """Cases of the constant term and sizes of chains are those of the sets whose values the page puts beside them."""
+    about, named = sets("oc3_dynamics"), {key: name for key, name in harmonic_balance.CONSTANT.items() if name}
+    for (case, Nh, Nt, mean), name in named.items():
+        one, moved = about["sets"][name], scene(case).motion
+        assert (one["nodes"], one["harmonics"], one["samples"], one["mean"]) == (dynamic_cases.NODES, Nh, Nt, mean)
+        assert moved.sine[0, 0] == one.get("amplitude", about["line"]["amplitude"]), name
+        assert (moved.frequency, scene(case).length) == (about["line"]["frequency"], about["line"]["length"])
+    found = {name for name, one in about["sets"].items() if {"harmonics", "samples"} <= one.keys()}
+    assert set(named.values()) == found
+    sizes = {name: (one["masses"], one["harmonics"]) for name, one in sets("other_codes")["sets"].items()
+             if "masses" in one}  # fmt: skip
+    assert sizes == harmonic_limits.SIZES
 
 
 # ---------------------------------------------------------------- errors

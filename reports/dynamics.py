@@ -9,7 +9,7 @@ from . import dynamics_figures as figures
 from . import dynamics_harmonic, dynamics_verdicts
 from .dynamics_tables import Shown, long, written
 from .dynamics_verdicts import THREE_PERIODS
-from .published import stated
+from .published import other_times, stated
 from .tables import short
 from .words import number, seconds, times
 
@@ -104,7 +104,7 @@ def _speed(data, folder, tables) -> dict:
         "ratio": "times the first",
     }
     formats = {"least": seconds, "median": seconds, "ratio": short}
-    printed = data["printed"]["OpenMOOR, three periods"]
+    printed = other_times("OpenMOOR")["three periods"]
     words = (
         f"Three periods on {stated('nodes')} nodes with dt = {stated('time step')} s take {seconds(min(base))} "
         f"({data['steps']} steps, "

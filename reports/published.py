@@ -27,7 +27,7 @@ def read(name: str) -> tuple[dict, list[dict]]:
 
 
 def values(name: str) -> dict[tuple[str, str], float]:
-    """(name, quantity) -> value of a set in long form: hb_paper, msqs_paper."""
+    """(name, quantity) -> value of a set in long form: hb_paper, msqs_paper, oc3_dynamics."""
     return {(row["name"], row["quantity"]): float(row["value"]) for row in read(name)[1]}
 
 
@@ -53,6 +53,17 @@ def msqs_table2() -> list[dict]:
 def hb_table2(case: str, method: str) -> float | None:
     """Seconds that HB Table 2 prints for case_1 to case_4; None for what it does not have."""
     return values("hb_paper").get((case.replace("_", " "), method))
+
+
+def independent(name: str) -> dict[str, float]:
+    """Quantity -> fairlead tension, kN, of a set of oc3_dynamics, by programs that share nothing with this project."""
+    return {quantity: value for (found, quantity), value in values("oc3_dynamics").items() if found == name}
+
+
+def other_times(name: str) -> dict[str, float]:
+    """Code or quantity -> time of a set of other_codes, in the unit of its rows; none where the code was given up."""
+    rows = read("other_codes")[1]
+    return {row["quantity"]: float(row["value"]) for row in rows if row["name"] == name and not row["bound"]}
 
 
 def write_scenes(folder: Path) -> list[Path]:

@@ -493,8 +493,19 @@ def test_operations_of_table_2_follow_from_5_6():
     assert abs(value["nested", "operations"] / value["operations", "monolithic"] - 2.67) <= 0.005
 
 
-@pytest.mark.parametrize("name", ["spans", "openfast_r_test", "msqs_two_line", "msqs_paper"])
+@pytest.mark.parametrize("name", ["spans", "openfast_r_test", "msqs_two_line", "msqs_paper", "other_codes"])
 def test_provenance_is_stated(name):
     about = source(name)
     assert {"title", "kind", "citation", "how_obtained", "uncertainty", "date", "units", "signs"} <= about.keys()
-    assert about["kind"] in ("computed", "published")
+    assert about["kind"] in ("computed", "published", "measured")
+
+
+def test_times_of_other_codes_say_of_what():
+    """Every row is of a set and a code that the source describes, its version told, a positive time, and there once."""
+    about, rows = source("other_codes"), table("other_codes")
+    assert len({(row["name"], row["quantity"]) for row in rows}) == len(rows)
+    assert {row["name"] for row in rows} == about["sets"].keys()
+    for row in rows:
+        code = row["name"] if row["name"] in about["codes"] else row["quantity"]
+        assert about["codes"][code] and float(row["value"]) > 0 and row["bound"] in ("", "above"), row
+        assert row["unit"] in ("s", "ms") and (float(row["uncertainty"]) > 0) == (not row["bound"]), row
