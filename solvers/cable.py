@@ -243,6 +243,8 @@ def _axes(scene) -> np.ndarray:
 
 def _planar(fields, scene, motion) -> bool:
     one_of("fields", fields, ("auto", "planar", "spatial"))
+    if motion is not None and not callable(getattr(motion, "velocity", None)):
+        raise InputError(f"motion: {motion!r} is no Motion, SampledMotion or FunctionMotion")
     if fields == "spatial":
         return False
     out = _axes(scene)[2]

@@ -16,7 +16,7 @@ from .catenary_profile import profile
 from .catenary_solve import INVALID_INPUT, REGIMES, STATUSES, Regime, many, one, solve
 from .elementary import ARRAY, SCALAR
 from .outcome import InputError, Outcome, Status
-from .properties import real_number
+from .properties import flags, real_number
 
 TOLERANCE = 4 * np.finfo(float).eps  # of the relative residual; two roundings are lost in the closed forms
 BLOCK = 8192  # rows solved together: the working set stays in the cache, whatever the number of lines
@@ -49,8 +49,7 @@ class Span:
     def __post_init__(self):
         for name, unit in _UNITS.items():
             object.__setattr__(self, name, real_number(name, getattr(self, name), unit))
-        if not isinstance(self.seabed, (bool, np.bool_)):
-            raise InputError(f"seabed: {self.seabed!r} must be True or False")
+        flags(seabed=self.seabed)
         for name, bad, need in (
             ("L", self.L <= 0, "> 0"),
             ("EA", self.EA <= 0, "> 0"),
@@ -158,6 +157,7 @@ def solve_span(span: Span, *, tolerance: float = TOLERANCE, throw: bool = True) 
     if not isinstance(span, Span):
         raise InputError(f"span: {span!r} is not a solvers.Span")
     tolerance = _checked(tolerance)
+    flags(throw=throw)
     inputs = span.w, span.EA, span.L, span.x, span.z, span.seabed, span.friction, span.clearance
     *forces, regime, status, iterations, residual = solve(SCALAR, one, *inputs, tolerance)
     stiffness = np.array(forces[5:]).reshape(2, 2)

@@ -18,7 +18,7 @@ from .fourier import Basis
 from .harmonic_rows import Balance
 from .newton import Step, damped_newton, relaxed_newton
 from .outcome import InputError, Outcome, Status
-from .properties import one_of, positive_number, real_array
+from .properties import flags, one_of, positive_number, real_array
 from .response import Response
 from .threads import one_blas_thread
 
@@ -127,6 +127,7 @@ def solve_periodic(
     tolerance = positive_number("tolerance", tolerance, "(mean change of a coefficient)")
     one_of("globalisation", globalisation, _NEWTON)
     one_of("linear_solver", linear_solver, ("direct", "iterative"))
+    flags(mean=mean, multilevel=multilevel, symmetry=symmetry, throw=throw)
     if system.period is None:
         raise InputError("motion: the chain has no periodic driving, and its periodic response takes one")
     basis = Basis(Nh, Nt, 2 * math.pi / (nu * system.period), bool(mean))

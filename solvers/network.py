@@ -27,7 +27,7 @@ from .network_nested import (
 )
 from .network_rounding import within_rounding
 from .outcome import InputError, Outcome, Status
-from .properties import one_of, real_array, real_number, vector
+from .properties import flags, one_of, real_array, real_number, vector
 
 
 @dataclass(frozen=True)
@@ -120,6 +120,7 @@ def solve_network(
     given = {"method": method, "jacobian": jacobian, "globalisation": globalisation, "units": units}
     for name, value in given.items():
         one_of(name, value, METHODS[name])
+    flags(fallback=fallback, throw=throw)
     if not isinstance(network, Network):
         raise InputError(f"network: {network!r} is not a solvers.Network")
     if not 0 < real_number("tolerance", tolerance, "dimensionless") < 1:

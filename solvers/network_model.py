@@ -15,7 +15,7 @@ import numpy as np
 from .catenary import Span
 from .network_balance import Balance
 from .outcome import InputError
-from .properties import Environment, non_negative_number, real_array, vector
+from .properties import Environment, non_negative_number, one_of, real_array, vector
 
 KINDS = ("fixed", "free", "coupled")
 
@@ -37,8 +37,7 @@ class Node:
     force: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def __post_init__(self):
-        if self.kind not in KINDS:
-            raise InputError(f"kind: {self.kind!r} must be one of {', '.join(KINDS)}")
+        one_of("kind", self.kind, KINDS)
         for name, unit in (("r", "m"), ("force", "N")):
             object.__setattr__(self, name, vector(name, getattr(self, name), unit, "numbers"))
         for name, unit in (("mass", "kg"), ("volume", "m^3")):
@@ -79,8 +78,10 @@ class Network:
     environment: Environment = field(default_factory=Environment)
 
     def __post_init__(self):
-        object.__setattr__(self, "nodes", tuple(self.nodes))
-        object.__setattr__(self, "elements", tuple(self.elements))
+        for name, kind in (("nodes", Node), ("elements", Element)):
+            object.__setattr__(self, name, _all_of(name, getattr(self, name), kind))
+        if not isinstance(self.environment, Environment):
+            raise InputError(f"environment: {self.environment!r} is not a solvers.Environment")
         if not self.elements:
             raise InputError("elements: a network needs at least one element")
         n, depth = len(self.nodes), self.environment.depth
@@ -144,3 +145,15 @@ class Network:
     def balance(self) -> Balance:
         """The equations, assembled when first needed."""
         return Balance(self)
+
+
+def _all_of(name: str, given, kind: type) -> tuple:
+    """What is given as a tuple; raises InputError naming the first that is not of the kind."""
+    try:
+        given = tuple(given)
+    except TypeError:
+        raise InputError(f"{name}: {given!r} must be a list of solvers.{kind.__name__}") from None
+    for i, one in enumerate(given):
+        if not isinstance(one, kind):
+            raise InputError(f"{name}[{i}]: {one!r} is not a solvers.{kind.__name__}")
+    return given

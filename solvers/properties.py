@@ -63,6 +63,13 @@ def one_of(name: str, value, choices):
         raise InputError(f"{name}: {value!r} must be {', '.join(most)} or {last}")
 
 
+def flags(**given):
+    """Raises InputError naming the one of the keywords that is neither True nor False."""
+    for name, value in given.items():
+        if type(value) is not bool and not isinstance(value, np.bool_):
+            raise InputError(f"{name}: {value!r} must be True or False")
+
+
 def vector(name: str, value, unit: str, what: str = "components") -> tuple[float, float, float]:
     """Three real numbers in x, y, z as a tuple of finite floats; raises InputError naming the one that is not."""
     listed = isinstance(value, (list, tuple)) or (isinstance(value, np.ndarray) and value.ndim == 1)

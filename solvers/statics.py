@@ -18,7 +18,7 @@ from .catenary import Span, solve_span
 from .chain import BandedJacobian, Rows, stack
 from .newton import Step, damped_newton
 from .outcome import InputError, Outcome, Status
-from .properties import one_of, positive_number
+from .properties import flags, one_of, positive_number
 from .shooting import shoot
 
 TOLERANCE = 1e-11  # mean change of (eps, angles in rad, positions in chords): a hundred roundings of a position
@@ -65,6 +65,7 @@ def solve_static(system: CableSystem, *, method="box", tolerance=TOLERANCE, thro
     Raises ConvergenceError when none is found (``throw=False``: a state whose status says so).
     """
     one_of("method", method, ("box", "shooting"))
+    flags(throw=throw)
     tolerance = positive_number("tolerance", tolerance, "(mean change of a state)")
     if tolerance < _ROUNDING:
         raise InputError(f"tolerance: {tolerance:g} must be at least {_ROUNDING:g}: rounding moves a state by as much")

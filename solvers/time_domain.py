@@ -12,7 +12,7 @@ from . import invariants
 from .chain import ChainSystem
 from .generalized_alpha import HOLDS, Scheme, Stepper
 from .outcome import InputError, Outcome, Status
-from .properties import one_of, positive_number, real_array, real_number
+from .properties import flags, one_of, positive_number, real_array, real_number
 from .response import Response
 
 _GROWTH, _SHRINK, _SAFETY = 2.0, 0.2, 0.9  # of an error-controlled step
@@ -131,7 +131,10 @@ def solve_time_domain(
         step_tolerance = positive_number("step_tolerance", step_tolerance, "(dimensionless)")
     if isinstance(every, bool) or not isinstance(every, (int, np.integer)) or every < 1:
         raise InputError(f"every: {every!r} must be a whole number >= 1")
-    scheme = Scheme.from_spectral_radius(rho_inf) if scheme is None else scheme
+    flags(allow_invalid=allow_invalid, throw=throw)
+    scheme = _scheme(scheme, rho_inf)
+    if not (progress is None or callable(progress)):
+        raise InputError(f"progress: {progress!r} must be a function of time (s), or None")
     ramp = _ramp(system, ramp, start)
     moving = system.ramped(ramp) if ramp else system
     stepper = Stepper(moving, scheme, tolerance, _hold(system, hold), dt)
@@ -247,6 +250,12 @@ def _ramp(system, ramp, start) -> float:
     if ramp < 0:
         raise InputError(f"ramp: {ramp:g} s must be >= 0")
     return ramp
+
+
+def _scheme(scheme, rho_inf) -> Scheme:
+    if not (scheme is None or isinstance(scheme, Scheme)):
+        raise InputError(f"scheme: {scheme!r} is not a solvers.generalized_alpha.Scheme")
+    return Scheme.from_spectral_radius(rho_inf) if scheme is None else scheme
 
 
 def _hold(system, hold):

@@ -54,11 +54,31 @@ ASKED = 20_000  # bad inputs in the deep run, those not counted that happen to b
 bad = []
 """Inputs that each test must see refused in the default run."""
 
+
 # ---------------------------------------------------------------- what may be passed
+class Unequal:
+    """Its comparison says nothing: it gives an array, as a column of a table does."""
+
+    __hash__ = None
+
+    def __eq__(self, other):
+        return np.array([True, False])
+
+    def __repr__(self):
+        return "Unequal()"
+
+
+WITHOUT_TRUTH = {
+    "empty": np.array([]), "numbers": np.array([1.0, 2.0]), "words": np.array(["free", "box"]),
+    "flags": np.array([True, False]), "masked": np.ma.array([1.0, 2.0], mask=[True, False]),
+    "masked away": np.ma.masked, "unequal": Unequal(),
+}  # fmt: skip
+"""Values that a word or a flag cannot simply be compared with: numpy refuses to say whether the answer is true."""
+
 NOT_A_NUMBER = st.sampled_from(
     (math.nan, math.inf, -math.inf, None, "", "10", b"1", 1j, True, [], [1.0], (1.0, 2.0), {}, {1}, object(),
      np.nan, np.array([1.0]), np.array([]), np.array("x"), np.True_, np.complex128(1), np.datetime64("2020-01-01"),
-     10**400, -(10**400), Ellipsis, NotImplemented, len, Span, range(3))
+     10**400, -(10**400), Ellipsis, NotImplemented, len, Span, range(3), *WITHOUT_TRUTH.values())
 )  # fmt: skip
 ANYTHING = NOT_A_NUMBER | any_number | st.integers() | st.text(max_size=4) | st.lists(any_number, max_size=4)
 VECTORS = ANYTHING | st.lists(NOT_A_NUMBER | any_number, max_size=4) | st.tuples(any_number, any_number, any_number)
@@ -123,16 +143,19 @@ GOOD = {
     },
     Motion: {"frequency": 0.1, "sine": [[1.0, 0.0, 0.0]], "cosine": [[0.0, 0.0, 1.0]]},
     SampledMotion: {"time": [0.0, 1.0, 2.0], "samples": [[0.0] * 3, [1.0] * 3, [0.5] * 3]},
+    Network: {
+        "nodes": (Node("fixed", (0.0, 0.0, 0.0)), Node("free", (4.0, 0.0, -5.0))),
+        "elements": (Element(10.0, 1e5, 7.0, (0, 1)),), "environment": Environment(),
+    },
 }  # fmt: skip
-UNNAMED = {"depth": "seabed_stiffness"}
+UNNAMED = {"depth": "seabed_stiffness", "nodes": "element"}
 """A field whose absence is told where another needs it."""
 
 fields_of = st.sampled_from([(kind, field.name) for kind in GOOD for field in fields(kind) if field.name in GOOD[kind]])
 
 
-@fuzzed(300, 240, fields_of, VECTORS)
-def test_fields(_, where, value):
-    """Any value in any field of the public dataclasses is kept as a finite value, or refused by the field's name."""
+def field_ends_well(where, value) -> bool:
+    """The value is kept in the field as a finite one, or refused by the field's name; True: refused."""
     kind, name = where
     optional = value is None and kind in (Environment, CableProperties, Motion)
     known = "" if optional else _word(kind, name)
@@ -144,9 +167,15 @@ def test_fields(_, where, value):
             return held in ("fixed", "free", "coupled")
         if name == "ends":  # of nodes, which the network counts
             return all(isinstance(end, int) for end in held)
-        return name == "seabed" or bool(np.isfinite(np.asarray(held, dtype=float)).all())
+        return name == "seabed" or kind is Network or bool(np.isfinite(np.asarray(held, dtype=float)).all())
 
     return ends_well(lambda: kind(**(GOOD[kind] | {name: value})), known, kept)
+
+
+@fuzzed(300, 240, fields_of, VECTORS)
+def test_fields(_, where, value):
+    """Any value in any field of the public dataclasses is kept as a finite value, or refused by the field's name."""
+    return field_ends_well(where, value)
 
 
 def _word(kind, name) -> str:
@@ -276,24 +305,51 @@ def systems():
 
 
 KEYWORDS = {
-    "static": (lambda **k: solve_static(systems()[0], **k), {}, ("method", "tolerance")),
+    "static": (lambda **k: solve_static(systems()[0], **k), {}, ("method", "tolerance", "throw")),
     "time": (
         lambda **k: solve_time_domain(systems()[0], **k),
         {"dt": 2.0, "periods": 0.2},
-        ("dt", "periods", "duration", "rho_inf", "tolerance", "step_tolerance", "ramp", "start", "hold", "every"),
+        (
+            "dt",
+            "periods",
+            "duration",
+            "rho_inf",
+            "tolerance",
+            "step_tolerance",
+            "ramp",
+            "start",
+            "hold",
+            "every",
+            "scheme",
+            "allow_invalid",
+            "throw",
+        ),
     ),
     "periodic": (
         lambda **k: solve_periodic(systems()[0], **k),
         {"harmonics": 2},
-        ("harmonics", "samples", "subharmonic", "start", "tolerance", "globalisation", "linear_solver"),
+        (
+            "harmonics",
+            "samples",
+            "subharmonic",
+            "start",
+            "tolerance",
+            "globalisation",
+            "linear_solver",
+            "mean",
+            "multilevel",
+            "symmetry",
+            "throw",
+        ),
     ),
     "network": (
         lambda **k: solve_network(systems()[1], **k),
         {},
-        ("method", "jacobian", "globalisation", "units", "start", "tolerance"),
+        ("method", "jacobian", "globalisation", "units", "start", "tolerance", "fallback", "throw"),
     ),
     "modes": (lambda **k: natural_modes(systems()[0], **k), {}, ("count", "near")),
-    "system": (lambda **k: cable_system(systems()[0].scene, **k), {}, ("nodes", "mesh", "fields")),
+    "system": (lambda **k: cable_system(systems()[0].scene, **k), {}, ("nodes", "mesh", "fields", "motion")),
+    "span": (lambda **k: solve_span(Span(**GOOD[Span]), **k), {}, ("tolerance", "throw")),
     "moved": (lambda **k: systems()[1].moved(**k), {}, ("positions",)),
 }
 SLOW_BUT_VALID = {"every", "harmonics", "samples", "nodes", "count", "periods", "duration", "dt", "subharmonic"}
@@ -304,9 +360,8 @@ WORK = 1e-8, 1e8  # between these such a number means work, beyond it must be re
 places = st.sampled_from([(solver, name) for solver, (_, _, names) in KEYWORDS.items() for name in names])
 
 
-@fuzzed(150, 140, places, ANYTHING | VECTORS)
-def test_keywords(_, place, value):
-    """Any value of any keyword of the solvers is refused by the keyword's name, or solved, with finite numbers."""
+def keyword_ends_well(place, value) -> bool:
+    """The value of the keyword is refused by its name, or solved with, to finite numbers; True: refused."""
     solver, name = place
     number = isinstance(value, Real) and not isinstance(value, bool)
     if number and name in SLOW_BUT_VALID and WORK[0] < value < WORK[1]:
@@ -314,6 +369,23 @@ def test_keywords(_, place, value):
     call, given, _ = KEYWORDS[solver]
     with np.errstate(divide="raise", over="raise", invalid="raise"):
         return ends_well(lambda: call(**(given | {name: value})), "" if value is None else name, _finite)
+
+
+@fuzzed(150, 140, places, ANYTHING | VECTORS)
+def test_keywords(_, place, value):
+    """Any value of any keyword of the solvers is refused by the keyword's name, or solved, with finite numbers."""
+    return keyword_ends_well(place, value)
+
+
+@pytest.mark.parametrize("value", WITHOUT_TRUTH.values(), ids=WITHOUT_TRUTH)
+def test_values_without_truth(value):
+    """What cannot be compared is tried in every field and every keyword in every run, not only when it is drawn."""
+    for kind, good in GOOD.items():
+        for name in good:
+            field_ends_well((kind, name), value)
+    for solver, (_, _, names) in KEYWORDS.items():
+        for name in names:
+            keyword_ends_well((solver, name), value)
 
 
 def _finite(found) -> bool:

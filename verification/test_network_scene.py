@@ -124,7 +124,7 @@ REFUSED = [
     ('anchor = "ground joint"', 'anchor = "upper joint"', "number 2: anchor and fairlead are both 'upper joint'"),
     ('name = "upper joint"', 'name = "ground joint"', "[[nodes]] 'ground joint': the name 'ground joint' is there"),
     ('name = "upper joint"', "name = 7", "name: 7 must be a text"),
-    ('kind = "coupled"', 'kind = "vessel"', "[[nodes]] 'fairlead': kind: 'vessel' must be one of fixed, free, coupled"),
+    ('kind = "coupled"', 'kind = "vessel"', "[[nodes]] 'fairlead': kind: 'vessel' must be 'fixed', 'free' or"),
     ("r = [885.0, 0.0, -15.0]", "r = [885.0, -15.0]", "[[nodes]] 'fairlead': r: [885.0, -15.0] must be three"),
     ("r = [885.0, 0.0, -15.0]", "r = [885.0, 0.0, nan]", "[[nodes]] 'fairlead': r[2]: nan m must be finite"),
     ("r = [885.0, 0.0, -15.0]", "r = [885.0, 0.0, -201.0]", "[[nodes]] 'fairlead' (coupled): z = -201 m lies below"),
