@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import os
 import re
+import signal
 import subprocess
 import sys
 import time
@@ -152,6 +153,18 @@ def test_the_example_of_the_readme_is_short_and_tried(folder):
     assert "my catenary 0.1 (mycode) solves span" in said
     assert re.search(r"line oc3-floating: right, error \S+e-1\d\n", said), said
     assert "line oc3-friction-1: unsupported, it has no seabed" in said
+
+
+@pytest.mark.skipif(os.name != "posix", reason="exit statuses of signals")
+def test_a_crash_of_the_interpreter_ends_the_measuring_and_one_of_a_program_does_not(tmp_path):
+    """As the README says: an adapter that is killed ends the trial, a program that is, is refused line by line."""
+    text = "import os, signal, sys\nfrom benchmarks.peers import Adapter, Program\nclass Killed("
+    inside = "Adapter):\n    def span(self, case, tolerance=None):\n        os.kill(os.getpid(), signal.SIGKILL)"
+    outside = "Program):\n    command = (sys.executable, '-c', 'import os; os.kill(os.getpid(), 9)')"
+    for name, kind in (("inside", inside), ("outside", outside)):
+        (tmp_path / f"{name}.py").write_text(text + kind, encoding="utf-8")
+    python("benchmarks.trial", tmp_path / "inside.py", code=-signal.SIGKILL)
+    assert "oc3-floating: refused, ended by SIGKILL" in python("benchmarks.trial", tmp_path / "outside.py")
 
 
 def test_its_files_are_what_results_depend_on(folder):
