@@ -133,7 +133,7 @@ def _told(path: Path, ended: list[Ended]) -> int:
     """Say what failed and where the page is; the exit status."""
     failed = [end for end in ended if end.state == "failed"]
     for end in failed:
-        print(f"\nthe stage {end.stage.name} failed ({end.stage.shown}):", file=sys.stderr)
+        print(f"\nthe stage {end.stage.name} failed ({end.stage.shown(path.parent / 'results')}):", file=sys.stderr)
         print(*(f"  {line}" for line in end.tail), sep="\n", file=sys.stderr)
     red = [end.stage.title.removeprefix("tests: ") for end in ended if end.stage.group == "tests" and end.code == 1]
     if red:

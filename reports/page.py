@@ -147,7 +147,11 @@ def _common(results: Results, figure_folder: Path, table_folder: Path) -> dict:
         "looks": looks,
         "style": (TEMPLATES / "style.css").read_text(encoding="utf-8"),
         "notes": results.notes,
-        "failures": [end for end in results.ended.values() if end.state == "failed"],
+        "failures": [
+            {"title": end.stage.title, "command": end.stage.shown(results.folder), "tail": end.tail}
+            for end in results.ended.values()
+            if end.state == "failed"
+        ],
         "scenes": [_scene(scene, stem, looks, figure_folder, table_folder) for stem, scene in scenes.items()],
         "machine": results.json("machine"),
         "stages": _stages(results),
@@ -171,7 +175,7 @@ def _stages(results: Results) -> list[dict]:
 
 def _stage(results: Results, stage: Stage) -> dict:
     entry = results.ledger.entries.get(stage.name, {})
-    command = replace(stage, arguments=tuple(entry.get("arguments", stage.arguments))).shown
+    command = replace(stage, arguments=tuple(entry.get("arguments", stage.arguments))).shown(results.folder)
     return {"title": stage.title, "command": command} | {key: entry.get(key) for key in ("seconds", "finished", "load")}
 
 
@@ -182,6 +186,7 @@ def _scene(scene: dict, stem: str, looks: dict, figure_folder: Path, table_folde
         "ladder": scene_figures.ladder(scene, place, looks, figure_folder),
         "tables": scene_tables.scene_tables(scene, stem, table_folder),
         "warnings": list(dict.fromkeys(text for line in scene["lines"] for text in line["warnings"])),
+        "paste": _whose_lines(scene),
         "python": _lines_to_paste(scene),
         "dynamics": scene_dynamics.section(scene, stem, figure_folder, table_folder),
     }
@@ -193,14 +198,31 @@ def _lines_to_paste(scene: dict) -> str:
     text = ["from solvers import Span, solve_span", ""]
     for line in scene["lines"]:
         arguments = ", ".join(f"{key}={value!r}" for key, value in line["inputs"].items())
-        mine = [p for p in line["ladder"] if p["solver"] == analysis.OURS]
-        best = analysis.cheapest(mine, scene["tolerance"])
+        best = _own_cheapest(line, scene["tolerance"])
         setting = f", tolerance={best['tolerance']!r}" if best and best["tolerance"] is not None else ""
         text += [f"line = Span({arguments})  # {line['label'] or scene['name']}",
                  f"state = solve_span(line{setting})",
                  "state.tension, state.H, state.V  # "
                  f"{line['tension']:.7g}, {line['H']:.7g}, {line['V']:.7g} N"]  # fmt: skip
     return "\n".join(text)
+
+
+def _own_cheapest(line: dict, tolerance: float) -> dict | None:
+    return analysis.cheapest([p for p in line["ladder"] if p["solver"] == analysis.OURS], tolerance)
+
+
+def _whose_lines(scene: dict) -> str:
+    """Whose setting there is to paste, and the other codes that are cheaper within the tolerance."""
+    tolerance, cheaper = scene["tolerance"], {}
+    for line in scene["lines"]:
+        best = analysis.cheapest(line["ladder"], tolerance)
+        if best and best["solver"] != analysis.OURS:
+            cheaper.setdefault(best["label"], []).append(line["label"] or scene["name"])
+    none = [line["label"] or scene["name"] for line in scene["lines"] if not _own_cheapest(line, tolerance)]
+    said = "The line at rest, solved by this project with the cheapest of its own settings that meet the tolerance of "
+    said += words.number(tolerance, 1) + (f" (its default where none does: {', '.join(none)})" if none else "")
+    others = [f"cheaper still within it is {label} on {', '.join(lines)}" for label, lines in cheaper.items()]
+    return "; ".join([said, *others]) + "."
 
 
 def _place(path: Path, stem: str) -> dict:

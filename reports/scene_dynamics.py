@@ -13,6 +13,7 @@ from .tables import Table
 from .words import DASH, number, plural, seconds, slug
 
 STAR = "#f2c230"
+OWN = ("harmonic balance", "time domain")
 OTHERS = {"REFUSED": "refused", "UNSUPPORTED": "not modelled"}
 """How other codes that give no tension are shown."""
 
@@ -56,8 +57,18 @@ def _sentence(found: dict) -> str:
     cost = f"{seconds(best['seconds'])} here, expected error {number(best['promised'], 2)} of the greatest tension"
     tolerance = number(found["tolerance"], 1)
     if best["meets"]:
-        return f"Use {_setting(best)}: {cost}, within the tolerance of {tolerance}."
+        return f"Use {_setting(best)}: {cost}, within the tolerance of {tolerance}.{_cheaper(found, best)}"
     return f"No setting meets the tolerance of {tolerance}. The most accurate is {_setting(best)}: {cost}."
+
+
+def _cheaper(found: dict, best: dict) -> str:
+    """Other codes that meet the tolerance sooner than this project's setting that is recommended."""
+    within = found["tolerance"] - found["reference"]["uncertainty"]
+    rows = [row for row in found["ladder"] if row["method"] not in OWN and row["seconds"] < best["seconds"]]
+    names = ", ".join(dict.fromkeys(r["method"] for r in rows if r["error"] is not None and r["error"] <= within))
+    if not names:
+        return ""
+    return f" It is the cheapest of this project; cheaper still within the tolerance: {names}."
 
 
 def _facts(found: dict) -> list[str]:

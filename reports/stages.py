@@ -50,13 +50,9 @@ class Stage:
     codes: tuple[int, ...] = (0,)
     better: tuple[str, ...] = ()
 
-    @property
-    def shown(self) -> str:
-        """The command as a reader would type it."""
-        words = [
-            Path(word).relative_to(ROOT).as_posix() if word.startswith(str(ROOT)) else word for word in self.arguments
-        ]
-        return self.filled(" ".join(["python -m", *words]), "reports/out/results", self.output)
+    def shown(self, results: Path) -> str:
+        """The command as a reader would type it, its results in that folder."""
+        return self.filled(" ".join(["python -m", *map(_typed, self.arguments)]), _typed(results), self.output)
 
     def filled(self, text: str, results, part) -> str:
         """``text`` with the places of folder, file and number of processes filled in."""
@@ -64,6 +60,12 @@ class Stage:
         for place, value in filling.items():
             text = text.replace(place, str(value))
         return text
+
+
+def _typed(word: str | Path) -> str:
+    """A path in the project as seen from its root; anything else as it is."""
+    path = Path(word)
+    return path.relative_to(ROOT).as_posix() if path.is_relative_to(ROOT) else str(word)
 
 
 # ---------------------------------------------------------------- tests

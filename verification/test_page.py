@@ -5,8 +5,10 @@ from __future__ import annotations
 import ast
 import csv
 import html
+import json
 import math
 import re
+import shutil
 import subprocess
 import sys
 
@@ -208,6 +210,24 @@ def test_lines_to_paste_run(scene_page):
             assert all(
                 math.isclose(a, b, rel_tol=1e-5, abs_tol=1e-5 * wanted[0]) for a, b in zip(got, wanted, strict=True)
             )
+
+
+def test_lines_to_paste_say_whose_they_are(scene_page, tmp_path):
+    """They are of this project, also where another code that is brought is cheaper; then that code is named."""
+    shipped, text = scene_page
+    assert text.count("solved by this project with the cheapest of its own settings") == len(SCENES)
+    (name, *_), out = SCENES, tmp_path / "out"
+    shutil.copytree(shipped, out)
+    path = out / "results" / f"scene_{name}.json"
+    data = json.loads(path.read_text(encoding="utf-8"))
+    row = {"solver": "theirs", "label": "another code", "tolerance": None, "error": 0.0, "seconds": 1e-9}
+    data["lines"][0]["ladder"].append(row | {"verdict": "right", "message": ""})
+    path.write_text(json.dumps(data), encoding="utf-8")
+    run = report(ROOT / "reference_data" / "scenes" / f"{name}.toml", "--only", "machine", "--out", out)
+    assert run.returncode == 0, run.stderr
+    text = (out / f"scene-{name}.html").read_text(encoding="utf-8")
+    assert f"cheaper still within it is another code on {data['lines'][0]['label']}." in text
+    assert "solve_span(line" in text and "another code" not in re.search(r"<pre>(.*?)</pre>", text, re.DOTALL)[1]
 
 
 def test_figures_have_their_data(scene_page):

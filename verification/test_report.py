@@ -230,9 +230,9 @@ def test_failing_child_is_reported_and_the_page_still_built(tmp_path):
     scene.write_text(SCENE.read_text(encoding="utf-8").replace("friction", "fricton"), encoding="utf-8")
     run = report(scene, "--out", tmp_path / "out")
     assert run.returncode == 1
-    assert "unknown key 'fricton'" in run.stderr
+    assert "unknown key 'fricton'" in run.stderr and f"--out {tmp_path / 'out' / 'results'}" in run.stderr
     page = (tmp_path / "out" / "scene-misspelt.html").read_text(encoding="utf-8")
-    assert "failed" in page and "unknown key" in page
+    assert "failed" in page and "unknown key" in page and f"--out {tmp_path / 'out' / 'results'}" in page
 
 
 def test_help_names_the_stages():

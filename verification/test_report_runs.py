@@ -359,6 +359,16 @@ def test_what_cannot_be_done_is_told_in_a_sentence(tmp_path, arguments, says):
     assert "Traceback" not in found.stderr and not list(tmp_path.rglob("*.html"))
 
 
+def test_a_command_is_shown_with_its_real_folders():
+    """Inside the project as seen from its root; elsewhere, beside it too, whole."""
+    code = ("import sys; from reports.stages import *; "
+            "print(scene_stage(Path(sys.argv[1])).shown(Path(sys.argv[2])))")  # fmt: skip
+    for scene, out in ((f"{ROOT}-lines/a.toml", f"{ROOT}-out"), ("/lines/a.toml", "/out")):
+        assert python(code, scene, out).stdout.strip() == f"python -m benchmarks.scene {scene} --out {out}"
+    inside = python(code, str(ROOT / "a.toml"), str(ROOT / "reports" / "out")).stdout.strip()
+    assert inside == "python -m benchmarks.scene a.toml --out reports/out"
+
+
 # ---------------------------------------------------------------- what a result depends on
 def test_results_depend_on_what_is_imported():
     """Timings of lines need neither networks nor templates; what names a folder or a program needs it."""
