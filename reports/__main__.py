@@ -31,7 +31,7 @@ def _parser() -> argparse.ArgumentParser:
         "--quick",
         action="store_true",
         help="less than two minutes: fewer random lines and tests, without the sweep of the tolerance, "
-        "the timings of lines at rest and the seeded defects",
+        "the timings of lines at rest, the example that moves and the seeded defects",
     )
     parser.add_argument(
         "--solver",

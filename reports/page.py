@@ -93,9 +93,9 @@ class Results:
         paths = (self.folder / stage.output for stage in self.stages if stage.group == "tests")
         return [path for path in paths if path.exists()]
 
-    def scenes(self, group: str) -> dict[str, dict]:
+    def scenes(self, *groups: str) -> dict[str, dict]:
         """Stem -> result of the scenes that were computed, with their file."""
-        mine = [stage for stage in self.stages if stage.group == group]
+        mine = [stage for stage in self.stages if stage.group in groups]
         found = {stage.name.removeprefix("scene_"): (self.json(stage.name), stage) for stage in mine}
         return {stem: data | {"path": stage.arguments[1]} for stem, (data, stage) in found.items() if data}
 
@@ -138,7 +138,7 @@ def _templates() -> Environment:
 
 def _common(results: Results, figure_folder: Path, table_folder: Path) -> dict:
     """What both kinds of page show."""
-    accuracy, scenes = results.json("accuracy"), results.scenes("scenes")
+    accuracy, scenes = results.json("accuracy"), results.scenes("scenes", "moving_scene")
     names = {p["solver"] for scene in scenes.values() for line in scene["lines"] for p in line["ladder"]}
     work = results.json("work_precision")
     names |= set((accuracy or {}).get("solvers", ())) | {p["solver"] for p in (work or {}).get("points", ())}

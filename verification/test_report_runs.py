@@ -14,6 +14,8 @@ from pathlib import Path
 
 import pytest
 
+from solvers import Scene
+
 ROOT = Path(__file__).parents[1]
 LONGEST = 60  # s that any command here may take
 ENDS_WITHIN = 5.0  # s in which the children of a killed run are gone
@@ -367,6 +369,15 @@ def test_a_command_is_shown_with_its_real_folders():
         assert python(code, scene, out).stdout.strip() == f"python -m benchmarks.scene {scene} --out {out}"
     inside = python(code, str(ROOT / "a.toml"), str(ROOT / "reports" / "out")).stdout.strip()
     assert inside == "python -m benchmarks.scene a.toml --out reports/out"
+
+
+def test_one_example_moves_and_the_quick_report_waits_for_none():
+    """Of the scenes that the whole page shows one has a motion; its seconds are not spent by --quick."""
+    code = "from reports.stages import *; print(*(f'{s.arguments[1]} {s.group in SLOW}' for s in plan(False, []) "
+    words = python(code + "if s.name.startswith('scene_')))").stdout.split()
+    pairs = zip(words[::2], words[1::2], strict=True)
+    found = [(Scene.load(path).motion is not None, late == "True") for path, late in pairs]
+    assert len(found) >= 4 and found.count((True, True)) == 1 and found.count((False, False)) == len(found) - 1
 
 
 # ---------------------------------------------------------------- what a result depends on
