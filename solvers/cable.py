@@ -20,6 +20,7 @@ from .loads import seabed_support
 from .motion import Ramped
 from .outcome import InputError, Status
 from .properties import one_of, real_array
+from .stencils import stencils
 
 _LONGEST = 0.3  # strain; chain breaks at 0.01, polyester at 0.15, nylon near 0.3
 _FEWEST = 20  # nodes below which coarser ones save nothing
@@ -51,6 +52,7 @@ class CableSystem(ChainSystem):
             if getattr(cable, name) is None:
                 raise InputError(f"{name}: not given, and dynamics needs it ({'m' if name == 'diameter' else 'kg/m'})")
         self.scene, self.s, self.motion, self.source = scene, s, motion, source
+        self._stencils = None  # of ``fourth_order``
         self.period = getattr(motion, "period", None)
         self.ds = np.diff(s)
         self.nodes, self.planar = s.size, planar
@@ -106,7 +108,22 @@ class CableSystem(ChainSystem):
         if self.source is not None:
             q = self.source(t)
             np.subtract(rows.value, q[:, 1:] + q[:, :-1], out=rows.value)
+        if self._stencils is not None:
+            np.copyto(rows.value, 2 * self._middle(y, ydot, t))
         return rows
+
+    def _middle(self, y, ydot, t):
+        """The equations in the middles of the cells, less the source, y and y_s there from four nodes."""
+        to = self._stencils
+        F = self._rows.point(self, *(to(part, q) for part in (to.value, to.slope) for q in (y, ydot)))
+        return F if self.source is None else F - to(to.value, self.source(t))
+
+    def fourth_order(self) -> CableSystem:
+        """The same cable about the same rest, its cells of fourth order in ds, with the tangents of the box scheme."""
+        finer = copy.copy(self)
+        finer._equilibrium, finer._stencils = self.rest(), stencils(self.s)
+        vars(finer).pop("_weights", None)  # of the box scheme
+        return finer
 
     def end(self, y, ydot, t, tangents=True, correction=None) -> Rows:
         """Fairlead velocity is the prescribed one, (43)-(45), plus the ``correction`` (n_d, *S)."""
@@ -202,8 +219,11 @@ class CableSystem(ChainSystem):
 
     @cached_property
     def _weights(self):
-        """Trapezoidal rule on the mesh: the integral that the box scheme's position rows make."""
+        """Trapezoidal rule on the mesh: the integral that the box scheme's position rows make; or of fourth order."""
         weights = np.zeros(self.nodes)
+        if self._stencils is not None:
+            np.add.at(weights, self._stencils.at, self._stencils.integral)
+            return weights
         weights[1:] += self.ds / 2
         weights[:-1] += self.ds / 2
         return weights
@@ -218,8 +238,8 @@ class CableSystem(ChainSystem):
 
     def positions(self, y) -> np.ndarray:
         """Places of the nodes in the public frame, (3, N, *S), m: anchor plus the integral of (1 + eps) t ds."""
-        step = self._rows.stretched_tangent(y)[0]
-        step = (step[:, 1:] + step[:, :-1]) * _over(self.ds / 2, y)
+        step, to = self._rows.stretched_tangent(y)[0], self._stencils
+        step = (step[:, 1:] + step[:, :-1]) * _over(self.ds / 2, y) if to is None else to(to.integral, step)
         local = np.concatenate([np.zeros_like(step[:, :1]), np.cumsum(step, axis=1)], axis=1)
         return np.einsum("dc,dn...->cn...", self.axes, local) + _over(self.anchor[:, None], y)
 

@@ -31,8 +31,8 @@ def _loads(c, u, v, sin, cos, tangents, stretch):
     return values, slopes, along, across
 
 
-def cells(c, y, ydot, tangents=True) -> Rows:
-    """Rows of the box scheme (39) between the nodes of the cable ``c``; y and ydot (4 or 5, N, *S)."""
+def _local(c, y, ydot, tangents):
+    """M y_t + f of HB (1)-(6) at points of the cable ``c``, the tension, and d/dy and d/dydot of the former, or None."""
     eps, u, v, phi = y[:4]
     eps_t, u_t, v_t, phi_t = ydot[:4]
     m, ma, EA = c.m, c.ma, c.EA
@@ -49,19 +49,8 @@ def cells(c, y, ydot, tangents=True) -> Rows:
     a[3] = -(1 + eps) * phi_t
     if c.has_seabed:
         a[4] = -(1 + eps) * cos
-
-    ds = c.ds if y.ndim == 2 else c.ds[:, None]
-    D, S = (y[:, 1:] - y[:, :-1]) / ds, y[:, 1:] + y[:, :-1]  # y_s, and twice the mean
-    S_T, D_phi = T[1:] + T[:-1], D[PHI]
-    F = a[:, 1:] + a[:, :-1]
-    F[0] += 2 * (T[1:] - T[:-1]) / ds
-    F[1] += S_T * D_phi
-    F[2] += 2 * D[U] - S[V] * D_phi
-    F[3] += 2 * D[V] + S[U] * D_phi
-    if c.has_seabed:
-        F[4] += 2 * D[Z]
     if not tangents:
-        return Rows(F)
+        return a, T, None, None
 
     dFdt, dFdn = slopes
     n, shape = y.shape[0], y.shape[1:]
@@ -82,6 +71,38 @@ def cells(c, y, ydot, tangents=True) -> Rows:
     if c.has_seabed:
         by[0, Z], by[1, Z] = -w_z * cos, w_z * sin
         by[4, EPS], by[4, PHI] = -cos, (1 + eps) * sin
+    return a, T, by, bt
+
+
+def point(c, y, ydot, y_s, ydot_s):
+    """M y_t + K y_s + f at points of the cable ``c``, all (4 or 5, n, *S)."""
+    F, T, *_ = _local(c, y, ydot, False)
+    F[0] += c.EA * (y_s[EPS] + c.beta * ydot_s[EPS])
+    F[1] += T * y_s[PHI]
+    F[2] += y_s[U] - y[V] * y_s[PHI]
+    F[3] += y_s[V] + y[U] * y_s[PHI]
+    if c.has_seabed:
+        F[4] += y_s[Z]
+    return F
+
+
+def cells(c, y, ydot, tangents=True) -> Rows:
+    """Rows of the box scheme (39) between the nodes of the cable ``c``; y and ydot (4 or 5, N, *S)."""
+    a, T, by, bt = _local(c, y, ydot, tangents)
+    EA = c.EA
+
+    ds = c.ds if y.ndim == 2 else c.ds[:, None]
+    D, S = (y[:, 1:] - y[:, :-1]) / ds, y[:, 1:] + y[:, :-1]  # y_s, and twice the mean
+    S_T, D_phi = T[1:] + T[:-1], D[PHI]
+    F = a[:, 1:] + a[:, :-1]
+    F[0] += 2 * (T[1:] - T[:-1]) / ds
+    F[1] += S_T * D_phi
+    F[2] += 2 * D[U] - S[V] * D_phi
+    F[3] += 2 * D[V] + S[U] * D_phi
+    if c.has_seabed:
+        F[4] += 2 * D[Z]
+    if not tangents:
+        return Rows(F)
 
     J = np.stack([by[:, :, :-1], by[:, :, 1:]])
     Jt = np.stack([bt[:, :, :-1], bt[:, :, 1:]])

@@ -24,8 +24,8 @@ class _Current:
         self.n_phi, self.t_theta, self.b_theta = -level, -self.b, self.t
 
 
-def cells(c, y, ydot, tangents=True) -> Rows:
-    """Rows of the box scheme (39) between the nodes of the cable ``c``; y and ydot (6 or 7, N, *S)."""
+def _local(c, y, ydot, tangents):
+    """M y_t + f of HB (1)-(6) at points of the cable ``c``, the tension, and d/dy and d/dydot of the former, or None."""
     eps, u, v, w, phi, theta = y[:6]
     eps_t, u_t, v_t, w_t, phi_t, theta_t = ydot[:6]
     m, ma, EA = c.m, c.ma, c.EA
@@ -52,23 +52,8 @@ def cells(c, y, ydot, tangents=True) -> Rows:
     a[5] = (1 + eps) * theta_t
     if c.has_seabed:
         a[6] = -(1 + eps) * cos_p * cos_t
-
-    ds = c.ds if y.ndim == 2 else c.ds[:, None]
-    D = (y[:, 1:] - y[:, :-1]) / ds  # y_s
-    D_phi, D_theta = D[PHI], D[THETA]
-    k25, k45, k55, k65 = T * cos_t, v * cos_t, u * cos_t + w * sin_t, v * sin_t
-    S_T, S25, S45, S46, S55, S65, S66 = (q[1:] + q[:-1] for q in (T, k25, k45, w, k55, k65, u))  # twice the mean
-    F = a[:, 1:] + a[:, :-1]
-    F[0] += 2 * (T[1:] - T[:-1]) / ds
-    F[1] += S25 * D_phi
-    F[2] -= S_T * D_theta
-    F[3] += 2 * D[U] - S45 * D_phi + S46 * D_theta
-    F[4] += 2 * D[V] + S55 * D_phi
-    F[5] += 2 * D[W] - S65 * D_phi - S66 * D_theta
-    if c.has_seabed:
-        F[6] += 2 * D[Z]
     if not tangents:
-        return Rows(F)
+        return a, T, None, None
 
     n, shape = y.shape[0], y.shape[1:]
     by, bt = np.zeros((2, n, n, *shape), dtype=a.dtype)  # of a by y and by ydot
@@ -106,6 +91,47 @@ def cells(c, y, ydot, tangents=True) -> Rows:
         by[0, Z], by[1, Z], by[2, Z] = -we_z * cos_p * cos_t, we_z * sin_p, -we_z * cos_p * sin_t
         by[6, EPS] = -cos_p * cos_t
         by[6, PHI], by[6, THETA] = (1 + eps) * sin_p * cos_t, (1 + eps) * cos_p * sin_t
+    return a, T, by, bt
+
+
+def point(c, y, ydot, y_s, ydot_s):
+    """M y_t + K y_s + f at points of the cable ``c``, all (6 or 7, n, *S)."""
+    F, T, *_ = _local(c, y, ydot, False)
+    _, u, v, w, _, theta = y[:6]
+    sin, cos, D_phi, D_theta = np.sin(theta), np.cos(theta), y_s[PHI], y_s[THETA]
+    F[0] += c.EA * (y_s[EPS] + c.beta * ydot_s[EPS])
+    F[1] += T * cos * D_phi
+    F[2] -= T * D_theta
+    F[3] += y_s[U] - v * cos * D_phi + w * D_theta
+    F[4] += y_s[V] + (u * cos + w * sin) * D_phi
+    F[5] += y_s[W] - v * sin * D_phi - u * D_theta
+    if c.has_seabed:
+        F[6] += y_s[Z]
+    return F
+
+
+def cells(c, y, ydot, tangents=True) -> Rows:
+    """Rows of the box scheme (39) between the nodes of the cable ``c``; y and ydot (6 or 7, N, *S)."""
+    a, T, by, bt = _local(c, y, ydot, tangents)
+    _, u, v, w, _, theta = y[:6]
+    EA, sin_t, cos_t = c.EA, np.sin(theta), np.cos(theta)
+
+    ds = c.ds if y.ndim == 2 else c.ds[:, None]
+    D = (y[:, 1:] - y[:, :-1]) / ds  # y_s
+    D_phi, D_theta = D[PHI], D[THETA]
+    k25, k45, k55, k65 = T * cos_t, v * cos_t, u * cos_t + w * sin_t, v * sin_t
+    S_T, S25, S45, S46, S55, S65, S66 = (q[1:] + q[:-1] for q in (T, k25, k45, w, k55, k65, u))  # twice the mean
+    F = a[:, 1:] + a[:, :-1]
+    F[0] += 2 * (T[1:] - T[:-1]) / ds
+    F[1] += S25 * D_phi
+    F[2] -= S_T * D_theta
+    F[3] += 2 * D[U] - S45 * D_phi + S46 * D_theta
+    F[4] += 2 * D[V] + S55 * D_phi
+    F[5] += 2 * D[W] - S65 * D_phi - S66 * D_theta
+    if c.has_seabed:
+        F[6] += 2 * D[Z]
+    if not tangents:
+        return Rows(F)
 
     J = np.stack([by[:, :, :-1], by[:, :, 1:]])
     Jt = np.stack([bt[:, :, :-1], bt[:, :, 1:]])

@@ -68,6 +68,10 @@ class ChainSystem:
         """The chain on about half the nodes, and what carries z (n_f, nodes, C) from there to here; None: no such."""
         return None
 
+    def fourth_order(self) -> ChainSystem | None:
+        """The chain with cells of fourth order in their size, and the same tangents; None: no such."""
+        return None
+
     def carried(self, t) -> np.ndarray | None:
         """A rough state (n_f, N, S) of the moving chain at times t (S,), to start from instead of rest; None: no such.
 

@@ -7,6 +7,7 @@ of forces is not solved.
 
 from __future__ import annotations
 
+import copy
 import math
 
 import numpy as np
@@ -46,7 +47,7 @@ class Balance:
             self.closed = [d for d in range(len(drift)) if 0 in self.end_rows[offset + d]]
             for d in self.closed:
                 self.end_rows[offset + d] = self.end_rows[offset + d][1:]
-        self.weights = {}
+        self.weights, self.inverse = {}, None
         self.n = sum(map(len, self.columns))
 
     def _active(self, signs, count):
@@ -83,6 +84,12 @@ class Balance:
         z = self.unpack(x)
         left, size = abs(self.residual(x)).max(), abs(self.residual(self.pack(0 * z))).max()
         return bool(abs(full.residual(full.pack(z))).max() <= 2 * left + _SYMMETRIC * size)
+
+    def of(self, system) -> Balance:
+        """The same rows of another system with the same fields, nodes and symmetry."""
+        other = copy.copy(self)
+        other.system = system
+        return other
 
     def pack(self, z) -> np.ndarray:
         """x (N, n) of z (n_f, N, C)."""
@@ -145,7 +152,12 @@ class Balance:
         return *parts, drift
 
     def linearise(self, x):
-        """The residual and a function that solves with the Jacobian, None where it is singular."""
+        """The residual and a function that solves with the Jacobian, None where it is singular; kept as ``inverse``."""
+        self.inverse = None  # the old factors go before the new ones come
+        F, self.inverse = self._linearised(x)
+        return F, self.inverse
+
+    def _linearised(self, x):
         rows, state = self.rows(x, True)
         F = self._sampled(rows, state)
         if not np.isfinite(F).all():

@@ -17,7 +17,7 @@ from .elementary import ARRAY, SCALAR
 
 MIN_RELAXATION = 1e-6  # shorter steps have never led anywhere: the start is too far, continue in a parameter
 _RELAX_UP, _RELAX_DOWN = 1.02, 1.1
-_KEEP = 0.1  # contraction at which a step with an old Jacobian is worth more than a new Jacobian
+_KEEP = 0.2  # contraction at which a step with an old Jacobian is worth more than a new Jacobian
 MAX_ITERATIONS = 200  # a bisection of the whole positive double range in log t needs 2 + log2(1420 / eps) = 65
 
 
