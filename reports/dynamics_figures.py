@@ -23,7 +23,7 @@ CASES = {
 }
 METHODS = {
     "harmonic balance": {"color": style.PALETTE[0], "marker": "o"},
-    "harmonic balance, extrapolated": {"color": style.PALETTE[3], "marker": "P"},
+    "harmonic balance, corrected": {"color": style.PALETTE[3], "marker": "P"},
     "time domain": {"color": style.PALETTE[1], "marker": "s"},
     "time domain, extrapolated": {"color": style.PALETTE[1], "marker": "X"},
     "MoorDyn": {"color": style.PALETTE[2], "marker": "D"},
