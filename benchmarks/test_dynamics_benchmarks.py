@@ -13,6 +13,7 @@ import pytest
 from solvers import Motion, solve_span
 from solvers.harmonic_balance import solve_periodic
 from solvers.motion import Ramped
+from solvers.time_domain import solve_time_domain
 
 from . import cable_dynamics, dynamic_cases, dynamic_orders, dynamic_work, harmonic_balance, harmonic_limits, peers
 from .dynamic_cases import TIMES, Reference, instants, rms, scene, system, wave

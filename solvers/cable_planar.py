@@ -32,7 +32,7 @@ def _loads(c, u, v, sin, cos, tangents, stretch):
 
 
 def _local(c, y, ydot, tangents):
-    """M y_t + f of HB (1)-(6) at points of the cable ``c``, the tension, and d/dy and d/dydot of the former, or None."""
+    """M y_t + f of HB (1)-(6) at points of the cable ``c``, the tension, and d/dy, d/dydot of the former or None."""
     eps, u, v, phi = y[:4]
     eps_t, u_t, v_t, phi_t = ydot[:4]
     m, ma, EA = c.m, c.ma, c.EA

@@ -25,7 +25,7 @@ class _Current:
 
 
 def _local(c, y, ydot, tangents):
-    """M y_t + f of HB (1)-(6) at points of the cable ``c``, the tension, and d/dy and d/dydot of the former, or None."""
+    """M y_t + f of HB (1)-(6) at points of the cable ``c``, the tension, and d/dy, d/dydot of the former or None."""
     eps, u, v, w, phi, theta = y[:6]
     eps_t, u_t, v_t, w_t, phi_t, theta_t = ydot[:6]
     m, ma, EA = c.m, c.ma, c.EA

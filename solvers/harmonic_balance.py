@@ -119,8 +119,8 @@ def solve_periodic(
     linear_solver: "direct" (blocks, storage N Nh^2, work N Nh^3) or "iterative" (GMRES preconditioned by the harmonics
     of the averaged chain, storage N Nh; for motions that change the tension by less than about a third of its mean).
     symmetry: use a mirror symmetry of the chain where its rows show it.
-    deferred_correction: at the end one step with the last Jacobian to the rows of ``ChainSystem.fourth_order``: what the
-    mesh adds to the error is then of fourth order in its cells (Pereyra, Numer. Math. 10 (1967) 316).
+    deferred_correction: at the end one step with the last Jacobian to the rows of ``ChainSystem.fourth_order``: what
+    the mesh adds to the error is then of fourth order in its cells (Pereyra, Numer. Math. 10 (1967) 316).
     When Newton's method fails, the driving is raised in steps. Raises InputError for bad input, ConvergenceError when
     no response is found (``throw=False``: the largest amplitude reached, with its status).
     """

@@ -553,7 +553,7 @@ DEFECTS = (
     Defect(
         "Jacobian kept longer",
         "newton",
-        "_KEEP = 0.1",
+        "_KEEP = 0.2",
         "_KEEP = 0.05",
         "factor",
         "when a step with an old Jacobian is still worth taking",
