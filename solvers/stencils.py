@@ -10,7 +10,7 @@ _WIDTH = 4  # nodes; at the ends of the mesh they lie to one side
 
 
 class Stencils(NamedTuple):
-    """Weights (N - 1, 4) of the nodes ``at`` (N - 1, 4) for each cell: value and slope (1/m) in its middle, integral, m.
+    """Weights (N - 1, 4) of the nodes ``at`` (N - 1, 4) for each cell: value and slope (1/m) of its middle, integral.
 
     Exact for cubic polynomials; a mesh of three nodes has three, and is exact for quadratic ones.
     """
