@@ -17,6 +17,7 @@ from .harmonic_krylov import HarmonicKrylov
 
 _SINGLE = 48  # unknowns of a node from which on single precision saves more than its check costs
 _PART = 16  # cells whose blocks exist at once, beside the factors
+_FEW = 400_000  # numbers up to which all of them are cheaper than a choice of them
 _ROUNDED = 1e-13  # share of sums of products of Fourier functions below which they are zero, rounded
 _REFINED = 1e-2  # size of a refinement beside its solution above which single precision does not do
 _SYMMETRIC = 1e-9  # share of the rows that may be left where a symmetry says zero
@@ -211,6 +212,8 @@ class Balance:
     def _blocks(self, by_y, by_ydot, active, precision):
         """P^T diag(dF/dy) Q + P^T diag(dF/dydot) Q_t: (..., nodes, rows, n) of tangents (..., n_r, n_f, nodes, Nt)."""
         *lead, n_r, n_f, nodes, Nt = by_y.shape
+        if by_y.size // Nt * self.basis.harmonic.size**2 <= _FEW:
+            return self._few_blocks(by_y, by_ydot, active, precision)
         at, to = (np.cumsum([0, *map(len, parts)]) for parts in (active, self.columns))
         out = np.zeros((math.prod(lead), nodes, at[-1], self.n), precision)
         filled = set()
@@ -238,6 +241,24 @@ class Balance:
                     np.add(place, block, out=place) if (a, b) in filled else np.copyto(place, block)
             filled = set(map(tuple, np.argwhere(there)))
         return out.reshape(*lead, *out.shape[1:])
+
+    def _few_blocks(self, by_y, by_ydot, active, precision):
+        """The same by one product over all coefficients: more numbers and fewer calls."""
+        *lead, n_r, n_f, nodes, Nt = by_y.shape
+        C = self.basis.harmonic.size
+        key = precision, by_ydot is None
+        if key not in self.weights:
+            Q = self.basis.Q if by_ydot is None else np.concatenate([self.basis.Q, self.basis.Q_t])
+            P = self.basis.P if by_ydot is None else np.concatenate([self.basis.P, self.basis.P])
+            self.weights[key] = (P[:, :, None] * Q[:, None]).reshape(len(Q), -1).astype(precision)
+        sampled = by_y if by_ydot is None else np.concatenate([by_y, by_ydot], axis=-1)
+        blocks = sampled.astype(precision).reshape(by_y.size // Nt, sampled.shape[-1]) @ self.weights[key]
+        blocks = np.moveaxis(blocks.reshape(math.prod(lead), n_r, n_f, nodes, C, C), (3, 4), (1, 3))
+        blocks = blocks.reshape(math.prod(lead) * nodes, n_r * C, n_f * C)
+        rows, columns = (np.concatenate([c + f * C for f, c in enumerate(parts)]) for parts in (active, self.columns))
+        if rows.size < n_r * C or columns.size < n_f * C:
+            blocks = blocks[:, rows[:, None], columns]
+        return blocks.reshape(*lead, nodes, rows.size, columns.size)
 
     def _weight(self, rows, columns, of_rate, precision):
         """P[t, i] Q[t, j] or P[t, i] Q_t[t, j], (Nt, rows columns); its sum over t: places i, j and values."""
