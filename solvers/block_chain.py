@@ -21,7 +21,7 @@ class _Step(NamedTuple):
     lower: np.ndarray  # (n, n) of which the lower triangle counts: open rows, and rows of the cell
     upper: np.ndarray  # (n, n) of which the upper triangle counts
     left: np.ndarray  # (p + k, n) of those rows in the rows left over and the full ones
-    right: np.ndarray  # (q, n) coefficients of the next node in the rows of the cell
+    right: np.ndarray  # (n, q) transposed coefficients of the next node in the rows of the cell
 
 
 class BlockChain:
@@ -36,7 +36,7 @@ class BlockChain:
         parts = (cells,) if isinstance(cells, np.ndarray) else cells
         self.steps, self.singular, self.precision = [], False, start.dtype
         letter = "s" if self.precision == np.float32 else "d"
-        self._trsm, self._trsv = (getattr(blas, letter + name) for name in ("trsm", "trsv"))
+        self._trsm, self._trsv, self._gemv = (getattr(blas, letter + name) for name in ("trsm", "trsv", "gemv"))
         self._getrf, self._laswp = (getattr(lapack, letter + name) for name in ("getrf", "laswp"))
         self._order = np.arange(start.shape[1], dtype=self.precision)[:, None]
         self.p, rows, opened, full = len(start), [], start, border[:, 0]
@@ -60,7 +60,7 @@ class BlockChain:
         rest = left[:, p:] - shares @ first[p:].T
         second, rows = self._factors(rest[:n])
         ahead = right[rows]
-        pivots = self._unit_solve(second[:q], ahead[:q].T).T
+        pivots = self._unit_solve(second[:q], ahead[:q].T)
 
         lower, upper, over = (np.empty((m, n), self.precision, "F") for m in (n, n, p + k))
         upper[:p], upper[p:, p:] = first.T, second[:q]
@@ -71,7 +71,7 @@ class BlockChain:
         if k:
             over[p:, :p] = shares[n:]
             over[p:, p:] = self._trsm(1.0, second[:q], rest[n:], side=1) if q else rest[n:]
-        following = -over[:, p:] @ pivots
+        following = -over[:, p:] @ pivots.T
         following[:p] += ahead[q:]
         following[p:] += full_right
         return _Step(columns, lower, upper, over, pivots), rows, following[:p], following[p:]
@@ -99,13 +99,15 @@ class BlockChain:
         for step, f, here, following in zip(self.steps, found, over, over[1:], strict=False):
             f[:p] = here[:p]
             self._trsv(step.lower, f, lower=1, overwrite_x=1)
-            following -= step.left @ f
+            if following.size:
+                self._gemv(-1.0, step.left, f, 1.0, following, overwrite_y=1)
         b = np.concatenate([over[-1, :p], end, border + over[1:, p:].sum(axis=0)]).astype(self.precision)
         b = self._laswp(b[:, None], self.last_pivots)[:, 0]
         x = np.empty((len(self.steps) + 1, n), self.precision)
         x[-1] = self._trsv(self.last, self._trsv(self.last, b, lower=1, diag=1))
         for i in range(len(self.steps) - 1, -1, -1):
             step, f = self.steps[i], found[i]
-            f[p:] -= step.right @ x[i + 1]
+            if q:
+                self._gemv(-1.0, step.right, x[i + 1], 1.0, f, offy=p, trans=1, overwrite_y=1)
             x[i, step.columns] = self._trsv(step.upper, f, overwrite_x=1)
         return x.astype(float)

@@ -178,10 +178,10 @@ class CableSystem(ChainSystem):
 
     def invalid(self, y) -> tuple[Status, int] | None:
         """A cable carries no compression, and the equations are ill-posed there (HB reference [53]); it breaks, too."""
-        least, most = int(y[0].argmin()), int(y[0].argmax())
-        if y[0, least] < 0:
-            return Status.COMPRESSION, least
-        return (Status.OVERSTRETCHED, most) if y[0, most] > _LONGEST else None
+        least, most = (np.unravel_index(at, y[0].shape) for at in (y[0].argmin(), y[0].argmax()))
+        if y[0][least] < 0:
+            return Status.COMPRESSION, int(least[0])
+        return (Status.OVERSTRETCHED, int(most[0])) if y[0][most] > _LONGEST else None
 
     def scale(self) -> np.ndarray:
         """The largest strain at rest; 1 m/s, 1 rad, 1 m."""

@@ -251,7 +251,7 @@ def _response(system, basis, z, nu, iterations, spent, steps, reached, balance, 
         status = Status.NO_PERIODIC_RESPONSE
     times = np.arange(_BETWEEN * basis.samples) * (2 * math.pi / basis.omega / (_BETWEEN * basis.samples))
     y = system.rest()[..., None] + z @ basis.functions(times)[0].T
-    for i, t in enumerate(times):
+    for i, t in enumerate(times if system.invalid(y) is not None else ()):
         invalid = system.invalid(y[..., i])
         if invalid is not None:
             status, event = (invalid[0] if reached == 1.0 else status), (float(t), invalid[1])
