@@ -84,7 +84,7 @@ class ChainSystem:
         return None
 
     def invalid(self, y) -> tuple[Status, int] | None:
-        """Why and at which node (from 0) a state of y (n_f, N, *S) is outside what the equations hold for; None: none."""
+        """Why and at which node (from 0) a state of y (n_f, N, *S) is outside what the equations hold for, or None."""
         return None
 
     def drift(self, y, t) -> np.ndarray | None:

@@ -316,8 +316,8 @@ DEFECTS = (
     Defect(
         "compression anywhere is fine",
         "cable",
-        "if y[0, least] < 0:",
-        "if y[0, least] < -1:",
+        "if y[0][least] < 0:",
+        "if y[0][least] < -1:",
         "regime",
         "a cable in compression is no event",
         "test_harmonic_balance.py::test_compression_is_named",
