@@ -270,6 +270,13 @@ def _block_maxima(matrix, rows, columns):
 
 
 # ---------------------------------------------------------------- the claims
+@pytest.fixture(params=[0, math.inf], ids=["chosen products", "all products"])
+def products(request, monkeypatch):
+    """Both ways to sum the blocks: small chains take the second, large ones the first."""
+    monkeypatch.setattr(harmonic_rows, "_FEW", request.param)
+
+
+@pytest.mark.usefixtures("products")
 @each_setting
 @each_chain
 def test_jacobian_blocks_agree_with_complex_step(name, setting):
@@ -291,6 +298,7 @@ def test_rows_agree_with_the_fft(name):
         assert abs(got - wanted).max() <= RESIDUAL * abs(wanted).max(), f"{setting}"
 
 
+@pytest.mark.usefixtures("products")
 @each_chain
 def test_jacobian_agrees_with_central_differences(name):
     """The assembled matrix times a direction is the difference of the solver's own residual."""
@@ -308,6 +316,7 @@ def _spread(balance):
     return np.array([SPREAD.get(field, 1.0) for field in balance.system.fields])
 
 
+@pytest.mark.usefixtures("products")
 @pytest.mark.parametrize("single", [0, 10**6], ids=["single and its check", "double"])
 @each_chain
 def test_newton_steps_solve_the_complex_step_jacobian(name, single, monkeypatch):
@@ -358,6 +367,7 @@ class _Dense:
         self.dense = lambda: (A, b)
 
 
+@pytest.mark.usefixtures("products")
 @pytest.mark.parametrize("name", [name for name in CHAINS if "symmetric" in name])
 def test_symmetric_blocks_are_part_of_all_blocks(name):
     """At a symmetric state the rows and columns that symmetry leaves out are coupled to no others."""
@@ -408,6 +418,7 @@ def plants(balance, x):
         yield from (("drift_tangent", "", tuple(entry)) for entry in used if entry[0] in balance.closed)
 
 
+@pytest.mark.usefixtures("products")
 @pytest.mark.parametrize("name", ["in its plane, all loads", "in space, all loads", "sway, symmetric", "masses, towed"])
 def test_one_per_cent_in_any_block_is_found(name):
     """Each tangent in turn 1 % wrong, by state and by rate, left and right, at both ends and in the closing rows."""
@@ -437,6 +448,7 @@ def test_one_per_cent_in_any_tangent_is_found_in_the_product():
         assert (abs(got - J @ d.ravel()) / (abs(J) @ abs(d.ravel()))).max() > RESIDUAL, plant
 
 
+@pytest.mark.usefixtures("products")
 @pytest.mark.parametrize("fault", [name for name in BASIS_FAULTS if "constant" not in name])
 def test_a_wrong_basis_turns_the_blocks_red(fault):
     """The blocks by complex step share no basis with the solver."""
