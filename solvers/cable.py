@@ -85,12 +85,13 @@ class CableSystem(ChainSystem):
         self._start[: self.dimension, 1 : 1 + self.dimension] = np.eye(self.dimension)
         self._start[self.dimension :, -1] = 1.0
 
-    def effective_weight(self, y):
-        """w_e = w_0 less the support of the seabed, HB 2.5, and d(w_e)/dz; N/m."""
-        if not self.has_seabed:
-            return self.w0, 0.0
-        support, slope = seabed_support(self.seabed_stiffness, self.scene.environment.depth, max(self.w0, 0.0), y[-1])
-        return self.w0 - support, -slope
+    def support(self, z):
+        """What the seabed carries at the heights z, HB 2.5, and its d/dz; N/m.
+
+        The rows take it at the mean height of a cell: a force of that height alone has a potential, as the ground has.
+        The mean of what two nodes get has none where only one of them touches, and waves there would grow from nothing.
+        """
+        return seabed_support(self.seabed_stiffness, self.scene.environment.depth, z)
 
     def start(self, y, ydot, t, tangents=True) -> Rows:
         """Anchor at rest, (42), and at its height on a seabed."""

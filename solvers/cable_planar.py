@@ -38,13 +38,12 @@ def _local(c, y, ydot, tangents):
     m, ma, EA = c.m, c.ma, c.EA
     sin, cos = np.sin(phi), np.cos(phi)
     T = EA * (eps + c.beta * eps_t) if c.beta else EA * eps
-    w, w_z = c.effective_weight(y)
     (Fdt, Fdn), slopes, along, across = _loads(c, u, v, sin, cos, tangents, np.sqrt(1 + eps))
     turning = m * u if c.current is None else m * u + c.inertia * along
 
     a = np.empty_like(y)  # M y_t + f at the nodes
-    a[0] = m * (v * phi_t - u_t) - w * cos + Fdt
-    a[1] = -(m + ma) * v_t - turning * phi_t + w * sin + Fdn
+    a[0] = m * (v * phi_t - u_t) - c.w0 * cos + Fdt
+    a[1] = -(m + ma) * v_t - turning * phi_t + c.w0 * sin + Fdn
     a[2] = -eps_t
     a[3] = -(1 + eps) * phi_t
     if c.has_seabed:
@@ -57,10 +56,10 @@ def _local(c, y, ydot, tangents):
     by, bt = np.zeros((2, n, n, *shape), dtype=a.dtype)  # of a by y and by ydot
     by[0, EPS], by[0, U] = dFdt[0], dFdt[1]
     by[0, V] = m * phi_t
-    by[0, PHI] = w * sin + dFdt[2]
+    by[0, PHI] = c.w0 * sin + dFdt[2]
     by[1, EPS], by[1, V] = dFdn[0], dFdn[1]
     by[1, U] = -m * phi_t
-    by[1, PHI] = w * cos + dFdn[2]
+    by[1, PHI] = c.w0 * cos + dFdn[2]
     by[3, EPS] = -phi_t
     bt[0, U], bt[0, PHI] = -m, m * v
     bt[1, V], bt[1, PHI] = -(m + ma), -turning
@@ -69,9 +68,13 @@ def _local(c, y, ydot, tangents):
     if c.current is not None:
         by[1, PHI] -= c.inertia * across * phi_t
     if c.has_seabed:
-        by[0, Z], by[1, Z] = -w_z * cos, w_z * sin
         by[4, EPS], by[4, PHI] = -cos, (1 + eps) * sin
     return a, T, by, bt
+
+
+def _up(y):
+    """The upward parts of t and n."""
+    return np.array([np.cos(y[PHI]), -np.sin(y[PHI])])
 
 
 def point(c, y, ydot, y_s, ydot_s):
@@ -82,6 +85,7 @@ def point(c, y, ydot, y_s, ydot_s):
     F[2] += y_s[U] - y[V] * y_s[PHI]
     F[3] += y_s[V] + y[U] * y_s[PHI]
     if c.has_seabed:
+        F[:2] += c.support(y[Z])[0] * _up(y)
         F[4] += y_s[Z]
     return F
 
@@ -100,13 +104,17 @@ def cells(c, y, ydot, tangents=True) -> Rows:
     F[2] += 2 * D[U] - S[V] * D_phi
     F[3] += 2 * D[V] + S[U] * D_phi
     if c.has_seabed:
+        support, support_z = c.support(S[Z] / 2)
+        up = _up(y)
+        S_up = up[:, 1:] + up[:, :-1]
+        F[:2] += support * S_up
         F[4] += 2 * D[Z]
     if not tangents:
         return Rows(F)
 
     J = np.stack([by[:, :, :-1], by[:, :, 1:]])
     Jt = np.stack([bt[:, :, :-1], bt[:, :, 1:]])
-    for side, sign in ((0, -1.0), (1, 1.0)):
+    for side, sign, at in ((0, -1.0, slice(None, -1)), (1, 1.0, slice(1, None))):
         per = sign / ds
         J[side, 0, EPS] += 2 * EA * per
         J[side, 1, EPS] += EA * D_phi
@@ -121,6 +129,9 @@ def cells(c, y, ydot, tangents=True) -> Rows:
             Jt[side, 0, EPS] += 2 * EA * c.beta * per
             Jt[side, 1, EPS] += EA * c.beta * D_phi
         if c.has_seabed:
+            J[side, 0, PHI] += support * up[1, at]
+            J[side, 1, PHI] -= support * up[0, at]
+            J[side, :2, Z] += support_z / 2 * S_up
             J[side, 4, Z] += 2 * per
     return Rows(F, J, Jt)
 

@@ -31,7 +31,6 @@ def _local(c, y, ydot, tangents):
     m, ma, EA = c.m, c.ma, c.EA
     sin_p, cos_p, sin_t, cos_t = np.sin(phi), np.cos(phi), np.sin(theta), np.cos(theta)
     T = EA * (eps + c.beta * eps_t) if c.beta else EA * eps
-    we, we_z = c.effective_weight(y)
     stretch = np.sqrt(1 + eps)
     flow = None if c.current is None else _Current(c.current, sin_p, cos_p, sin_t, cos_t)
     u_r, v_r, w_r = (u, v, w) if flow is None else (u - flow.t, v - flow.n, w - flow.b)
@@ -44,9 +43,9 @@ def _local(c, y, ydot, tangents):
         M35 = M35 + c.inertia * flow.b_phi
         M36 = M36 + c.inertia * flow.t
     a = np.empty_like(y)  # M y_t + f at the nodes
-    a[0] = m * (v * cos_t * phi_t - w * theta_t - u_t) - we * cos_p * cos_t + Fdt
-    a[1] = -(m + ma) * v_t + M25 * phi_t + we * sin_p + Fdn
-    a[2] = -(m + ma) * w_t + M35 * phi_t + M36 * theta_t - we * cos_p * sin_t + Fdb
+    a[0] = m * (v * cos_t * phi_t - w * theta_t - u_t) - c.w0 * cos_p * cos_t + Fdt
+    a[1] = -(m + ma) * v_t + M25 * phi_t + c.w0 * sin_p + Fdn
+    a[2] = -(m + ma) * w_t + M35 * phi_t + M36 * theta_t - c.w0 * cos_p * sin_t + Fdb
     a[3] = -eps_t
     a[4] = -(1 + eps) * cos_t * phi_t
     a[5] = (1 + eps) * theta_t
@@ -60,16 +59,16 @@ def _local(c, y, ydot, tangents):
     per_stretch = 1 / (2 * (1 + eps))
     by[0, EPS], by[0, U] = Fdt * per_stretch, dFdt
     by[0, V], by[0, W] = m * cos_t * phi_t, -m * theta_t
-    by[0, PHI] = we * sin_p * cos_t
-    by[0, THETA] = we * cos_p * sin_t - m * v * sin_t * phi_t
+    by[0, PHI] = c.w0 * sin_p * cos_t
+    by[0, THETA] = c.w0 * cos_p * sin_t - m * v * sin_t * phi_t
     by[1, EPS], by[1, V], by[1, W] = Fdn * per_stretch, dFdn[0], dFdn[1] - m * sin_t * phi_t
     by[1, U] = -m * cos_t * phi_t
-    by[1, PHI] = we * cos_p
+    by[1, PHI] = c.w0 * cos_p
     by[1, THETA] = m * (u * sin_t - w * cos_t) * phi_t
     by[2, EPS], by[2, V], by[2, W] = Fdb * per_stretch, dFdb[0] + m * sin_t * phi_t, dFdb[1]
     by[2, U] = m * theta_t
-    by[2, PHI] = we * sin_p * sin_t
-    by[2, THETA] = m * v * cos_t * phi_t - we * cos_p * cos_t
+    by[2, PHI] = c.w0 * sin_p * sin_t
+    by[2, THETA] = m * v * cos_t * phi_t - c.w0 * cos_p * cos_t
     by[4, EPS], by[4, THETA] = -cos_t * phi_t, (1 + eps) * sin_t * phi_t
     by[5, EPS] = theta_t
     bt[0, U], bt[0, PHI], bt[0, THETA] = -m, m * v * cos_t, -m * w
@@ -88,10 +87,15 @@ def _local(c, y, ydot, tangents):
         by[2, THETA] -= dFdb[1] * flow.b_theta
         by[2, THETA] += c.inertia * (flow.t_phi * phi_t + flow.t_theta * theta_t)
     if c.has_seabed:
-        by[0, Z], by[1, Z], by[2, Z] = -we_z * cos_p * cos_t, we_z * sin_p, -we_z * cos_p * sin_t
         by[6, EPS] = -cos_p * cos_t
         by[6, PHI], by[6, THETA] = (1 + eps) * sin_p * cos_t, (1 + eps) * cos_p * sin_t
     return a, T, by, bt
+
+
+def _up(y):
+    """The upward parts of t, n and b."""
+    cos_p = np.cos(y[PHI])
+    return np.array([cos_p * np.cos(y[THETA]), -np.sin(y[PHI]), cos_p * np.sin(y[THETA])])
 
 
 def point(c, y, ydot, y_s, ydot_s):
@@ -106,6 +110,7 @@ def point(c, y, ydot, y_s, ydot_s):
     F[4] += y_s[V] + (u * cos + w * sin) * D_phi
     F[5] += y_s[W] - v * sin * D_phi - u * D_theta
     if c.has_seabed:
+        F[:3] += c.support(y[Z])[0] * _up(y)
         F[6] += y_s[Z]
     return F
 
@@ -129,6 +134,10 @@ def cells(c, y, ydot, tangents=True) -> Rows:
     F[4] += 2 * D[V] + S55 * D_phi
     F[5] += 2 * D[W] - S65 * D_phi - S66 * D_theta
     if c.has_seabed:
+        support, support_z = c.support((y[Z, 1:] + y[Z, :-1]) / 2)
+        up = _up(y)
+        S_up = up[:, 1:] + up[:, :-1]
+        F[:3] += support * S_up
         F[6] += 2 * D[Z]
     if not tangents:
         return Rows(F)
@@ -163,6 +172,12 @@ def cells(c, y, ydot, tangents=True) -> Rows:
             Jt[side, 1, EPS] += EA * c.beta * cos * D_phi
             Jt[side, 2, EPS] -= EA * c.beta * D_theta
         if c.has_seabed:
+            J[side, 0, PHI] += support * up[1, at] * cos_t[at]
+            J[side, 1, PHI] -= support * np.cos(y[PHI, at])
+            J[side, 2, PHI] += support * up[1, at] * sin_t[at]
+            J[side, 0, THETA] -= support * up[2, at]
+            J[side, 2, THETA] += support * up[0, at]
+            J[side, :3, Z] += support_z / 2 * S_up
             J[side, 6, Z] += 2 * per
     return Rows(F, J, Jt)
 

@@ -28,11 +28,12 @@ def transverse_drag(normal, binormal, v, w, stretch):
     return value, ((-normal * (speed + vv), -normal * vw), (-binormal * vw, -binormal * (speed + ww)))
 
 
-def seabed_support(stiffness, depth, limit, z):
-    """Support of a flat elastic seabed, clip(k (-depth - z), 0, limit), HB 2.5; returns it and d/dz.
+def seabed_support(stiffness, depth, z):
+    """Support of a flat elastic seabed, max(k (-depth - z), 0), HB 2.5; returns it and d/dz.
 
-    limit is the submerged weight: the seabed carries a line, it does not throw it.
+    HB limits it to the weight in statics, where no line lies deeper than the weight presses it. A moving line does, and
+    with that limit nothing but drag would stop it: it would sink on.
     """
     support = stiffness * (-depth - z)
-    pressed = (support > 0) & (support < limit)
-    return np.clip(support, 0.0, limit), np.where(pressed, -stiffness, 0.0)
+    touching = support > 0
+    return np.where(touching, support, 0.0), np.where(touching, -stiffness, 0.0)

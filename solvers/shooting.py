@@ -75,7 +75,9 @@ def _direction(F):
 def _load(system, F, r):
     """Weight less seabed, and drag of the current, per unstretched length, (n_d, *S)."""
     load = np.zeros_like(F)
-    load[0] = -system.effective_weight((system.anchor[2] + r[0])[None])[0]
+    load[0] = -system.w0
+    if system.has_seabed:
+        load[0] += system.support(system.anchor[2] + r[0])[0]
     if system.current is None:
         return load
     t, T = _direction(F)
