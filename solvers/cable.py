@@ -24,7 +24,7 @@ from .stencils import stencils
 
 _LONGEST = 0.3  # strain; chain breaks at 0.01, polyester at 0.15, nylon near 0.3
 _FEWEST = 20  # nodes below which coarser ones save nothing
-_FINE = 30  # cells from which on a hold of the fairlead shakes no wave of an undamped line
+_SMALL_TURN = 0.03  # rad in a cell, up to which a hold of the fairlead shakes no wave of an undamped line
 _MOST_NODES = 10**6  # of a mesh; a state then takes 50 MB
 _IN_PLANE = 1e-12  # out-of-plane parts below this share of a vector come from rounding its direction
 
@@ -205,8 +205,10 @@ class CableSystem(ChainSystem):
         return 10 * float(self.ds.max()) / math.sqrt(self.EA / self.m)
 
     def hold_gain(self) -> float:
-        """The square of the number of cells over that at which velocities and places of the nodes agree well."""
-        return min(1.0, (self.s[-1] / (_FINE * float(self.ds.max()))) ** 2)
+        """By the square of the line's turn in a cell: to that, velocities and places of the nodes agree at a bend."""
+        y = self.rest()
+        turn = np.diff(self._rows.stretched_tangent(y)[0] / (1 + y[0]), axis=-1)
+        return min(1.0, float(_SMALL_TURN**2 / max((turn**2).sum(axis=0).max(), _SMALL_TURN**2)))
 
     def drift(self, y, t) -> np.ndarray:
         """Integral of (1 + eps) t ds less the prescribed place of the fairlead, (2 or 3, *S), m."""
