@@ -108,7 +108,7 @@ STATICS_FAULTS = [
     ("statics", "J[side, n:, :n] = -slope", "J[side, n:, :n] = slope"),
     ("statics", "sign * 2 / system.ds", "sign / system.ds"),
     ("statics", "J[:, :n, n] = cells.y[:, :n, -1]", "J[:, :n, n] = -cells.y[:, :n, -1]"),
-    ("cable", "return self.w0 - support, -slope", "return self.w0 - support, slope"),
+    ("loads", "np.where(touching, -stiffness, 0.0)", "np.where(touching, stiffness, 0.0)"),
 ]
 
 

@@ -63,7 +63,7 @@ def shot(case) -> Truth:
         along = (current @ t) * t
         across = current - along
         drag = case.Cdn * np.linalg.norm(across) * across + math.pi * case.Cdt * np.linalg.norm(along) * along
-        support = 0.0 if case.depth is None else min(max(case.seabed_stiffness * (-case.depth - r[2]), 0.0), w0)
+        support = 0.0 if case.depth is None else max(case.seabed_stiffness * (-case.depth - r[2]), 0.0)
         return np.concatenate([stretch * t, [0.0, 0.0, w0 - support] - half * math.sqrt(stretch) * drag])
 
     def shoot(F, dense=False):
@@ -157,7 +157,7 @@ def test_box_scheme_on_an_elastic_seabed(case):
         assert errors(case, truth, np.linspace(0, case.length, n))[0] <= LIFT_OFF * (case.length / (n - 1)) ** 2, n
 
 
-LIFT_OFF = 1.2e-6  # 1/m^2: C of the relative error C ds^2 wherever in a cell the line leaves; measured up to 7e-7
+LIFT_OFF = 3e-6  # 1/m^2: C of the relative error C ds^2 wherever in a cell the line leaves; measured up to 2.2e-6
 STIFF = (1e3, 1e4, 1e5, 1e6, 1e7)  # N/m^2
 SEABED_NODES = 6401  # a boundary layer sqrt(T/k) of 0.27 m at the stiffest: two cells
 
@@ -193,7 +193,7 @@ def test_a_resting_line_sinks_by_its_weight():
 def test_the_equilibrium_solves_the_rows_and_meets_the_ends(case, fields):
     """The rows of the dynamic system are met at rest, the drift of the end is nil, and status and work are told."""
     chain = system(case, 50, fields=fields)
-    state = solve_static(chain)
+    state = solve_static(chain, tolerance=RESIDUAL / 10)  # a seabed answers an error of a height with its stiffness
     assert state.success and 1 <= state.iterations <= 20
     rows = chain.residual(state.y, 0 * state.y, 0.0)
     assert abs(rows).max() <= RESIDUAL * case.EA * abs(state.y[0]).max() / chain.ds.min()
@@ -202,7 +202,7 @@ def test_the_equilibrium_solves_the_rows_and_meets_the_ends(case, fields):
     assert not state.y[1 : 1 + chain.dimension].any()
 
 
-RESIDUAL = 1e-11  # over the largest part of row 1: the tolerance of the last Newton step
+RESIDUAL = 1e-11  # over the largest part of row 1
 MET = 1e-13  # of the length: a hundred cells sum to it
 
 
@@ -275,7 +275,7 @@ def test_a_method_that_is_none_is_refused():
 @pytest.mark.parametrize(
     ("module", "old", "new"),
     [
-        ("cable_planar", "- w * cos + Fdt", "+ w * cos + Fdt"),
+        ("cable_planar", "- c.w0 * cos + Fdt", "+ c.w0 * cos + Fdt"),
         ("cable_planar", "F[1] += S_T * D_phi", "F[1] -= S_T * D_phi"),
         ("cable_planar", "F[1] += S_T * D_phi", "F[1] += 2 * T[1:] * D_phi"),
         ("statics", "- tangent[:, 1:] - tangent[:, :-1]", "- 2 * tangent[:, 1:]"),

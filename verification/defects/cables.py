@@ -354,8 +354,8 @@ DEFECTS = (
     Defect(
         "angles exchanged in the weight",
         "cable_spatial",
-        "M36 * theta_t - we * cos_p * sin_t + Fdb",
-        "M36 * theta_t - we * sin_p * cos_t + Fdb",
+        "M36 * theta_t - c.w0 * cos_p * sin_t + Fdb",
+        "M36 * theta_t - c.w0 * sin_p * cos_t + Fdb",
         "symbol",
         "row 3 with phi and theta exchanged",
         f"{_PATCH} -k 'all and spatial'",

@@ -10,7 +10,7 @@ With r(s, t) the position, s the unstretched arc length, V = r_t the velocity, t
 projected on the frame t, n, b of the line. T = EA (eps + beta eps_t), beta in s (Kelvin-Voigt). The hydrodynamic
 inertia per unit unstretched length along e = n, b is -ma d(V . e)/dt + Cm rho A d(c . e)/dt, with c the current,
 A = pi d^2/4, ma = Ca rho A, Cm = 1 + Ca. Drag acts on the relative velocity, with sqrt(1 + eps). A flat elastic seabed
-carries clip(k (-depth - z), 0, w0) of the weight w0.
+bears with max(k (-depth - z), 0).
 
 Vectors are written in the paper's axes (up, along, out) = (z, x, y):
 t = (cos phi cos theta, sin phi cos theta, -sin theta), n = t_phi / cos theta, b = t x n = -t_theta. With this choice
@@ -185,8 +185,10 @@ def _dot(a, b):
 # --- the equations, once, in vectors ----------------------------------------------------------------------------------
 
 
-def _clip(x, low, high):
-    return min(max(x, low), high) if isinstance(x, mpf) else np.clip(x, low, high)
+def seabed_support(p, z):
+    """max(k (-depth - z), 0), N/m."""
+    support = p.seabed_stiffness * (-p.depth - z)
+    return max(support, mpf(0)) if isinstance(support, mpf) else np.maximum(support, 0.0)
 
 
 def _drag(p, eps, velocity, frame):
@@ -229,7 +231,7 @@ class _Point:
 def _rows(p, q):
     """The seven rows at a point or on a grid."""
     area = _library(q.eps).pi * p.d * p.d / 4
-    support = 0 if p.seabed_stiffness is None else _clip(p.seabed_stiffness * (-p.depth - q.z), 0, p.w0)
+    support = 0 if p.seabed_stiffness is None else seabed_support(p, q.z)
     drag = _drag(p, q.eps, q.V, q.frame)
     inertia = _hydrodynamic_inertia(p, q.frame, q.velocity_rates, q.current_rates, area)
     momentum = [f + d + i - p.m * a for f, d, i, a in zip(q.force_s, drag, inertia, q.V_t, strict=True)]
@@ -368,11 +370,11 @@ def manufactured(parameters, length, omega, *, planar=False, oscillating=False):
     """`Fields` on 0 <= s <= length (m), periodic in time with omega (rad/s): large, smooth, taut, fixed at s = 0.
 
     eps 3.5e-3 to 7e-3, phi 0.3 to 1.2, theta -0.1 to 0.4, velocities up to 0.6 m/s; z(0, t) = -depth, and the line lies
-    in the seabed by up to 0.75 w0/seabed_stiffness (1 m without seabed), so that the support never saturates.
+    in the seabed by up to 0.75 w0/seabed_stiffness (1 m without seabed), so that it never leaves the seabed.
 
     Velocities are positive for s > 0 and vanish linearly at s = 0, so quadratic drag is a smooth function of s and t in
     still water and in every current with c . t < 0 and c . n < 0, such as `OPPOSING_CURRENT`. With oscillating=True
-    they change sign and the support saturates both ways: drag and support are then only once differentiable and
+    they change sign and the line leaves the seabed: drag and support are then only once differentiable and
     continuous, and orders of accuracy should not be read from it.
     planar : theta = w = 0.
     """
