@@ -28,6 +28,7 @@ class TimeHistory(Response, Outcome):
 
     residual_norm: mean |dy| of the last Newton step, HB (76). steps taken, and rejected by the step control.
     event: (time in s, node from 0) where the status arose, None on success. moved: the system with its ramp.
+    hold: what kept the last node from drifting, as given.
     """
 
     system: ChainSystem = field(repr=False)
@@ -42,6 +43,7 @@ class TimeHistory(Response, Outcome):
     steps: int
     rejected: int
     event: tuple[float, int] | None = None
+    hold: str | None = None
 
     @property
     def last_period(self) -> tuple[float, float]:
@@ -147,7 +149,7 @@ def solve_time_domain(
             run.step()
             if progress is not None:
                 progress(run.t)
-    history = run.history(system)
+    history = run.history(system, hold)
     if not throw or (allow_invalid and history.status is not Status.STEP_FAILED):
         return history
     where = "" if run.event is None else f" at t = {run.event[0]:.6g} s, node {run.event[1] + 1} of {system.nodes}"
@@ -222,14 +224,14 @@ class _Run:
         self.size = size
         return True
 
-    def history(self, system) -> TimeHistory:
+    def history(self, system, hold) -> TimeHistory:
         if self.record[-1][0] != self.t:
             self.record.append((self.t, self.y, self.ydot))
         time, y, ydot = zip(*self.record, strict=True)
         s = self.stepper
         counts = s.iterations, s.factorisations, s.error, self.steps, self.rejected
         series = np.array(time), np.stack(y, axis=-1), np.stack(ydot, axis=-1)
-        return TimeHistory(system, s.system, *series, self.status, *counts, self.event)
+        return TimeHistory(system, s.system, *series, self.status, *counts, self.event, hold)
 
 
 def _duration(system, periods, duration) -> float:
