@@ -15,12 +15,13 @@ import pytest
 from scipy.linalg import eig
 
 from solvers import Environment, Motion, Network, Span, Status, cable_system, solve_network, solve_periodic, solve_span
+from solvers.cable import CableSystem
 from solvers.generalized_alpha import Scheme
 from solvers.statics import solve_static
 from solvers.time_domain import solve_time_domain
 
-from .cables import scene
-from .cases.cables import OC3, OC3_SEABED, SURGE_5
+from .cables import planted, scene, system
+from .cases.cables import OC3, OC3_SEABED, SLACK_CHAIN, SURGE_5
 from .cases.networks import chain
 from .cases.spans import SpanCase
 from .reference import exact_span, force_error
@@ -273,12 +274,128 @@ def test_drift_is_told():
     assert f"{free.drift().max():.3g} m" in free.warnings[0]
 
 
+def test_the_cure_of_a_drift_is_one_that_is_left():
+    """A mesh so coarse that the held end misses its place: more nodes or a shorter step, not the hold that it has."""
+    chain = at(SURGE_5, 5, amplitude=(2.0, 0.0, 0.0))
+    texts = {}
+    for hold in ("position", "mean", None):
+        history = solve_time_domain(chain, dt=0.2, periods=2, hold=hold, allow_invalid=True)
+        texts[hold] = next(text for text in history.warnings if text.startswith("drift"))
+    assert texts["position"].endswith("of its excursion: use more nodes or a shorter dt")
+    assert all(texts[hold].endswith('a shorter dt, or hold="position"') for hold in ("mean", None))
+
+
 @pytest.mark.parametrize("nodes", [3, 5, 10, 20])
 def test_the_hold_feeds_no_wave(nodes):
     """A millimetre of surge, in which nothing damps, for 20 periods: held, the end stays as near as it does free."""
     system = at(SURGE_5, nodes, amplitude=(1e-3, 0.0, 0.0))
     free, held = (solve_time_domain(system, dt=0.5, periods=20, hold=hold).drift().max() for hold in (None, "position"))
     assert held < 1.2 * free
+
+
+# ---------------------------------------------------------------- a slack chain on a seabed
+STILL = replace(SLACK_CHAIN, current=(0.0, 0.0, 0.0))
+GROWTH = 1e-4  # of a frequency: a nearly double eigenvalue moves by the root of what rounding moves; measured 2e-5
+
+
+def growth(chain, rest) -> float:
+    """Largest rate at which a small wave about rest grows, over its frequency: eigenvalues by complex steps."""
+    still = np.zeros_like(rest)
+    units = np.eye(rest.size).reshape(-1, *rest.shape)
+    y, rate = (
+        np.array([chain.residual(*at(1e-30j * unit), 0.0).imag / 1e-30 for unit in units]).T
+        for at in (lambda step: (rest + step, still + 0j), lambda step: (rest + 0j, still + step))
+    )
+    rates = eig(y, -rate, right=False)
+    rates = rates[np.isfinite(rates) & (abs(rates) > 1e-3) & (abs(rates) < 1e6)]  # rad/s: not the open places of the end
+    return float((rates.real / abs(rates)).max())
+
+
+GROUNDS = [(25, 8e3), (13, 1.6e4), (13, 1e5), (25, 1e5)]
+
+
+@pytest.mark.parametrize(("nodes", "stiffness"), GROUNDS)
+def test_no_wave_grows_on_a_seabed(nodes, stiffness):
+    """Nothing drives a line at rest over a seabed, which has a potential: no small wave about it grows by itself."""
+    chain = system(replace(STILL, seabed_stiffness=stiffness), nodes)
+    assert growth(chain, chain.rest()) < GROWTH
+
+
+LIMITED = (
+    "cable",
+    "return seabed_support(self.seabed_stiffness, self.scene.environment.depth, z)",
+    "support, slope = seabed_support(self.seabed_stiffness, self.scene.environment.depth, z)\n"
+    "        return np.minimum(support, self.w0), np.where(support < self.w0, slope, 0.0)",
+)
+
+
+class ByNodes(CableSystem):
+    """A planar line on a seabed whose support of a cell is the mean of those of its two nodes."""
+
+    def cells(self, y, ydot, t, tangents=True):
+        rows = super().cells(y, ydot, t, tangents)
+        z, up, turned = y[4], np.array([np.cos(y[3]), -np.sin(y[3])]), np.array([-np.sin(y[3]), -np.cos(y[3])])
+        (middle, middle_z), (support, slope) = self.support((z[1:] + z[:-1]) / 2), self.support(z)
+        left, right, both = slice(None, -1), slice(1, None), up[:, 1:] + up[:, :-1]
+        rows.value[:2] += (support * up)[:, left] + (support * up)[:, right] - middle * both
+        for side, at in enumerate((left, right) if tangents else ()):
+            rows.y[side, :2, 3] += (support[at] - middle) * turned[:, at]
+            rows.y[side, :2, 4] += slope[at] * up[:, at] - middle_z / 2 * both
+        return rows
+
+
+def test_a_seabed_by_nodes_is_seen_to_feed_waves():
+    """The mean of the supports of two nodes, one on the ground and one above, has no potential: a wave grows."""
+    chain = system(replace(STILL, seabed_stiffness=1e5), 13)
+    chain.__class__ = ByNodes
+    assert growth(chain, chain.rest()) > 100 * GROWTH
+
+
+SETTLES = 5e-3  # of the range: the last two of eight periods; measured 7e-4 at most
+SINKS = 2.5  # depths w0/k of a line at rest, which a moving one exceeds; measured 1.9
+
+
+def unsettled(of=None, hold="position", steps=100, case=SLACK_CHAIN):
+    """(change of the fairlead tension between the seventh period and the eighth, deepest sinking in w0/k)."""
+    chain = system(case, 25, **({"of": of} if of else {}))
+    solve = of.time_domain.solve_time_domain if of else solve_time_domain
+    history = solve(chain, dt=chain.period / steps, periods=8, hold=hold)
+    t = (7 + np.arange(100) / 100) * chain.period
+    now, before = history.fairlead_tension(t), history.fairlead_tension(t - chain.period)
+    sunk = (-case.depth - history.y[-1].min()) * case.seabed_stiffness / chain.w0
+    return abs(now - before).max() / np.ptp(now), sunk
+
+
+@pytest.mark.parametrize("steps", [100, 200])
+@pytest.mark.parametrize("hold", ["position", "mean", None])
+def test_a_slack_chain_on_a_seabed_settles(hold, steps):
+    """On a coarse mesh, too, whatever the hold and the step: periodic after eight periods, and not sunk in the ground."""
+    case = SLACK_CHAIN if steps == 100 else replace(SLACK_CHAIN, current=(0.4, 0.0, 0.0))
+    change, sunk = unsettled(hold=hold, steps=steps, case=case)
+    assert change < SETTLES and sunk < SINKS, (change, sunk)
+
+
+def test_a_seabed_that_carries_the_weight_at_most_is_seen():
+    """With the limit of statics the line sinks on, and what meets it there shakes it: both checks turn red."""
+    with planted(*LIMITED) as faulty:
+        change, sunk = unsettled(faulty, case=STILL)
+    assert change > SETTLES and sunk > SINKS, (change, sunk)
+
+
+def test_a_hold_that_counts_cells_is_seen_to_feed_waves():
+    """25 cells are no measure where each turns the line by ten degrees: the hold shakes the chain until it fails."""
+    count = "return min(1.0, (self.nodes / 30) ** 2)\n"
+    with planted("cable", 'y = self.rest()\n        turn =', f"{count}        y = self.rest()\n        turn =") as faulty:
+        with pytest.raises(faulty.outcome.ConvergenceError):
+            unsettled(faulty, steps=200, case=replace(SLACK_CHAIN, current=(0.4, 0.0, 0.0)))
+
+
+@pytest.mark.parametrize(("nodes", "stiffness", "surge"), [(10, 1e5, 3.0), (10, 1e5, 6.0), (25, 1e5, 6.0), (25, 1e6, 3.0)])
+def test_steps_on_a_stiff_seabed(nodes, stiffness, surge):
+    """A hundred steps a period over a seabed on which the line swings in a fifth of a second: every step is solved."""
+    chain = at(OC3_SEABED, nodes, seabed_stiffness=stiffness, amplitude=(surge, 0.0, 0.0))
+    history = solve_time_domain(chain, dt=chain.period / 100, periods=1)
+    assert history.success and history.iterations < 8 * history.steps
 
 
 def test_waves_that_nothing_damps_end_with_a_reason():

@@ -80,6 +80,24 @@ OC3_SEABED = replace(
     depth=320.0,
     seabed_stiffness=3000.0,
 )
+SLACK_CHAIN = CableCase(
+    "slack chain on a seabed",
+    EA=6e8,
+    diameter=0.08,
+    mass_per_length=110.0,
+    submerged_weight=1028.2,
+    Cdn=1.4,
+    length=400.0,
+    anchor=(0.0, 0.0, -80.0),
+    fairlead=(370.0, 0.0, -5.0),
+    depth=80.0,
+    seabed_stiffness=8e3,
+    current=(0.4, 0.1, 0.0),
+    frequency=1 / 11,
+    amplitude=(1.0, 0.0, 0.5),
+)
+"""Two thirds of it rest; a cell of 25 nodes at the touchdown turns by 0.18 rad."""
+
 EVERYTHING = replace(
     OC3_SEABED,
     name="every term",
