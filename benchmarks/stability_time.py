@@ -60,7 +60,7 @@ def maps() -> list[Map]:
     )
 
     ground = (
-        "A stiff seabed takes up or lets go of a node of this coarse mesh, the weight of a hundred metres, "
+        "A stiff seabed takes up or lets go of a cell of this coarse mesh, the weight of a hundred metres, "
         "within millimetres of its path, and Newton's method jumps between the two."
     )
 

@@ -161,7 +161,7 @@ LOAD_FAULTS = [
     ("loads", "np.sqrt(v * v + w * w)", "np.sqrt(v * v)", "(11), (12): each component alone"),
     ("loads", "stiffness * (-depth - z)", "stiffness * (-depth + z)", "seabed above the water"),
     ("loads", "np.where(touching, support, 0.0)", "support", "the seabed holds the line down"),
-    ("loads", "np.where(touching, -stiffness, 0.0)", "-stiffness + 0.0 * z", "the tangent of a seabed above it"),
+    ("loads", "np.where(touching, -stiffness, 0.0)", "-stiffness + 0.0 * z", "the seabed's tangent above it"),
     ("cable_planar", "np.sqrt(1 + eps)", "(1 + eps)", "(10), (11): 1 + eps for its root"),
     ("cable_spatial", "stretch = np.sqrt(1 + eps)", "stretch = 1 + eps", "(10)-(12): 1 + eps for its root"),
     ("cable_planar", "F[1] += S_T * D_phi", "F[1] += 2 * T[1:] * D_phi", "(39): K of one node, not the mean"),

@@ -369,6 +369,25 @@ DEFECTS = (
         "derivative of the current along the tangent by theta",
         _TANGENTS + " -k 'spatial and current'",
     ),
+    Defect(
+        "a seabed that carries the weight at most",
+        "cable",
+        "return seabed_support(self.seabed_stiffness, self.scene.environment.depth, z)",
+        "support, slope = seabed_support(self.seabed_stiffness, self.scene.environment.depth, z)\n"
+        "        return np.minimum(support, self.w0), np.where(support < self.w0, slope, 0.0)",
+        "regime",
+        "the limit of statics, HB 2.5, in motion: nothing stops a line that sinks deeper than at rest",
+        "test_stability.py::test_a_slack_chain_on_a_seabed_settles",
+    ),
+    Defect(
+        "a hold as strong as on a fine mesh",
+        "cable",
+        "return min(1.0, float(_SMALL_TURN",
+        "return max(1.0, float(_SMALL_TURN",
+        "symbol",
+        "the greater for the smaller: the gain of the hold is one on every mesh",
+        "test_stability.py::test_a_slack_chain_on_a_seabed_settles",
+    ),
     # ------------------------------------------------------------ chain
     Defect(
         "band one row off",

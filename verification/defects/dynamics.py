@@ -556,6 +556,15 @@ DEFECTS = (
         "the excursion four times too large: a drift of a tenth passes",
         "test_stability.py::test_drift_is_told",
     ),
+    Defect(
+        "a cure that is there",
+        "invariants",
+        'history.hold == "position" else',
+        'history.hold == "mean" else',
+        "regime",
+        "the end that is held is told to be held",
+        "test_stability.py::test_the_cure_of_a_drift_is_one_that_is_left",
+    ),
     # ------------------------------------------------------------ declared blind spots
     Defect(
         "no prediction of the rate",
