@@ -21,7 +21,9 @@ def of_history(history):
         return
     tension = history.tension[-1]
     spread = np.ptp(tension)
-    cure = "more nodes or a shorter dt" if history.hold == "position" else 'more nodes, a shorter dt, or hold="position"'
+    cure = (
+        "more nodes or a shorter dt" if history.hold == "position" else 'more nodes, a shorter dt, or hold="position"'
+    )
     yield from _misplaced(history.drift(), history.system, time[-1], cure)
     middle = (time[1:] + time[:-1]) / 2
     yield from _compressed(system.tension(history.at(middle), history.rate_at(middle)), middle, "a shorter dt")

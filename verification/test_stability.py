@@ -307,7 +307,9 @@ def growth(chain, rest) -> float:
         for at in (lambda step: (rest + step, still + 0j), lambda step: (rest + 0j, still + step))
     )
     rates = eig(y, -rate, right=False)
-    rates = rates[np.isfinite(rates) & (abs(rates) > 1e-3) & (abs(rates) < 1e6)]  # rad/s: not the open places of the end
+    rates = rates[
+        np.isfinite(rates) & (abs(rates) > 1e-3) & (abs(rates) < 1e6)
+    ]  # rad/s: not the open places of the end
     return float((rates.real / abs(rates)).max())
 
 
@@ -369,7 +371,7 @@ def unsettled(of=None, hold="position", steps=100, case=SLACK_CHAIN):
 @pytest.mark.parametrize("steps", [100, 200])
 @pytest.mark.parametrize("hold", ["position", "mean", None])
 def test_a_slack_chain_on_a_seabed_settles(hold, steps):
-    """On a coarse mesh, too, whatever the hold and the step: periodic after eight periods, and not sunk in the ground."""
+    """On a coarse mesh, whatever the hold and the step: periodic after eight periods, and not sunk in the ground."""
     case = SLACK_CHAIN if steps == 100 else replace(SLACK_CHAIN, current=(0.4, 0.0, 0.0))
     change, sunk = unsettled(hold=hold, steps=steps, case=case)
     assert change < SETTLES and sunk < SINKS, (change, sunk)
@@ -384,13 +386,15 @@ def test_a_seabed_that_carries_the_weight_at_most_is_seen():
 
 def test_a_hold_that_counts_cells_is_seen_to_feed_waves():
     """25 cells are no measure where each turns the line by ten degrees: the hold shakes the chain until it fails."""
-    count = "return min(1.0, (self.nodes / 30) ** 2)\n"
-    with planted("cable", 'y = self.rest()\n        turn =', f"{count}        y = self.rest()\n        turn =") as faulty:
-        with pytest.raises(faulty.outcome.ConvergenceError):
-            unsettled(faulty, steps=200, case=replace(SLACK_CHAIN, current=(0.4, 0.0, 0.0)))
+    first = "y = self.rest()\n        turn ="
+    by_count = f"return min(1.0, (self.nodes / 30) ** 2)\n        {first}"
+    with planted("cable", first, by_count) as faulty, pytest.raises(faulty.outcome.ConvergenceError):
+        unsettled(faulty, steps=200, case=replace(SLACK_CHAIN, current=(0.4, 0.0, 0.0)))
 
 
-@pytest.mark.parametrize(("nodes", "stiffness", "surge"), [(10, 1e5, 3.0), (10, 1e5, 6.0), (25, 1e5, 6.0), (25, 1e6, 3.0)])
+@pytest.mark.parametrize(
+    ("nodes", "stiffness", "surge"), [(10, 1e5, 3.0), (10, 1e5, 6.0), (25, 1e5, 6.0), (25, 1e6, 3.0)]
+)
 def test_steps_on_a_stiff_seabed(nodes, stiffness, surge):
     """A hundred steps a period over a seabed on which the line swings in a fifth of a second: every step is solved."""
     chain = at(OC3_SEABED, nodes, seabed_stiffness=stiffness, amplitude=(surge, 0.0, 0.0))
