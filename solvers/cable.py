@@ -24,7 +24,7 @@ from .stencils import stencils
 
 _LONGEST = 0.3  # strain; chain breaks at 0.01, polyester at 0.15, nylon near 0.3
 _FEWEST = 20  # nodes below which coarser ones save nothing
-_SMALL_TURN = 0.014  # rad in a cell, up to which a hold of the fairlead shakes no wave of an undamped line
+_SMALL_TURN = 0.02  # rad in a cell, up to which a hold of the fairlead feeds no wave that the water damps
 _MOST_NODES = 10**6  # of a mesh; a state then takes 50 MB
 _IN_PLANE = 1e-12  # out-of-plane parts below this share of a vector come from rounding its direction
 
