@@ -369,6 +369,18 @@ DEFECTS = (
         "derivative of the current along the tangent by theta",
         _TANGENTS + " -k 'spatial and current'",
     ),
+    *(
+        Defect(
+            f"the seabed pulls at the middle of a cell, {module}",
+            module,
+            f"{rows} += c.support(y[Z])[0] * _up(y)",
+            f"{rows} -= c.support(y[Z])[0] * _up(y)",
+            "sign",
+            "support of the seabed reversed in the rows of fourth order",
+            f"test_cable_order.py::test_order_of_the_corrected_rows -k 'seabed and {fields}'",
+        )
+        for module, rows, fields in (("cable_planar", "F[:2]", "planar"), ("cable_spatial", "F[:3]", "spatial"))
+    ),
     Defect(
         "a seabed that carries the weight at most",
         "cable",
