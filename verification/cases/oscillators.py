@@ -118,6 +118,10 @@ class MassChain:
         """Masses are what they are: there are no fewer."""
         return None
 
+    def fourth_order(self) -> None:
+        """Masses have no cells."""
+        return None
+
     def carried(self, t) -> None:
         """It starts from rest."""
         return None
