@@ -1,4 +1,4 @@
-"""Is the deferred correction of the harmonic balance of fourth order, and does it say what it removed?
+"""Is the deferred correction right however the response was found, and is it refused where it leads nowhere?
 
 Truth is the independent equations of exact/cable_mp: periodic fields of one harmonic, so that the mesh is the only
 error. Then the four cases of the paper against their tension on finer meshes; faults are planted in each part.
