@@ -44,8 +44,8 @@ def work(data: dict, folder: Path) -> style.Group:
         "are, "
         f"{'; '.join(said)}. {' '.join(_equal_error(data['points']) + _at_errors(data))} "
         "The grey band is the uncertainty of the reference. "
-        "“Extrapolated” solves on two meshes, the second from the first (or with two steps), and takes the error of "
-        "second order out."
+        "“Extrapolated” solves in time on two meshes with two steps and takes the error of second order out. "
+        "“Corrected” adds to harmonic balance up to three steps with the last Jacobian to equations of fourth order."
     )
     return style.Group(caption, figures)
 

@@ -24,6 +24,7 @@ from .threads import one_blas_thread
 
 _COARSE, _START = 3, 2e-2  # harmonics of the driving for a start, and the error (76) that is good enough there
 _BOLD = 8  # full Newton steps before damped ones are tried
+_CORRECTIONS = 3  # deferred ones at most, each at most half the last: on coarse meshes the later ones lead away
 _SMALLEST_RISE = 2.0**-5  # of the amplitude, in the continuation
 _BETWEEN = 4  # instants for each sample at which a state must be valid
 _MOST = 10**5  # harmonics or samples, far beyond what memory holds
@@ -40,6 +41,7 @@ class PeriodicResponse(Response, Outcome):
     residual_norm: largest coefficient of the rows, before a deferred correction.
     amplitude: share of the motion that was reached, 1 on success. event: (time, node) of an invalid state, or None.
     correction: mean |dz| of the deferred correction, which tells the error that the mesh had made; None without one.
+    system: the chain; with a deferred correction that of ``fourth_order``, whose tangents serve no other solver.
     mean: False marks the paper's variant without constant term: its mean forces are not in balance.
     """
 
@@ -119,8 +121,10 @@ def solve_periodic(
     linear_solver: "direct" (blocks, storage N Nh^2, work N Nh^3) or "iterative" (GMRES preconditioned by the harmonics
     of the averaged chain, storage N Nh; for motions that change the tension by less than about a third of its mean).
     symmetry: use a mirror symmetry of the chain where its rows show it.
-    deferred_correction: at the end one step with the last Jacobian to the rows of ``ChainSystem.fourth_order``: what
-    the mesh adds to the error is then of fourth order in its cells (Pereyra, Numer. Math. 10 (1967) 316).
+    deferred_correction: at the end up to three steps with the last Jacobian to the rows of ``ChainSystem.fourth_order``:
+    what the mesh adds to the error is then of fourth order in its cells, where response and mesh are smooth (Pereyra,
+    Numer. Math. 10 (1967) 316); not with mean=False, whose mean state stays that of the box scheme. It fails where the
+    mesh is so coarse that the steps grow.
     When Newton's method fails, the driving is raised in steps. Raises InputError for bad input, ConvergenceError when
     no response is found (``throw=False``: the largest amplitude reached, with its status).
     """
@@ -141,13 +145,16 @@ def solve_periodic(
         raise InputError("motion: the chain has no periodic driving, and its periodic response takes one")
     basis = Basis(Nh, Nt, 2 * math.pi / (nu * system.period), bool(mean))
     how = _NEWTON[globalisation], symmetry, linear_solver == "iterative"
+    deferred = tolerance if deferred_correction else None
     z, spent = _start(system, basis, start), 0
     with one_blas_thread(), np.errstate(all="ignore"):  # a diverging step is found by its size
         if multilevel and start is None:
             z, spent = _climbed(system, basis, _COARSE * nu, how)
         z, iterations, steps, reached, balance = _continued(system, basis, z, tolerance, *how)
-        response = _response(system, basis, z, nu, iterations, spent, steps, reached, balance, deferred_correction)
+        response = _response(system, basis, z, nu, iterations, spent, steps, reached, balance, deferred)
     given = f"{Nh} harmonics, {Nt} samples, amplitude reached: {reached:.4g}"
+    if deferred_correction and reached == 1.0 and response.correction is None:
+        given += "; found, but the mesh is too coarse or too uneven for its deferred correction: use more nodes"
     if response.event is not None:
         t, node = response.event
         given += f"; a state is invalid at t = {t:.4g} s, node {node + 1} of {system.nodes}"
@@ -244,10 +251,11 @@ def _continued(system, basis, z, tolerance, newton, symmetry, iterative):
 def _response(system, basis, z, nu, iterations, spent, steps, reached, balance, deferred) -> PeriodicResponse:
     status, event, correction = Status.SUCCESS, None, None
     norm = float(abs(balance.residual(balance.pack(z))).max())
-    if deferred and reached == 1.0:
-        system = system.fourth_order()
-        z, correction = _corrected(balance, system, z)
-    if reached < 1.0:
+    if deferred is not None and reached == 1.0:
+        finer = system.fourth_order()
+        z, correction = _corrected(balance, finer, z, deferred)
+        system = system if correction is None else finer
+    if reached < 1.0 or (deferred is not None and correction is None):
         status = Status.NO_PERIODIC_RESPONSE
     times = np.arange(_BETWEEN * basis.samples) * (2 * math.pi / basis.omega / (_BETWEEN * basis.samples))
     y = system.rest()[..., None] + z @ basis.functions(times)[0].T
@@ -260,11 +268,22 @@ def _response(system, basis, z, nu, iterations, spent, steps, reached, balance, 
     return PeriodicResponse(system, basis, z, nu, status, iterations, spent, norm, *found)
 
 
-def _corrected(balance, finer, z):
-    """z after one step of the last Jacobian to the rows of a chain of higher order, and the size of that step."""
-    x = balance.pack(z)
-    step = balance.inverse(balance.of(finer).residual(x))
-    return balance.unpack(x - step), _error(step)
+def _corrected(balance, finer, z, tolerance):
+    """z after steps of the last Jacobian to the rows of a chain of higher order, and mean |dz|.
+
+    One step is of fourth order with the Jacobian at z. The last one is often older, and the next steps mend it. Where
+    the second is no shorter than the first the mesh is too coarse for either: z and None.
+    """
+    rows, x, last = balance.of(finer), balance.pack(z), np.inf
+    for k in range(_CORRECTIONS):
+        step = balance.inverse(rows.residual(x))
+        size = _error(step)
+        if not (np.isfinite(size) and size <= last / 2):
+            break
+        x, last = x - step, size
+    if k < 2 and not (size < last < np.inf or size <= tolerance):
+        return z, None
+    return balance.unpack(x), _error(x - balance.pack(z))
 
 
 def _error(step) -> float:

@@ -215,7 +215,7 @@ def _no_curvature(s):
     return to._replace(value=np.where(near, 0.5, 0.0))
 
 
-def _backwards(balance, finer, z):
+def _backwards(balance, finer, z, tolerance):
     x = balance.pack(z)
     step = balance.inverse(balance.of(finer).residual(x))
     return balance.unpack(x + step), 1.0
