@@ -7,19 +7,16 @@ vanish, (63), and Newton's method solves for z with the blocks (72)-(74) of the 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
-from functools import cached_property
 
 import numpy as np
 
-from . import invariants
 from .chain import ChainSystem
 from .fourier import Basis
 from .harmonic_rows import Balance
-from .newton import Step, damped_newton, relaxed_newton
-from .outcome import InputError, Outcome, Status
+from .newton import damped_newton, relaxed_newton
+from .outcome import InputError, Status
+from .periodic_response import PeriodicResponse
 from .properties import flags, one_of, positive_number, real_array
-from .response import Response
 from .threads import one_blas_thread
 
 _COARSE, _START = 3, 2e-2  # harmonics of the driving for a start, and the error (76) that is good enough there
@@ -29,69 +26,6 @@ _SMALLEST_RISE = 2.0**-5  # of the amplitude, in the continuation
 _BETWEEN = 4  # instants for each sample at which a state must be valid
 _MOST = 10**5  # harmonics or samples, far beyond what memory holds
 _PATIENCE = 200  # Newton steps of a continuation; the hardest that ever succeeded took fifty
-
-
-@dataclass(frozen=True)
-class PeriodicResponse(Response, Outcome):
-    """Periodic state: coefficients z (n_f, N, C) about ``system.rest()`` in the order of ``basis.harmonic``.
-
-    time (Nt,) s; y, ydot (n_f, N, Nt): the samples. iterations: Newton steps with these harmonics, at all amplitudes;
-    coarse_iterations: those with fewer harmonics or nodes before; steps: error (76) and relaxation of those of
-    the last solve.
-    residual_norm: largest coefficient of the rows, before a deferred correction.
-    amplitude: share of the motion that was reached, 1 on success. event: (time, node) of an invalid state, or None.
-    correction: mean |dz| of the deferred correction, which tells the error that the mesh had made; None without one.
-    system: the chain; with a deferred correction that of ``fourth_order``, whose tangents serve no other solver.
-    mean: False marks the paper's variant without constant term: its mean forces are not in balance.
-    """
-
-    system: ChainSystem = field(repr=False)
-    basis: Basis = field(repr=False)
-    z: np.ndarray = field(repr=False)
-    subharmonic: int
-    status: Status
-    iterations: int
-    coarse_iterations: int
-    residual_norm: float
-    steps: tuple[Step, ...] = field(repr=False)
-    amplitude: float
-    mean: bool
-    symmetric: bool
-    event: tuple[float, int] | None = None
-    correction: float | None = None
-
-    @property
-    def time(self) -> np.ndarray:
-        """Sample times, (Nt,), s."""
-        return self.basis.times
-
-    @cached_property
-    def y(self) -> np.ndarray:
-        """State at the samples, (n_f, N, Nt)."""
-        return self.at(self.time)
-
-    @cached_property
-    def ydot(self) -> np.ndarray:
-        """Rate at the samples, (n_f, N, Nt)."""
-        return self.rate_at(self.time)
-
-    @property
-    def last_period(self) -> tuple[float, float]:
-        """0 and the period of the response, nu / f, s."""
-        return 0.0, 2 * math.pi / self.basis.omega
-
-    @cached_property
-    def warnings(self) -> tuple[str, ...]:
-        """What a cable's response has lost: drift, compression between instants, too few harmonics, mean forces."""
-        return tuple(invariants.of_response(self))
-
-    def at(self, t) -> np.ndarray:
-        """State at times t (S,) in s, (n_f, N, S)."""
-        return self.system.rest()[..., None] + self.z @ self.basis.functions(np.asarray(t, dtype=float))[0].T
-
-    def rate_at(self, t) -> np.ndarray:
-        """Rate of the state at times t (S,) in s, (n_f, N, S)."""
-        return self.z @ self.basis.functions(np.asarray(t, dtype=float))[1].T
 
 
 def solve_periodic(

@@ -115,7 +115,7 @@ MESHES = {
 
 @pytest.mark.parametrize("mesh", MESHES)
 def test_stencils_are_exact_for_cubics(mesh):
-    """Value, slope and integral of cubic polynomials on every mesh, of quadratic ones on three nodes; not of quartics."""
+    """Value, slope and integral of cubic polynomials on every mesh, of quadratic ones on three nodes; no quartics."""
     for degree in range(4):
         assert max(stencil_errors(MESHES[mesh], degree).values()) <= ROUNDING
     assert min(stencil_errors(MESHES[mesh], 4).values()) > 1e3 * ROUNDING
@@ -163,7 +163,7 @@ def test_the_order_is_that_of_any_jacobian(options):
 
 
 def test_an_old_jacobian_is_mended():
-    """Without coarse starts the last Jacobian is one of the way: one step leaves a share of the second order, three do not."""
+    """Without coarse starts the last Jacobian is one of the way: one step leaves a share of second order, three none."""
     made = problem("bare", 33, True)
     fresh, old = (error(solved(made, **o), made) for o in ({"globalisation": "relaxation"}, {"multilevel": False}))
     assert old <= 1.5 * fresh
@@ -219,7 +219,7 @@ def test_cases_of_the_paper_gain(case, nodes):
 
 # ---------------------------------------------------------------- limits
 def test_where_the_steps_grow_it_is_refused():
-    """On three nodes, and where one cell is a hundred times its neighbour: the message, and the box scheme's response."""
+    """On three nodes, and where one cell is a hundred times its neighbour: the message, the box scheme's response."""
     line = scene(1)
     uneven = np.linspace(0.0, line.length / 5, 17)
     uneven[1:] += line.length - uneven[-1]

@@ -99,6 +99,7 @@ _FILES = {
     "outcome": ("test_failures.py", "test_network.py", "test_oscillators.py"),
     "properties": ("test_failures.py", "test_network_scene.py", "test_scene_dynamics.py", "test_cable_order.py"),
     "response": ("test_time_domain.py", "test_harmonic_balance.py"),
+    "periodic_response": _PERIODIC,
     "scene": ("test_failures.py", "test_invariants.py", "test_scene_dynamics.py"),
 }  # fmt: skip
 
