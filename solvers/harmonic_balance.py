@@ -55,7 +55,7 @@ def solve_periodic(
     linear_solver: "direct" (blocks, storage N Nh^2, work N Nh^3) or "iterative" (GMRES preconditioned by the harmonics
     of the averaged chain, storage N Nh; for motions that change the tension by less than about a third of its mean).
     symmetry: use a mirror symmetry of the chain where its rows show it.
-    deferred_correction: at the end up to three steps with the last Jacobian to the rows of ``ChainSystem.fourth_order``:
+    deferred_correction: at the end up to three steps with the last Jacobian to rows of ``ChainSystem.fourth_order``:
     what the mesh adds to the error is then of fourth order in its cells, where response and mesh are smooth (Pereyra,
     Numer. Math. 10 (1967) 316); not with mean=False, whose mean state stays that of the box scheme. It fails where the
     mesh is so coarse that the steps grow.
@@ -209,7 +209,7 @@ def _corrected(balance, finer, z, tolerance):
     the second is no shorter than the first the mesh is too coarse for either: z and None.
     """
     rows, x, last = balance.of(finer), balance.pack(z), np.inf
-    for k in range(_CORRECTIONS):
+    for k in range(_CORRECTIONS):  # noqa: B007 (used below)
         step = balance.inverse(rows.residual(x))
         size = _error(step)
         if not (np.isfinite(size) and size <= last / 2):

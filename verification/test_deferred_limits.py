@@ -163,7 +163,7 @@ def test_the_order_is_that_of_any_jacobian(options):
 
 
 def test_an_old_jacobian_is_mended():
-    """Without coarse starts the last Jacobian is one of the way: one step leaves a share of second order, three none."""
+    """Without coarse starts the last Jacobian is of the way: one step leaves a share of second order, three none."""
     made = problem("bare", 33, True)
     fresh, old = (error(solved(made, **o), made) for o in ({"globalisation": "relaxation"}, {"multilevel": False}))
     assert old <= 1.5 * fresh
