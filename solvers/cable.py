@@ -119,6 +119,11 @@ class CableSystem(ChainSystem):
         F = self._rows.point(self, *(to(part, q) for part in (to.value, to.slope) for q in (y, ydot)))
         return F if self.source is None else F - to(to.value, self.source(t))
 
+    @property
+    def corrected(self) -> bool:
+        """Whether this is a cable of ``fourth_order``."""
+        return self._stencils is not None
+
     def fourth_order(self) -> CableSystem:
         """The same cable about the same rest, its cells of fourth order in ds, with the tangents of the box scheme."""
         finer = copy.copy(self)

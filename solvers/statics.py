@@ -62,13 +62,16 @@ def solve_static(system: CableSystem, *, method="box", tolerance=TOLERANCE, thro
 
     method: "box", the scheme (39) that the dynamic solvers use, or "shooting", the differential equations themselves
     from node to node, started from the former: its error is that of the integration, ten digits and more.
-    Raises ConvergenceError when none is found (``throw=False``: a state whose status says so).
+    Raises InputError for the system of a corrected response (``CableSystem.fourth_order``), ConvergenceError when no
+    equilibrium is found (``throw=False``: a state whose status says so).
     """
     one_of("method", method, ("box", "shooting"))
     flags(throw=throw)
     tolerance = positive_number("tolerance", tolerance, "(mean change of a state)")
     if tolerance < _ROUNDING:
         raise InputError(f"tolerance: {tolerance:g} must be at least {_ROUNDING:g}: rounding moves a state by as much")
+    if system.corrected:
+        raise InputError("system: that of a corrected response has no statics; give the cable that was solved for")
     if method == "shooting" and (pieces := _pieces(system)) > 1:
         fine = solve_static(_refined(system, pieces), method=method, tolerance=tolerance, throw=throw)
         return replace(fine, system=system, y=fine.y[:, ::pieces], r=fine.r[:, ::pieces])

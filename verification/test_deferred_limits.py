@@ -16,6 +16,7 @@ from solvers import cable, harmonic_balance
 from solvers.cable import cable_system
 from solvers.harmonic_balance import solve_periodic
 from solvers.outcome import ConvergenceError, InputError, Status
+from solvers.statics import solve_static
 from solvers.stencils import stencils
 
 from .cables import LENGTH, TERMS, Manufactured, graded
@@ -337,3 +338,10 @@ def test_planted_faults_are_seen(fault, monkeypatch):
     except ConvergenceError:
         return
     assert not (found >= FOURTH[0]).all(), found
+
+
+def test_a_corrected_cable_has_no_statics():
+    """Its cells are of fourth order, its places those of the box scheme: an equilibrium of both would be of neither."""
+    response = solve_periodic(cable_system(scene(1), 17), harmonics=3, deferred_correction=True)
+    with pytest.raises(InputError, match="give the cable that was solved for"):
+        solve_static(response.system)
