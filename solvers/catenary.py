@@ -16,7 +16,7 @@ from .catenary_profile import profile
 from .catenary_solve import INVALID_INPUT, REGIMES, STATUSES, Regime, many, one, solve
 from .elementary import ARRAY, SCALAR
 from .outcome import InputError, Outcome, Status
-from .properties import flags, real_number
+from .properties import as_array, flags, real_number
 
 TOLERANCE = 4 * np.finfo(float).eps  # of the relative residual; two roundings are lost in the closed forms
 BLOCK = 8192  # rows solved together: the working set stays in the cache, whatever the number of lines
@@ -214,9 +214,10 @@ def _columns(arguments) -> list[np.ndarray]:
         if np.ma.is_masked(value):
             raise InputError(f"{name}: has masked elements; leave them out, or fill them")
         try:
-            column = np.asarray(value)
+            column = as_array(value)
         except ValueError:
-            raise InputError(f"{name}: rows of different lengths; it must be of shape () or (n,)") from None
+            why = f"{name}: rows of different lengths, or masked elements"
+            raise InputError(f"{why}; it must be of shape () or (n,)") from None
         kinds, wanted = ("b", "True or False") if name == "seabed" else ("iuf", f"real numbers ({_UNITS[name]})")
         if column.dtype.kind not in kinds and column.size:
             raise InputError(f"{name}: values of type {column.dtype} must be {wanted}")

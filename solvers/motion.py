@@ -18,7 +18,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from .outcome import InputError
-from .properties import positive_number, real_number, vector
+from .properties import as_array, positive_number, real_number, vector
 
 _SAME_DIRECTION = 1e-12  # share of the largest extent below which an extent is rounding: 1e4 eps
 _EXTREME = 1e100  # s; a ramp between this and its inverse has squares within double precision
@@ -246,9 +246,10 @@ def _times(t) -> np.ndarray:
 def _real_array(name, values, unit) -> np.ndarray:
     """A read-only float copy of an array of real numbers."""
     try:
-        array = np.asarray(values)
+        array = as_array(values)
     except ValueError:
-        raise InputError(f"{name}: rows of different lengths must be real numbers ({unit}) of one shape") from None
+        why = f"{name}: rows of different lengths, or masked elements"
+        raise InputError(f"{why}, must be real numbers ({unit}) of one shape") from None
     if array.dtype.kind not in "iuf":
         raise InputError(f"{name}: values of type {array.dtype} must be real numbers ({unit})")
     array = array.astype(float)

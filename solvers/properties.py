@@ -46,9 +46,20 @@ def non_negative_number(name: str, value, unit: str) -> float:
     return value
 
 
+def as_array(value) -> np.ndarray:
+    """np.asarray; raises ValueError for rows of different lengths, and for masked elements, which numpy makes NaN."""
+    if _masked(value):
+        raise ValueError("masked elements")
+    return np.asarray(value)
+
+
+def _masked(value) -> bool:
+    return value is np.ma.masked or (isinstance(value, (list, tuple)) and any(map(_masked, value)))
+
+
 def real_array(value) -> np.ndarray:
     """A copy as floats; raises TypeError or ValueError where it is none, also for complex numbers, which numpy cuts."""
-    if np.iscomplexobj(np.asarray(value)):
+    if np.iscomplexobj(as_array(value)):
         raise TypeError("complex numbers")
     try:
         return np.array(value, dtype=float)
