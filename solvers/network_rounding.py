@@ -13,7 +13,7 @@ from copy import copy
 import numpy as np
 
 from .network_balance import Elements, Geometry, exact_forces
-from .network_nested import largest_force, solve_sparse
+from .network_nested import attainable, largest_force, solve_sparse
 
 SIDES = 8  # times that the slopes of lines are chosen anew
 REGULAR = 1e-9  # of the softest stiffness that counts
@@ -22,13 +22,16 @@ REGULAR = 1e-9  # of the softest stiffness that counts
 def within_rounding(balance, r, tolerance, count):
     """(r (n, 3), Elements) balanced to ``tolerance`` times the largest force, a Newton step from positions r.
 
-    None where the step does not balance, or exact spans between the new positions pull otherwise by more than rounding.
+    None where more is out of balance at r than rounding explains, where the step does not balance, or where exact spans
+    between the new positions pull otherwise by more than rounding.
     """
     g = Geometry(balance, r)
     Q, slopes, inner = exact_forces(balance, g)
     here, slack = Elements(g, Q), slopes()
     force = balance.unbalanced(here)
     moving = balance.moving(r, force)
+    if not np.abs(force[moving]).max(initial=0.0) <= attainable(balance):
+        return None
     _, slopes, more = exact_forces(balance, _drawn_apart(balance, g))
     taut, lengthens = slopes(), np.ones(g.l.size, dtype=bool)
     for _ in range(SIDES):

@@ -706,6 +706,11 @@ def test_success_is_never_more_than_the_promise(monkeypatch):
 
 
 UPRIGHT = (NodeCase("coupled", (0.0, 0.0, 0.0)), NodeCase("free", (0.0, 0.0, 0.0)))
+BETWEEN = (
+    NodeCase("coupled", (0.0, 0.0, 0.0)),
+    NodeCase("free", (0.0, 0.0, -0.01), mass=1e-9),
+    NodeCase("fixed", (0.0, 0.0, -0.02)),
+)
 BUOY = (NodeCase("fixed", (0.0, 0.0, -10.0)), NodeCase("free", (0.0, 0.0, 0.0), volume=6e-18))
 FOLDED = 1e-6  # of a force that a fold carries: w/2 times its length, the difference of rounded lengths of 1 m
 BELOW_ROUNDING = {
@@ -726,7 +731,7 @@ def test_forces_below_the_rounding_of_positions(name, method, monkeypatch):
     """They are found, though a rounding of positions changes them by more; red without the last step within it."""
     nodes, lines, depth, V = BELOW_ROUNDING[name]
     case = NetworkCase(name, nodes, tuple(ElementCase(*line) for line in lines), EnvironmentCase(depth=depth))
-    state = solve_network(network_of(case), method=method)
+    state = solve_network(network_of(case), method=method, fallback=False)
     assert state.V == pytest.approx(V, rel=FOLDED)
     monkeypatch.setattr(network, "within_rounding", lambda *_: None)
     if (name, method) != ("three stiff lines", "monolithic"):  # whose forces are unknowns from the start
@@ -743,10 +748,25 @@ def test_a_force_that_is_none():
         assert solve_network(network_of(case), method=method).residual_norm == pytest.approx(0.0, abs=EPS)
 
 
+def test_a_step_within_rounding_takes_the_side_that_a_line_moves_to():
+    """Of two lines as long as the way, above and below a mass, the upper one carries it and the lower one nothing."""
+    lines = ElementCase(0.0, 1e8, 0.01, (0, 1)), ElementCase(0.0, 1e8, 0.01, (1, 2))
+    balance = network_of(NetworkCase("a microgram between", BETWEEN, lines, EnvironmentCase())).balance
+    _, found = network.within_rounding(balance, balance.position, BALANCE, network_nested.Count())
+    assert found.V == pytest.approx((-1e-9 * 9.80665, 0.0), rel=BALANCE, abs=0.0)
+
+
 def test_no_step_within_rounding_leads_to_an_equilibrium():
-    """A node a millimetre off is none by a rounding: what the step foresees is not what spans there say, or too far."""
+    """A node a millimetre off is none by a rounding, nor beside a line so stiff that its rounding would explain it."""
+    beside = NodeCase("fixed", (0.0, 0.0, 0.0)), NodeCase("coupled", (1.0, 0.0, 0.0))
     for case in (hanging_mass(), two_line(), bridle()):
+        n = len(case.nodes)
         state = solved(case)
+        stiff = replace(case, nodes=(*case.nodes, *beside),
+                        elements=(*case.elements, ElementCase(0.0, 1e17, 1.0, (n, n + 1))))  # fmt: skip
+        balance, r = network_of(stiff).balance, np.vstack([state.r, [[0, 0, 0], [1, 0, 0]]])
+        off = r + np.where(balance.unknown, 1e-3, 0.0)
+        assert network.within_rounding(balance, off, TIGHT, network_nested.Count()) is None
         balance, count = network_of(case).balance, network_nested.Count()
         assert network.within_rounding(balance, state.r, TIGHT, count) is not None
         off = state.r + np.where(balance.unknown, 1e-3, 0.0)

@@ -6,7 +6,7 @@ from .defect import Defect
 
 _DERIVATIVES = "test_network_jacobian.py::test_network_derivatives"
 _CLOSED = "test_network.py::test_closed_forms"
-_ROUNDING = "test_network.py -k 'below_the_rounding or step_within_rounding'"
+_ROUNDING = "test_network.py -k 'below_the_rounding or within_rounding'"
 _REACTIONS = "test_network.py::test_reactions_carry_loads_and_weights"
 _AGREE = "test_network.py::test_methods_agree"
 _REFUSED = "test_network.py::test_refused_inputs"
