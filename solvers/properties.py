@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from numbers import Real
+from numbers import Complex, Real
 
 import numpy as np
 
@@ -59,7 +59,9 @@ def _masked(value) -> bool:
 
 def real_array(value) -> np.ndarray:
     """A copy as floats; raises TypeError or ValueError where it is none, also for complex numbers, which numpy cuts."""
-    if np.iscomplexobj(as_array(value)):
+    array = as_array(value)
+    among = array.ravel().tolist() if array.dtype == object else ()
+    if np.iscomplexobj(array) or any(isinstance(number, Complex) and not isinstance(number, Real) for number in among):
         raise TypeError("complex numbers")
     try:
         return np.array(value, dtype=float)

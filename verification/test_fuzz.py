@@ -71,7 +71,8 @@ class Unequal:
 WITHOUT_TRUTH = {
     "empty": np.array([]), "numbers": np.array([1.0, 2.0]), "words": np.array(["free", "box"]),
     "flags": np.array([True, False]), "masked": np.ma.array([1.0, 2.0], mask=[True, False]),
-    "masked away": np.ma.masked, "masked in a list": [np.ma.masked], "unequal": Unequal(),
+    "masked away": np.ma.masked, "masked in a list": [np.ma.masked],
+    "complex beside none": [None, np.complex128(1)], "unequal": Unequal(),
 }  # fmt: skip
 """Values that a word or a flag cannot simply be compared with: numpy refuses to say whether the answer is true."""
 
