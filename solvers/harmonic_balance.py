@@ -70,9 +70,7 @@ def solve_periodic(
     tolerance = positive_number("tolerance", tolerance, "(mean change of a coefficient)")
     one_of("globalisation", globalisation, _NEWTON)
     one_of("linear_solver", linear_solver, ("direct", "iterative"))
-    flags(
-        mean=mean, multilevel=multilevel, symmetry=symmetry, deferred_correction=deferred_correction, throw=throw
-    )
+    flags(mean=mean, multilevel=multilevel, symmetry=symmetry, deferred_correction=deferred_correction, throw=throw)
     if deferred_correction and system.fourth_order() is None:
         raise InputError("deferred_correction: this chain has no rows of higher order")
     if system.period is None:
@@ -87,8 +85,6 @@ def solve_periodic(
         z, iterations, steps, reached, balance = _continued(system, basis, z, tolerance, *how)
         response = _response(system, basis, z, nu, iterations, spent, steps, reached, balance, deferred)
     given = f"{Nh} harmonics, {Nt} samples, amplitude reached: {reached:.4g}"
-    if deferred_correction and reached == 1.0 and response.correction is None:
-        given += "; found, but the mesh is too coarse or too uneven for its deferred correction: use more nodes"
     if response.event is not None:
         t, node = response.event
         given += f"; a state is invalid at t = {t:.4g} s, node {node + 1} of {system.nodes}"
@@ -189,7 +185,8 @@ def _response(system, basis, z, nu, iterations, spent, steps, reached, balance, 
         finer = system.fourth_order()
         z, correction = _corrected(balance, finer, z, deferred)
         system = system if correction is None else finer
-    if reached < 1.0 or (deferred is not None and correction is None):
+        status = Status.NOT_CORRECTED if correction is None else status
+    if reached < 1.0:
         status = Status.NO_PERIODIC_RESPONSE
     times = np.arange(_BETWEEN * basis.samples) * (2 * math.pi / basis.omega / (_BETWEEN * basis.samples))
     y = system.rest()[..., None] + z @ basis.functions(times)[0].T

@@ -38,6 +38,10 @@ class Status(Enum):
         "no periodic response was found at the full motion, even with its amplitude raised in small steps: "
         "use more harmonics, start from a neighbouring response, or reduce the motion"
     )
+    NOT_CORRECTED = (
+        "the periodic response was found, but its mesh is too coarse or too uneven for a deferred correction: "
+        "use more nodes, even out the mesh, or set deferred_correction=False"
+    )
     NOT_FINITE = (
         "forces or ratios of the inputs (to L, to w L) leave the range of double precision: change the extreme input"
     )

@@ -40,7 +40,6 @@ PLANTING = {
     "test_cable_order.py": ("planted", "no_fault"),
     "test_cable_statics.py": ("wrong_equation",),
     "test_deferred_correction.py": ("planted",),
-    "test_deferred_limits.py": ("planted",),
     "test_stability.py": ("at_most_is_seen", "counts_cells"),
     "test_time_domain.py": ("fault",),
 }
@@ -93,7 +92,7 @@ _FILES = {
     "catenary_excursion": _NETWORK,
     "invariants": ("test_stability.py",),
     "modes": ("test_time_domain.py",),
-    "stencils": ("test_deferred_correction.py", "test_deferred_limits.py"),
+    "stencils": ("test_deferred_correction.py",),
     "motion": ("test_motion.py", "test_scene_dynamics.py", "test_time_domain.py"),
     "newton": (*_SPAN, *_PERIODIC, "test_cable_statics.py"),
     "outcome": ("test_failures.py", "test_network.py", "test_oscillators.py"),

@@ -329,8 +329,8 @@ DEFECTS = (
     Defect(
         "half the motion is the motion",
         "harmonic_balance",
-        "    if reached < 1.0 or (",
-        "    if reached < 0.1 or (",
+        "    if reached < 1.0:\n",
+        "    if reached < 0.1:\n",
         "regime",
         "the response to a part of the motion is a success",
         "test_harmonic_balance.py::test_a_motion_too_large_is_named",
@@ -573,7 +573,7 @@ DEFECTS = (
         "first = np.clip(cell - width // 2 + 3,",
         "index",
         "the nodes of a cell lie to its right: cubics are exact still, a response of growing steps is not",
-        "test_deferred_limits.py::test_cases_of_the_paper_gain",
+        "test_deferred_correction.py::test_cases_of_the_paper_gain",
     ),
     Defect(
         "moments of a whole cell",
@@ -582,7 +582,7 @@ DEFECTS = (
         "0.5**power / (power + 2)",
         "factor",
         "the integral of a cell with wrong moments",
-        "test_deferred_limits.py::test_stencils_are_exact_for_cubics",
+        "test_deferred_correction.py::test_stencils_are_exact_for_cubics",
     ),
     Defect(
         "slope of a unit cell",
@@ -591,7 +591,7 @@ DEFECTS = (
         "slope",
         "unit",
         "the slope of the middle per cell, not per metre",
-        "test_deferred_limits.py::test_stencils_are_exact_for_cubics",
+        "test_deferred_correction.py::test_stencils_are_exact_for_cubics",
     ),
     Defect(
         "three nodes",
@@ -600,7 +600,7 @@ DEFECTS = (
         "_WIDTH = 3",
         "order",
         "stencils of three nodes: exact for quadratic polynomials only",
-        "test_deferred_limits.py::test_stencils_are_exact_for_cubics",
+        "test_deferred_correction.py::test_stencils_are_exact_for_cubics",
     ),
     Defect(
         "correction backwards",
@@ -609,7 +609,7 @@ DEFECTS = (
         "x, last = x + step, size",
         "sign",
         "the deferred correction doubles the error",
-        "test_deferred_limits.py::test_an_old_jacobian_is_mended",
+        "test_deferred_correction.py::test_an_old_jacobian_is_mended",
     ),
     Defect(
         "one correction",
@@ -618,7 +618,7 @@ DEFECTS = (
         "_CORRECTIONS = 1",
         "stale",
         "one step with a Jacobian that is old: a share of the second order stays",
-        "test_deferred_limits.py::test_an_old_jacobian_is_mended",
+        "test_deferred_correction.py::test_an_old_jacobian_is_mended",
     ),
     Defect(
         "states given as rates",
@@ -636,7 +636,7 @@ DEFECTS = (
         "if k < 0 and not (size",
         "input",
         "a correction that leads away is taken for one",
-        "test_deferred_limits.py::test_where_the_steps_grow_it_is_refused",
+        "test_deferred_correction.py::test_where_the_steps_grow_it_is_refused",
     ),
     Defect(
         "trapezoids beside cells of fourth order",
@@ -645,7 +645,7 @@ DEFECTS = (
         "np.add.at(weights, np.arange(self.nodes), np.gradient(self.s))",
         "order",
         "the mean place of the fairlead by a rule of second order",
-        "test_deferred_limits.py::test_corrected_responses_are_of_fourth_order",
+        "test_deferred_correction.py::test_corrected_responses_are_of_fourth_order",
     ),
     # ------------------------------------------------------------ declared blind spots
     Defect(
