@@ -188,6 +188,8 @@ def test_two_histories_extrapolated_are_better_than_the_finer_one():
 # ---------------------------------------------------------------- the peer
 STATIC_ERROR = 1e-3  # of the tension: five times that of 49 straight segments with their masses at the nodes
 MOVING_ERROR = 2e-3  # rms over the range: that of 24 segments, and half as much again
+
+
 def test_times_at_equal_errors():
     """The least time on either side that meets the error; a case in which one side does not is left out."""
     point = lambda case, method, seconds, rms: {"case": case, "method": method, "seconds": seconds, "rms": rms}

@@ -41,8 +41,9 @@ def _parser() -> argparse.ArgumentParser:
         metavar="FILE.py",
         help="a solver of your own, in the same tables and figures (README, Bring your own solver); may be repeated",
     )
-    parser.add_argument("--only", nargs="+", metavar="STAGE", help=f"run these only (after the scene files), of: "
-                        f"{', '.join(GROUPS)}")
+    parser.add_argument(
+        "--only", nargs="+", metavar="STAGE", help=f"run these only (after the scene files), of: {', '.join(GROUPS)}"
+    )
     parser.add_argument("--out", type=Path, default=DEFAULT_OUT, metavar="DIR",
                         help="folder of page and results (default: reports/out)")  # fmt: skip
     parser.add_argument("--fresh", action="store_true", help="measure again what has not changed since the last run")

@@ -4,24 +4,18 @@ The matrix has the shape of a two-point boundary-value problem, and is eliminate
 Anal. 13 (1976) 71) does: the rows open at a node take as many of its unknowns away by column exchanges, the next cell
 takes the others away by row exchanges, and the rows that it has left are open at the next node. Cost and storage grow
 linearly with the nodes, HB 3.2.
+
+The loops over the nodes are compiled, and call the BLAS and LAPACK of scipy: blocks are so small that interpreted
+loops take two to five times as long. Blocks are stored as C arrays, which BLAS sees transposed.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
+import llvmlite.binding
 import numpy as np
-from scipy.linalg import blas, lapack
-
-
-class _Step(NamedTuple):
-    """Factors of a node, p of whose unknowns its open rows take away and q = n - p the cell's."""
-
-    columns: np.ndarray  # (n,) order of the unknowns, those of the open rows first
-    lower: np.ndarray  # (n, n) of which the lower triangle counts: open rows, and rows of the cell
-    upper: np.ndarray  # (n, n) of which the upper triangle counts
-    left: np.ndarray  # (p + k, n) of those rows in the rows left over and the full ones
-    right: np.ndarray  # (n, q) transposed coefficients of the next node in the rows of the cell
+from numba import njit, types
+from numba.extending import get_cython_function_address
+from scipy.linalg import lapack
 
 
 class BlockChain:
@@ -33,81 +27,200 @@ class BlockChain:
     """
 
     def __init__(self, start, cells, end, border):
-        parts = (cells,) if isinstance(cells, np.ndarray) else cells
-        self.steps, self.singular, self.precision = [], False, start.dtype
-        letter = "s" if self.precision == np.float32 else "d"
-        self._trsm, self._trsv, self._gemv = (getattr(blas, letter + name) for name in ("trsm", "trsv", "gemv"))
-        self._getrf, self._laswp = (getattr(lapack, letter + name) for name in ("getrf", "laswp"))
-        self._order = np.arange(start.shape[1], dtype=self.precision)[:, None]
-        self.p, rows, opened, full = len(start), [], start, border[:, 0]
-        for i, (left, right) in enumerate(cell for part in parts for cell in zip(*part, strict=True)):
-            step, order, opened, full = self._eliminated(opened, left, right, full, border[:, i + 1])
-            self.steps.append(step)
-            rows.append(order)
-        self.rows = np.array(rows, dtype=int).reshape(len(rows), start.shape[1])  # (N - 1, n)
-        self.last, self.last_pivots, info = self._getrf(np.concatenate([opened, end, full]))
-        self.singular |= info != 0 or not np.isfinite(self.last).all()
-
-    def _eliminated(self, opened, left, right, full, full_right):
-        """The factors of a node, the order of the cell's rows, and the open and full rows at the next node."""
-        p, n = opened.shape
-        q, k = n - p, len(full)
-        first, columns = self._factors(opened.T)
-        if k:
-            left = np.concatenate([left, full])
-        left = left.T[columns].T
-        shares = self._unit_solve(first[:p], left[:, :p])
-        rest = left[:, p:] - shares @ first[p:].T
-        second, rows = self._factors(rest[:n])
-        ahead = right[rows]
-        pivots = self._unit_solve(second[:q], ahead[:q].T)
-
-        lower, upper, over = (np.empty((m, n), self.precision, "F") for m in (n, n, p + k))
-        upper[:p], upper[p:, p:] = first.T, second[:q]
-        lower[:p, :p], lower[p:, :p], lower[p:, p:] = first[:p].T, shares[rows[:q]], second[:q]
-        upper.ravel("K")[: p * (n + 1) : n + 1] = 1.0  # the diagonals of the unit triangles
-        lower.ravel("K")[p * (n + 1) :: n + 1] = 1.0
-        over[:p, :p], over[:p, p:] = shares[rows[q:]], second[q:]
-        if k:
-            over[p:, :p] = shares[n:]
-            over[p:, p:] = self._trsm(1.0, second[:q], rest[n:], side=1) if q else rest[n:]
-        following = -over[:, p:] @ pivots.T
-        following[:p] += ahead[q:]
-        following[p:] += full_right
-        return _Step(columns, lower, upper, over, pivots), rows, following[:p], following[p:]
-
-    def _unit_solve(self, lu, rows):
-        """Rows in Fortran order, overwritten, times the transposed inverse of the unit lower factor."""
-        return self._trsm(1.0, lu, rows, side=1, lower=1, trans_a=1, diag=1, overwrite_b=1) if rows.size else rows
-
-    def _factors(self, panel):
-        """LU of a tall panel, and the order of its rows."""
-        if not panel.shape[1]:
-            return panel, np.arange(len(panel))
-        lu, exchanges, info = self._getrf(panel)
-        self.singular |= info != 0
-        return lu, self._laswp(self._order, exchanges)[:, 0].astype(int)
+        (p, n), (k, nodes), real = start.shape, border.shape[:2], start.dtype
+        self.precision, self.p, self.unit = real, p, np.array([1, -1], real)
+        self.open = np.empty((nodes - 1, p, n), real)  # factors of the open rows
+        self.cell = np.empty((nodes - 1, n, n + k), real)  # of a cell's rows and the full ones, by columns
+        self.ahead = np.empty((nodes - 1, n - p, n), real)  # coefficients of the next node
+        self.columns, self.rows = np.empty((2, nodes - 1, n), np.int32)  # their order in each
+        border = np.ascontiguousarray(border.swapaxes(0, 1), real)
+        rest, done, singular = np.concatenate([start, border[0]]), 0, 0
+        for left, right in (cells,) if isinstance(cells, np.ndarray) else cells:
+            at, done = slice(done, done + len(left)), done + len(left)
+            beside = border[at.start + 1 : at.stop + 1]
+            left, right = (np.ascontiguousarray(part, real) for part in (left, right))
+            found = self.open[at], self.cell[at], self.ahead[at], self.columns[at], self.rows[at]
+            singular += _eliminate(rest, left, right, beside, *found, self.unit)
+        getrf = lapack.sgetrf if real == np.float32 else lapack.dgetrf
+        last, exchanges, info = getrf(np.concatenate([rest[:p], end, rest[p:]]))
+        self.last, self.last_rows = np.ascontiguousarray(last.T), np.empty(n, np.int32)
+        _order(exchanges + 1, self.last_rows)
+        self.singular = bool(singular or info != 0 or not np.isfinite(last).all())
 
     def solve(self, start, cells, end, border):
         """Solution (N, n) for right-hand sides (p,), (N - 1, n), (n - p - k,) and (k,)."""
-        p, k, n = self.p, len(border), self.last.shape[0]
-        q, cell = n - p, np.take_along_axis(np.asarray(cells, self.precision), self.rows, axis=1)
-        found = np.empty((len(self.steps), n), self.precision)
-        found[:, p:] = cell[:, :q]
-        over = np.zeros((len(self.steps) + 1, p + k), self.precision)  # right-hand sides of open and full rows
-        over[0, :p], over[1:, :p] = start, cell[:, q:]
-        for step, f, here, following in zip(self.steps, found, over, over[1:], strict=False):
-            f[:p] = here[:p]
-            self._trsv(step.lower, f, lower=1, overwrite_x=1)
-            if following.size:
-                self._gemv(-1.0, step.left, f, 1.0, following, overwrite_y=1)
-        b = np.concatenate([over[-1, :p], end, border + over[1:, p:].sum(axis=0)]).astype(self.precision)
-        b = self._laswp(b[:, None], self.last_pivots)[:, 0]
-        x = np.empty((len(self.steps) + 1, n), self.precision)
-        x[-1] = self._trsv(self.last, self._trsv(self.last, b, lower=1, diag=1))
-        for i in range(len(self.steps) - 1, -1, -1):
-            step, f = self.steps[i], found[i]
-            if q:
-                self._gemv(-1.0, step.right, x[i + 1], 1.0, f, offy=p, trans=1, overwrite_y=1)
-            x[i, step.columns] = self._trsv(step.upper, f, overwrite_x=1)
-        return x.astype(float)
+        right = (np.ascontiguousarray(part, self.precision) for part in (start, cells, end, border))
+        factors = self.open, self.cell, self.ahead, self.columns, self.rows, self.last, self.last_rows
+        return _solve(*right, *factors, self.unit).astype(float)
+
+
+# ---------------------------------------------------------------- BLAS and LAPACK in compiled code
+def _external(library, name, count):
+    """A routine of scipy with so many arguments, all of them addresses."""
+    llvmlite.binding.add_symbol("scipy_" + name, get_cython_function_address("scipy.linalg.cython_" + library, name))
+    return types.ExternalFunction("scipy_" + name, types.void(*[types.uintp] * count))
+
+
+_sgetrf, _dgetrf = (_external("lapack", letter + "getrf", 6) for letter in "sd")
+_strsm, _dtrsm = (_external("blas", letter + "trsm", 11) for letter in "sd")
+_sgemm, _dgemm = (_external("blas", letter + "gemm", 13) for letter in "sd")
+_strsv, _dtrsv = (_external("blas", letter + "trsv", 8) for letter in "sd")
+_sgemv, _dgemv = (_external("blas", letter + "gemv", 11) for letter in "sd")
+_RIGHT, _UPPER, _LOWER, _PLAIN, _TURNED, _ONES, _ANY = (ord(letter) for letter in "RULNTUN")
+
+
+@njit(cache=True)
+def _at(A, i, j):
+    """Address of A[i, j]."""
+    return A.ctypes.data + A.itemsize * (i * A.shape[1] + j)
+
+
+@njit(cache=True)
+def _getrf(m, n, A, lda, exchanges, unit):
+    """LU of A (m, n) in place; whether it met a pivot of zero."""
+    sizes = np.array([m, n, lda, 0], np.int32)  # used after the call, or it would not live so long
+    s = sizes.ctypes.data
+    if n and unit.itemsize == 4:
+        _sgetrf(s, s + 4, A, s + 8, exchanges.ctypes.data, s + 12)
+    elif n:
+        _dgetrf(s, s + 4, A, s + 8, exchanges.ctypes.data, s + 12)
+    return sizes[3] != 0
+
+
+@njit(cache=True)
+def _trsm(triangle, turned, diagonal, m, n, A, lda, B, ldb, unit):
+    """B (m, n) = B A^-1 with a triangle of A (n, n), or with A turned."""
+    sizes = np.array([_RIGHT, triangle, turned, diagonal, m, n, lda, ldb], np.int32)
+    s, one = sizes.ctypes.data, unit.ctypes.data
+    if m and n and unit.itemsize == 4:
+        _strsm(s, s + 4, s + 8, s + 12, s + 16, s + 20, one, A, s + 24, B, s + 28)
+    elif m and n:
+        _dtrsm(s, s + 4, s + 8, s + 12, s + 16, s + 20, one, A, s + 24, B, s + 28)
+    return sizes[0]
+
+
+@njit(cache=True)
+def _gemm(m, n, k, A, lda, B, ldb, C, ldc, unit):
+    """C (m, n) -= A (m, k) B^T."""
+    sizes = np.array([_PLAIN, _TURNED, m, n, k, lda, ldb, ldc], np.int32)
+    s, one = sizes.ctypes.data, unit.ctypes.data
+    minus = one + unit.itemsize
+    if m and n and k and unit.itemsize == 4:
+        _sgemm(s, s + 4, s + 8, s + 12, s + 16, minus, A, s + 20, B, s + 24, one, C, s + 28)
+    elif m and n and k:
+        _dgemm(s, s + 4, s + 8, s + 12, s + 16, minus, A, s + 20, B, s + 24, one, C, s + 28)
+    return sizes[0]
+
+
+@njit(cache=True)
+def _trsv(triangle, turned, diagonal, n, A, lda, x, unit):
+    """x (n) = A^-1 x with a triangle of A, or with A turned."""
+    sizes = np.array([triangle, turned, diagonal, n, lda, 1], np.int32)
+    s = sizes.ctypes.data
+    if n and unit.itemsize == 4:
+        _strsv(s, s + 4, s + 8, s + 12, A, s + 16, x, s + 20)
+    elif n:
+        _dtrsv(s, s + 4, s + 8, s + 12, A, s + 16, x, s + 20)
+    return sizes[0]
+
+
+@njit(cache=True)
+def _gemv(turned, m, n, A, lda, x, y, unit):
+    """y -= A x with A (m, n), or with A turned."""
+    sizes = np.array([turned, m, n, lda, 1], np.int32)
+    s, one = sizes.ctypes.data, unit.ctypes.data
+    minus = one + unit.itemsize
+    if m and n and unit.itemsize == 4:
+        _sgemv(s, s + 4, s + 8, minus, A, s + 12, x, s + 16, one, y, s + 16)
+    elif m and n:
+        _dgemv(s, s + 4, s + 8, minus, A, s + 12, x, s + 16, one, y, s + 16)
+    return sizes[0]
+
+
+# ---------------------------------------------------------------- the elimination
+@njit(cache=True)
+def _order(exchanges, order):
+    """The order of rows after LAPACK's exchanges, counted from 1."""
+    for i in range(order.size):
+        order[i] = i
+    for i in range(exchanges.size):
+        j = exchanges[i] - 1
+        order[i], order[j] = order[j], order[i]
+
+
+@njit(cache=True)
+def _eliminate(rest, left, right, beside, open, cell, ahead, columns, rows, unit):
+    """Factors of some nodes; how many were singular.
+
+    rest (p + k, n): open and full rows at the first of them, and then at the node after the last. left, right (m, n, n)
+    of the cells, beside (m, k, n) of the full rows at their right nodes. Of the n unknowns p are taken away by the open
+    rows, q by the cell's.
+    """
+    m, q, n = ahead.shape
+    p, k, singular = n - q, beside.shape[1], 0
+    following = np.empty((n + k, n), unit.dtype)
+    first, second = np.empty(p, np.int32), np.empty(q, np.int32)
+    for i in range(m):
+        o, c = open[i], cell[i]
+        o[:] = rest[:p]
+        singular += _getrf(n, p, _at(o, 0, 0), n, first, unit)
+        _order(first, columns[i])
+        for j in range(n):
+            column = columns[i, j]
+            for r in range(n):
+                c[j, r] = left[i, r, column]
+            for r in range(k):
+                c[j, n + r] = rest[p + r, column]
+        _trsm(_LOWER, _TURNED, _ONES, n + k, p, _at(o, 0, 0), n, _at(c, 0, 0), n + k, unit)
+        _gemm(n + k, q, p, _at(c, 0, 0), n + k, _at(o, 0, p), n, _at(c, p, 0), n + k, unit)
+        singular += _getrf(n, q, _at(c, p, 0), n + k, second, unit)
+        _order(second, rows[i])
+        for shares in c[:p]:
+            for j in range(q):
+                r = second[j] - 1
+                shares[j], shares[r] = shares[r], shares[j]
+        for r in range(n):
+            following[r] = right[i, rows[i, r]]
+        following[n:] = beside[i]
+        _trsm(_LOWER, _TURNED, _ONES, n, q, _at(c, p, 0), n + k, _at(following, 0, 0), n, unit)
+        _trsm(_UPPER, _PLAIN, _ANY, k, q, _at(c, p, 0), n + k, _at(c, p, n), n + k, unit)
+        _gemm(n, p + k, q, _at(following, 0, 0), n, _at(c, p, q), n + k, _at(following, q, 0), n, unit)
+        ahead[i] = following[:q]
+        rest[:] = following[q:]
+    return singular
+
+
+@njit(cache=True)
+def _solve(start, cells, end, border, open, cell, ahead, columns, rows, last, last_rows, unit):
+    """Solution (N, n) for right-hand sides (p,), (N - 1, n), (n - p - k,) and (k,)."""
+    m, q, n = ahead.shape
+    p, k = n - q, border.size
+    found, x = np.empty((m, n), unit.dtype), np.empty((m + 1, n), unit.dtype)
+    rest, right = np.empty(p + k, unit.dtype), np.empty(n + k, unit.dtype)
+    rest[:p], rest[p:] = start, border
+    for i in range(m):
+        o, c, f = open[i], cell[i], found[i]
+        for r in range(n):
+            right[r] = cells[i, rows[i, r]]
+        right[n:] = rest[p:]
+        f[:p] = rest[:p]
+        _trsv(_UPPER, _TURNED, _ANY, p, _at(o, 0, 0), n, _at(found, i, 0), unit)
+        _gemv(_PLAIN, n + k, p, _at(c, 0, 0), n + k, _at(found, i, 0), right.ctypes.data, unit)
+        _trsv(_LOWER, _PLAIN, _ONES, q, _at(c, p, 0), n + k, right.ctypes.data, unit)
+        _gemv(_PLAIN, p + k, q, _at(c, p, q), n + k, right.ctypes.data, right[q:].ctypes.data, unit)
+        f[p:] = right[:q]
+        rest[:] = right[q:]
+    right[:p], right[p : n - k], right[n - k : n] = rest[:p], end, rest[p:]
+    for r in range(n):
+        x[m, r] = right[last_rows[r]]
+    _trsv(_LOWER, _PLAIN, _ONES, n, _at(last, 0, 0), n, _at(x, m, 0), unit)
+    _trsv(_UPPER, _PLAIN, _ANY, n, _at(last, 0, 0), n, _at(x, m, 0), unit)
+    for i in range(m - 1, -1, -1):
+        o, c, f = open[i], cell[i], found[i]
+        _gemv(_TURNED, n, q, _at(ahead[i], 0, 0), n, _at(x, i + 1, 0), _at(found, i, p), unit)
+        _trsv(_UPPER, _PLAIN, _ANY, q, _at(c, p, 0), n + k, _at(found, i, p), unit)
+        _gemv(_TURNED, q, p, _at(o, 0, p), n, _at(found, i, p), _at(found, i, 0), unit)
+        _trsv(_LOWER, _TURNED, _ONES, p, _at(o, 0, 0), n, _at(found, i, 0), unit)
+        for j in range(n):
+            x[i, columns[i, j]] = f[j]
+    return x

@@ -12,7 +12,7 @@ import math
 from functools import cached_property
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import make_interp_spline
 
 from . import cable_planar, cable_spatial
 from .chain import ChainSystem, Rows
@@ -105,19 +105,20 @@ class CableSystem(ChainSystem):
 
     def cells(self, y, ydot, t, tangents=True) -> Rows:
         """Rows 1, 2, (3), 4, 5, (6), (z) of the box scheme (39), less the source."""
+        if self._stencils is not None and not tangents:
+            return Rows(self._middle(y, ydot, t))
         rows = self._rows.cells(self, y, ydot, tangents)
         if self.source is not None:
             q = self.source(t)
             np.subtract(rows.value, q[:, 1:] + q[:, :-1], out=rows.value)
-        if self._stencils is not None:
-            np.copyto(rows.value, 2 * self._middle(y, ydot, t))
-        return rows
+        return rows if self._stencils is None else Rows(self._middle(y, ydot, t), rows.y, rows.ydot)
 
     def _middle(self, y, ydot, t):
-        """The equations in the middles of the cells, less the source, y and y_s there from four nodes."""
+        """Twice the equations in the middles of the cells, less the source, y and y_s there from four nodes."""
         to = self._stencils
-        F = self._rows.point(self, *(to(part, q) for part in (to.value, to.slope) for q in (y, ydot)))
-        return F if self.source is None else F - to(to.value, self.source(t))
+        (middle, slope), n = to(np.concatenate([y, ydot]), to.value, to.slope), len(y)
+        F = 2 * self._rows.point(self, middle[:n], middle[n:], slope[:n], slope[n:])
+        return F if self.source is None else F - 2 * to(self.source(t), to.value)[0]
 
     @property
     def corrected(self) -> bool:
@@ -163,7 +164,7 @@ class CableSystem(ChainSystem):
         coarse._equilibrium = self.rest()[:, at]
         if self.source is not None:
             coarse.source = lambda t: self.source(t)[:, at]
-        return coarse, lambda z: CubicSpline(coarse.s, z, axis=1)(self.s)
+        return coarse, lambda z: make_interp_spline(coarse.s, z, axis=1)(self.s)
 
     def carried(self, t) -> np.ndarray | None:
         """The rest with velocities that grow from none at the anchor to the prescribed ones at the fairlead."""
@@ -212,13 +213,13 @@ class CableSystem(ChainSystem):
     def hold_gain(self) -> float:
         """By the square of the line's turn in a cell: to that, velocities and places of the nodes agree at a bend."""
         y = self.rest()
-        turn = np.diff(self._rows.stretched_tangent(y)[0] / (1 + y[0]), axis=-1)
+        turn = np.diff(self._rows.stretched_tangent(y, False)[0] / (1 + y[0]), axis=-1)
         return min(1.0, float(_SMALL_TURN**2 / max((turn**2).sum(axis=0).max(), _SMALL_TURN**2)))
 
     def drift(self, y, t) -> np.ndarray:
         """Integral of (1 + eps) t ds less the prescribed place of the fairlead, (2 or 3, *S), m."""
         straight = _over(self.chord[:, None] / self.s[-1], y)  # taken off at the nodes: smaller sums round less
-        away = np.einsum("dn...,n->d...", self._rows.stretched_tangent(y)[0] - straight, self._weights)
+        away = np.moveaxis(self._rows.stretched_tangent(y, False)[0] - straight, 1, -1) @ self._weights
         return away - (0.0 if self.motion is None else self.axes @ self.motion.displacement(t))
 
     def drift_tangent(self, y) -> np.ndarray:
@@ -246,14 +247,14 @@ class CableSystem(ChainSystem):
 
     def positions(self, y) -> np.ndarray:
         """Places of the nodes in the public frame, (3, N, *S), m: anchor plus the integral of (1 + eps) t ds."""
-        step, to = self._rows.stretched_tangent(y)[0], self._stencils
-        step = (step[:, 1:] + step[:, :-1]) * _over(self.ds / 2, y) if to is None else to(to.integral, step)
+        step, to = self._rows.stretched_tangent(y, False)[0], self._stencils
+        step = (step[:, 1:] + step[:, :-1]) * _over(self.ds / 2, y) if to is None else to(step, to.integral)[0]
         local = np.concatenate([np.zeros_like(step[:, :1]), np.cumsum(step, axis=1)], axis=1)
         return np.einsum("dc,dn...->cn...", self.axes, local) + _over(self.anchor[:, None], y)
 
     def direction(self, y) -> np.ndarray:
         """Unit tangent of the nodes in the public frame, (3, N, *S)."""
-        return np.einsum("dc,dn...->cn...", self.axes, self._rows.stretched_tangent(y)[0] / (1 + y[0]))
+        return np.einsum("dc,dn...->cn...", self.axes, self._rows.stretched_tangent(y, False)[0] / (1 + y[0]))
 
 
 def _over(array, y):

@@ -149,10 +149,12 @@ def velocity(y, tangents=True):
     return value, slope
 
 
-def stretched_tangent(y):
-    """(1 + eps) t of the nodes in (up, along): (2, *shape), and d/dy (2, n_f, *shape)."""
+def stretched_tangent(y, tangents=True):
+    """(1 + eps) t of the nodes in (up, along): (2, *shape), and d/dy (2, n_f, *shape), or None."""
     stretch, sin, cos = 1 + y[EPS], np.sin(y[PHI]), np.cos(y[PHI])
-    value = np.stack([stretch * cos, stretch * sin])
+    value = np.array([stretch * cos, stretch * sin])
+    if not tangents:
+        return value, None
     slope = np.zeros((2, *y.shape), dtype=y.dtype)
     slope[0, EPS], slope[0, PHI] = cos, -value[1]
     slope[1, EPS], slope[1, PHI] = sin, value[0]

@@ -200,11 +200,13 @@ def velocity(y, tangents=True):
     return value, slope
 
 
-def stretched_tangent(y):
-    """(1 + eps) t of the nodes in (up, along, out of plane): (3, *shape), and d/dy (3, n_f, *shape)."""
+def stretched_tangent(y, tangents=True):
+    """(1 + eps) t of the nodes in (up, along, out of plane): (3, *shape), and d/dy (3, n_f, *shape), or None."""
     stretch = 1 + y[EPS]
     sin_p, cos_p, sin_t, cos_t = np.sin(y[PHI]), np.cos(y[PHI]), np.sin(y[THETA]), np.cos(y[THETA])
-    t = np.stack([cos_p * cos_t, sin_p * cos_t, -sin_t])
+    t = np.array([cos_p * cos_t, sin_p * cos_t, -sin_t])
+    if not tangents:
+        return stretch * t, None
     slope = np.zeros((3, *y.shape), dtype=y.dtype)
     slope[:, EPS] = t
     slope[0, PHI], slope[1, PHI] = -stretch * t[1], stretch * t[0]

@@ -12,7 +12,7 @@ import numpy as np
 
 from .chain import ChainSystem
 from .fourier import Basis
-from .harmonic_rows import Balance
+from .harmonic_rows import Balance, mirror_of
 from .newton import damped_newton, relaxed_newton
 from .outcome import InputError, Status
 from .periodic_response import PeriodicResponse
@@ -71,19 +71,23 @@ def solve_periodic(
     one_of("globalisation", globalisation, _NEWTON)
     one_of("linear_solver", linear_solver, ("direct", "iterative"))
     flags(mean=mean, multilevel=multilevel, symmetry=symmetry, deferred_correction=deferred_correction, throw=throw)
-    if deferred_correction and system.fourth_order() is None:
+    finer = system.fourth_order() if deferred_correction else None
+    if deferred_correction and finer is None:
         raise InputError("deferred_correction: this chain has no rows of higher order")
     if system.period is None:
         raise InputError("motion: the chain has no periodic driving, and its periodic response takes one")
     basis = Basis(Nh, Nt, 2 * math.pi / (nu * system.period), bool(mean))
-    how = _NEWTON[globalisation], symmetry, linear_solver == "iterative"
-    deferred = tolerance if deferred_correction else None
+    newton, iterative = _NEWTON[globalisation], linear_solver == "iterative"
     z, spent = _start(system, basis, start), 0
     with one_blas_thread(), np.errstate(all="ignore"):  # a diverging step is found by its size
+        mirror = mirror_of(system, math.pi / basis.omega) if symmetry else None
         if multilevel and start is None:
-            z, spent = _climbed(system, basis, _COARSE * nu, how)
-        z, iterations, steps, reached, balance = _continued(system, basis, z, tolerance, *how)
-        response = _response(system, basis, z, nu, iterations, spent, steps, reached, balance, deferred)
+            z, spent = _climbed(system, basis, _COARSE * nu, newton, mirror, iterative)
+        found = _continued(system, basis, z, tolerance, newton, mirror, iterative)
+        x, *_, reached, balance = found
+        if reached == 1.0 and balance.symmetric and not balance.holds(balance.pack(x)):
+            *_, reached, balance = found = _continued(system, basis, z, tolerance, newton, None, iterative)
+        response = _response(system, nu, spent, *found, finer, tolerance)
     given = f"{Nh} harmonics, {Nt} samples, amplitude reached: {reached:.4g}"
     if response.event is not None:
         t, node = response.event
@@ -91,7 +95,7 @@ def solve_periodic(
     return response.or_throw(given) if throw else response
 
 
-def _climbed(system, basis, fewest, how):
+def _climbed(system, basis, fewest, newton, mirror, iterative):
     """A start from fewer nodes and harmonics: coefficients z, and the steps that it took."""
     chains, carry = [system], []
     while (coarser := chains[-1].coarser()) is not None:
@@ -99,15 +103,15 @@ def _climbed(system, basis, fewest, how):
         carry.append(coarser[1])
     at, of, spent = len(chains) - 1, basis, 0
     z, levels = _carried(chains[at], basis), _levels(at, fewest, basis.harmonics)
-    first = how[0]
+    first = newton
     if z.any():
         first, levels = _bold_newton, levels or [(at, basis.harmonics)]
     for coarse, harmonics in levels:
         for step in reversed(carry[coarse:at]):
             z = step(z)
         at, to = coarse, Basis(harmonics, 4 * harmonics, basis.omega, basis.mean)
-        z, steps, *_ = _continued(chains[at], to, _resized(z, of, to), _START, first, *how[1:])
-        of, spent, first = to, spent + steps, how[0]
+        z, steps, *_ = _continued(chains[at], to, _resized(z, of, to), _START, first, mirror, iterative)
+        of, spent, first = to, spent + steps, newton
     for step in reversed(carry[:at]):
         z = step(z)
     return _resized(z, of, basis), spent
@@ -149,21 +153,19 @@ def _levels(coarsest, fewest, harmonics):
     return levels[::-1]
 
 
-def _continued(system, basis, z, tolerance, newton, symmetry, iterative):
+def _continued(system, basis, z, tolerance, newton, mirror, iterative):
     """Newton at the full driving, or from rest by steps in its amplitude: (z, iterations, steps, reached, balance)."""
     reached, rise, iterations, before = 0.0, 1.0, 0, None
     while True:
         share = min(1.0, reached + rise)
-        balance = Balance(system if share == 1.0 else system.scaled(share), basis, symmetry, iterative)
+        balance = Balance(system if share == 1.0 else system.scaled(share), basis, mirror, iterative)
         if balance.symmetric and not balance.holds_start(z):
-            return _continued(system, basis, z, tolerance, newton, False, iterative)
+            return _continued(system, basis, z, tolerance, newton, None, iterative)
         guess = z
         if before is not None:  # along the secant
             guess = z + (share - reached) / (reached - before[0]) * (z - before[1])
         x, steps, converged = newton(balance.linearise, balance.residual, balance.pack(guess), tolerance, _error)
         iterations += len(steps)
-        if converged and balance.symmetric and not balance.holds(x):
-            return _continued(system, basis, z, tolerance, newton, False, iterative)
         if converged:
             if reached > 0:
                 before = (reached, z)
@@ -178,12 +180,13 @@ def _continued(system, basis, z, tolerance, newton, symmetry, iterative):
                 return z, iterations, steps, reached, balance
 
 
-def _response(system, basis, z, nu, iterations, spent, steps, reached, balance, deferred) -> PeriodicResponse:
+def _response(system, nu, spent, z, iterations, steps, reached, balance, finer, tolerance) -> PeriodicResponse:
+    """What was found, corrected with the rows of a ``finer`` chain if there is one."""
     status, event, correction = Status.SUCCESS, None, None
+    basis = balance.basis
     norm = float(abs(balance.residual(balance.pack(z))).max())
-    if deferred is not None and reached == 1.0:
-        finer = system.fourth_order()
-        z, correction = _corrected(balance, finer, z, deferred)
+    if finer is not None and reached == 1.0:
+        z, correction = _corrected(balance, finer, z, tolerance)
         system = system if correction is None else finer
         status = Status.NOT_CORRECTED if correction is None else status
     if reached < 1.0:

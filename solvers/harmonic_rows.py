@@ -16,11 +16,32 @@ from .block_chain import BlockChain
 from .harmonic_krylov import HarmonicKrylov
 
 _SINGLE = 48  # unknowns of a node from which on single precision saves more than its check costs
-_PART = 16  # cells whose blocks exist at once, beside the factors
+_PART = 32  # cells whose blocks exist at once, beside the factors
 _FEW = 400_000  # numbers up to which all of them are cheaper than a choice of them
 _ROUNDED = 1e-13  # share of sums of products of Fourier functions below which they are zero, rounded
 _REFINED = 1e-2  # size of a refinement beside its solution above which single precision does not do
 _SYMMETRIC = 1e-9  # share of the rows that may be left where a symmetry says zero
+_NONE = np.empty(0, int)
+
+
+def mirror_of(system, half):
+    """Signs of the chain's mirror if its rows at a random state and at the image of it half a period (s) later agree.
+
+    None where they do not, or where the chain has no mirror.
+    """
+    mirror = system.mirror()
+    if mirror is None:
+        return None
+    (fields, *signs), rng, rest = mirror, np.random.default_rng(1), system.rest()[..., None]
+    shape, t = (*rest.shape[:2], 3), half * rng.random(3)
+    y, ydot = rest * (1 + 0.1 * rng.random(shape)) + 0.1 * rng.random(shape), rng.random(shape)
+    turn = np.array(fields)[:, None, None]
+    for part, sign in zip((system.start, system.between, system.end), signs, strict=True):
+        here, there = part(y, ydot, t, False).value, part(turn * y, turn * ydot, t + half, False).value
+        turned = (np.array(sign) * here.T).T
+        if abs(turned - there).max(initial=0) > _SYMMETRIC * abs(here).max(initial=0):
+            return None
+    return mirror
 
 
 class Balance:
@@ -30,12 +51,11 @@ class Balance:
     period later, fields that it keeps have even harmonics and fields that it turns have odd ones.
     """
 
-    def __init__(self, system, basis, symmetry=True, iterative=False):
-        self.iterative = iterative
+    def __init__(self, system, basis, mirror=None, iterative=False):
+        """mirror: signs as ``mirror_of`` gives them; iterative: GMRES in place of blocks."""
+        self.iterative, self.symmetric = iterative, mirror is not None
         self.system, self.basis, self.rest = system, basis, system.rest()
-        mirror = system.mirror() if symmetry else None
-        self.symmetric = mirror is not None and self._mirrored(mirror)
-        fields, start, cells, end = mirror if self.symmetric else (None,) * 4
+        fields, start, cells, end = mirror or (None,) * 4
         n_f, first = len(system.fields), system.start_rows
         self.columns = self._active(fields, n_f)
         self.start_rows, self.cell_rows = self._active(start, first), self._active(cells, n_f)
@@ -48,8 +68,10 @@ class Balance:
             self.closed = [d for d in range(len(drift)) if 0 in self.end_rows[offset + d]]
             for d in self.closed:
                 self.end_rows[offset + d] = self.end_rows[offset + d][1:]
-        self.weights, self.inverse = {}, None
+        self.weights, self.scratch, self.inverse = {}, {}, None
         self.n = sum(map(len, self.columns))
+        parts = self.columns, self.start_rows, self.cell_rows, self.end_rows
+        self.of_node, self.of_start, self.of_cell, self.of_end = (self._places(active) for active in parts)
 
     def _active(self, signs, count):
         """Coefficients (a list of index arrays) of each field or row."""
@@ -58,22 +80,10 @@ class Balance:
             return [np.arange(k.size)] * count
         return [np.flatnonzero(k % 2 == (0 if sign > 0 else 1)) for sign in signs]
 
-    def _mirrored(self, mirror) -> bool:
-        """Whether the rows at a random state and those at its mirror image half a period later are mirror images."""
-        fields, *rows = mirror
-        rng = np.random.default_rng(1)
-        shape = self.rest.shape
-        y, ydot = self.rest * (1 + 0.1 * rng.random(shape)) + 0.1 * rng.random(shape), rng.random(shape)
-        signs, half = np.array(fields)[:, None, None], math.pi / self.basis.omega
-        t = half * rng.random(3)
-        y, ydot = (np.repeat(part[..., None], t.size, axis=-1) for part in (y, ydot))
-        for part, sign in zip(("start", "between", "end"), rows, strict=True):
-            here = getattr(self.system, part)(y, ydot, t, False).value
-            there = getattr(self.system, part)(signs * y, signs * ydot, t + half, False).value
-            turned = (np.array(sign) * here.T).T
-            if abs(turned - there).max(initial=0) > _SYMMETRIC * abs(here).max(initial=0):
-                return False
-        return True
+    def _places(self, active):
+        """Of the active ones among all coefficients of a node, field after field, or of some rows."""
+        places = np.concatenate([_NONE, *(c + f * self.basis.harmonic.size for f, c in enumerate(active))])
+        return slice(None) if places.size == len(active) * self.basis.harmonic.size else places
 
     def holds_start(self, z) -> bool:
         """Whether a start has the symmetry: one that breaks it wants a response that does."""
@@ -81,10 +91,10 @@ class Balance:
 
     def holds(self, x) -> bool:
         """Whether the solution meets the rows that the symmetry left out, too: it found them zero, not assumed."""
-        full = Balance(self.system, self.basis, False)
-        z = self.unpack(x)
-        left, size = abs(self.residual(x)).max(), abs(self.residual(self.pack(0 * z))).max()
-        return bool(abs(full.residual(full.pack(z))).max() <= 2 * left + _SYMMETRIC * size)
+        rows, state = self.rows(x, False)
+        every = Balance(self.system, self.basis)._sampled(rows, state)
+        left, size = abs(self._sampled(rows, state)).max(), abs(self.residual(0 * x)).max()
+        return bool(abs(every).max() <= 2 * left + _SYMMETRIC * size)
 
     def of(self, system) -> Balance:
         """The same rows of another system with the same fields, nodes and symmetry."""
@@ -94,15 +104,14 @@ class Balance:
 
     def pack(self, z) -> np.ndarray:
         """x (N, n) of z (n_f, N, C)."""
-        return np.concatenate([z[f][:, c] for f, c in enumerate(self.columns)], axis=1)
+        return np.swapaxes(z, 0, 1).reshape(z.shape[1], -1)[:, self.of_node]
 
     def unpack(self, x) -> np.ndarray:
         """z (n_f, N, C) of x (N, n)."""
-        z, at = np.zeros((*self.rest.shape, self.basis.harmonic.size)), 0
-        for f, c in enumerate(self.columns):
-            z[f][:, c] = x[:, at : at + c.size]
-            at += c.size
-        return z
+        n_f, nodes = self.rest.shape
+        z = np.zeros((nodes, n_f * self.basis.harmonic.size))
+        z[:, self.of_node] = x
+        return np.ascontiguousarray(z.reshape(nodes, n_f, -1).swapaxes(0, 1))
 
     def samples(self, x):
         """(y, ydot, t) at the samples."""
@@ -126,31 +135,24 @@ class Balance:
     def vector(self, start, cells, end, drift) -> np.ndarray:
         """Active coefficients of sampled rows (n_r, *, Nt) and of the drift as one vector."""
         start, cells, end = start @ self.basis.P, cells @ self.basis.P, end @ self.basis.P
-        middle = np.concatenate([cells[f][:, c] for f, c in enumerate(self.cell_rows)], axis=1)
-        parts = [start[f, c] for f, c in enumerate(self.start_rows)]
-        parts += [middle.ravel()]
-        parts += [end[f, c] for f, c in enumerate(self.end_rows)]
-        if self.closed:
-            parts += [drift[self.closed] @ self.basis.P[:, 0]]
-        return np.concatenate(parts)
+        middle = cells.swapaxes(0, 1).reshape(cells.shape[1], len(cells) * cells.shape[2])[:, self.of_cell]
+        means = drift[self.closed] @ self.basis.P[:, 0] if self.closed else ()
+        return np.concatenate([start.ravel()[self.of_start], middle.ravel(), end.ravel()[self.of_end], means])
 
     def coefficients(self, F):
         """The way back from ``vector``: start, cells, end rows (n_r, *, C) and the drift's means; elsewhere zeros."""
         start, cells, end, means = self._split(F)
-        C, drift = self.basis.harmonic.size, np.zeros(self.drifting)
+        drift, parts = np.zeros(self.drifting), []
         drift[self.closed] = means
-        parts = []
-        for part, active, shape in (
-            (start, self.start_rows, ()),
-            (cells, self.cell_rows, (len(cells),)),
-            (end, self.end_rows, ()),
+        for part, active, of in (
+            (start[None], self.start_rows, self.of_start),
+            (cells, self.cell_rows, self.of_cell),
+            (end[None], self.end_rows, self.of_end),
         ):
-            full, at = np.zeros((len(active), *shape, C)), 0
-            for f, c in enumerate(active):
-                full[f][..., c] = part[..., at : at + c.size]
-                at += c.size
-            parts.append(full)
-        return *parts, drift
+            full = np.zeros((len(part), len(active) * self.basis.harmonic.size))
+            full[:, of] = part
+            parts.append(full.reshape(len(part), len(active), self.basis.harmonic.size).swapaxes(0, 1))
+        return parts[0][:, 0], parts[1], parts[2][:, 0], drift
 
     def linearise(self, x):
         """The residual and a function that solves with the Jacobian, None where it is singular; kept as ``inverse``."""
@@ -206,8 +208,9 @@ class Balance:
         )
         if not self.closed:
             return *blocks, np.zeros((0, nodes, self.n), precision)
-        means = [np.array([0])] * len(self.closed)
-        return *blocks, self._blocks(slope[self.closed], None, means, precision).swapaxes(0, 1)
+        mean = slope[self.closed] @ (self.basis.P[:, :1] * self.basis.Q)  # (k, n_f, N, C)
+        mean = np.swapaxes(mean, 1, 2).reshape(len(self.closed), nodes, -1)
+        return *blocks, mean[..., self.of_node].astype(precision)
 
     def _blocks(self, by_y, by_ydot, active, precision):
         """P^T diag(dF/dy) Q + P^T diag(dF/dydot) Q_t: (..., nodes, rows, n) of tangents (..., n_r, n_f, nodes, Nt)."""
@@ -218,8 +221,6 @@ class Balance:
         out = np.zeros((math.prod(lead), nodes, at[-1], self.n), precision)
         filled = set()
         for tangent, of_rate in ((by_y, False), (by_ydot, True)):
-            if tangent is None:
-                continue
             tangent = tangent.reshape(len(out), n_r, n_f, nodes, Nt)
             there = (tangent != 0).reshape(len(out), n_r, n_f, nodes * Nt).any(axis=3).any(axis=0)
             still = (tangent == tangent[..., :1]).reshape(len(out), n_r, n_f, nodes * Nt).all(axis=3).all(axis=0)
@@ -246,19 +247,19 @@ class Balance:
         """The same by one product over all coefficients: more numbers and fewer calls."""
         *lead, n_r, n_f, nodes, Nt = by_y.shape
         C = self.basis.harmonic.size
-        key = precision, by_ydot is None
-        if key not in self.weights:
-            Q = self.basis.Q if by_ydot is None else np.concatenate([self.basis.Q, self.basis.Q_t])
-            P = self.basis.P if by_ydot is None else np.concatenate([self.basis.P, self.basis.P])
-            self.weights[key] = (P[:, :, None] * Q[:, None]).reshape(len(Q), -1).astype(precision)
-        sampled = by_y if by_ydot is None else np.concatenate([by_y, by_ydot], axis=-1)
-        blocks = sampled.astype(precision).reshape(by_y.size // Nt, sampled.shape[-1]) @ self.weights[key]
-        blocks = np.moveaxis(blocks.reshape(math.prod(lead), n_r, n_f, nodes, C, C), (3, 4), (1, 3))
-        blocks = blocks.reshape(math.prod(lead) * nodes, n_r * C, n_f * C)
-        rows, columns = (np.concatenate([c + f * C for f, c in enumerate(parts)]) for parts in (active, self.columns))
-        if rows.size < n_r * C or columns.size < n_f * C:
-            blocks = blocks[:, rows[:, None], columns]
-        return blocks.reshape(*lead, nodes, rows.size, columns.size)
+        if precision not in self.weights:
+            Q, P = np.concatenate([self.basis.Q, self.basis.Q_t]), np.concatenate([self.basis.P, self.basis.P])
+            self.weights[precision] = (P[:, :, None] * Q[:, None]).reshape(len(Q), -1).astype(precision)
+        sampled = np.concatenate([by_y, by_ydot], axis=-1, dtype=precision).reshape(-1, 2 * Nt)
+        shape, size = (math.prod(lead), n_r, n_f, nodes, C, C), len(sampled) * C**2
+        kept = self.scratch.get(precision)
+        if kept is None or kept.size < size:  # new pages cost more than the product
+            kept = self.scratch[precision] = np.empty(size, precision)
+        made = np.matmul(sampled, self.weights[precision], out=kept[:size].reshape(-1, C**2))
+        blocks = np.empty((shape[0], nodes, n_r, C, n_f, C), precision)
+        np.copyto(blocks, np.moveaxis(made.reshape(shape), (3, 4), (1, 3)))
+        rows, columns = self._places(active), self.of_node
+        return blocks.reshape(*lead, nodes, n_r * C, n_f * C)[..., rows, :][..., columns]
 
     def _weight(self, rows, columns, of_rate, precision):
         """P[t, i] Q[t, j] or P[t, i] Q_t[t, j], (Nt, rows columns); its sum over t: places i, j and values."""

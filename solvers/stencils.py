@@ -20,10 +20,11 @@ class Stencils(NamedTuple):
     slope: np.ndarray
     integral: np.ndarray
 
-    def __call__(self, weights, q):
-        """(n, N - 1, *S) of the fields q (n, N, *S) with one of the weights."""
-        weights = weights.reshape(*weights.shape, *(1,) * (q.ndim - 2))
-        return sum(weights[:, k] * q[:, at] for k, at in enumerate(self.at.T))
+    def __call__(self, q, *weights):
+        """(n, N - 1, *S) of the fields q (n, N, *S) with each of the weights."""
+        there = [q[:, at] for at in self.at.T]
+        over = lambda weight: weight.reshape(-1, *(1,) * (q.ndim - 2))
+        return [sum(over(part) * of for part, of in zip(weight.T, there, strict=True)) for weight in weights]
 
 
 def stencils(s) -> Stencils:

@@ -46,7 +46,7 @@ def step_error() -> float:
     The problem is linear, so the step is the solution: a place of F / (k - omega^2 m).
     """
     chain = MassChain("detuned", 2 * math.pi, harmonic_force(1.0, 1.0), k=1.0 + DETUNED)
-    balance = Balance(chain, Basis(1, 8, 1.0, True), False)
+    balance = Balance(chain, Basis(1, 8, 1.0, True))
     F, solve = balance.linearise(np.zeros((1, balance.n)))
     place = abs(balance.unpack(solve(F))[0]).max()
     return abs(place * DETUNED - 1)
@@ -67,7 +67,7 @@ def made(monkeypatch) -> list:
     class Counted(solve):
         def __init__(self, *blocks):
             super().__init__(*blocks)
-            kept.append((len(self.steps) + 1, self.precision.name))
+            kept.append((len(self.cell) + 1, self.precision.name))
 
     monkeypatch.setattr(harmonic_rows, "BlockChain", Counted)
     return kept

@@ -19,7 +19,7 @@ import sys
 import time
 from pathlib import Path
 
-LIBRARIES = ("pytest", "hypothesis", "mpmath", "numpy.polynomial", "scipy.integrate", "scipy.interpolate",
+LIBRARIES = ("pytest", "hypothesis", "mpmath", "numba", "numpy.polynomial", "scipy.integrate", "scipy.interpolate",
              "scipy.linalg", "scipy.optimize", "scipy.sparse.linalg", "threadpoolctl")  # fmt: skip
 """What most checks import; nothing of the project."""
 
