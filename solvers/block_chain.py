@@ -158,7 +158,6 @@ def _eliminate(rest, left, right, beside, open, cell, ahead, columns, rows, unit
     """
     m, q, n = ahead.shape
     p, k, singular = n - q, beside.shape[1], 0
-    following = np.empty((n + k, n), unit.dtype)
     first, second = np.empty(p, np.int32), np.empty(q, np.int32)
     for i in range(m):
         o, c = open[i], cell[i]
@@ -179,14 +178,15 @@ def _eliminate(rest, left, right, beside, open, cell, ahead, columns, rows, unit
             for j in range(q):
                 r = second[j] - 1
                 shares[j], shares[r] = shares[r], shares[j]
-        for r in range(n):
-            following[r] = right[i, rows[i, r]]
-        following[n:] = beside[i]
-        _trsm(_LOWER, _TURNED, _ONES, n, q, _at(c, p, 0), n + k, _at(following, 0, 0), n, unit)
+        a = ahead[i]
+        for r in range(q):
+            a[r] = right[i, rows[i, r]]
+        for r in range(p):
+            rest[r] = right[i, rows[i, q + r]]
+        rest[p:] = beside[i]
+        _trsm(_LOWER, _TURNED, _ONES, n, q, _at(c, p, 0), n + k, _at(a, 0, 0), n, unit)
         _trsm(_UPPER, _PLAIN, _ANY, k, q, _at(c, p, 0), n + k, _at(c, p, n), n + k, unit)
-        _gemm(n, p + k, q, _at(following, 0, 0), n, _at(c, p, q), n + k, _at(following, q, 0), n, unit)
-        ahead[i] = following[:q]
-        rest[:] = following[q:]
+        _gemm(n, p + k, q, _at(a, 0, 0), n, _at(c, p, q), n + k, _at(rest, 0, 0), n, unit)
     return singular
 
 

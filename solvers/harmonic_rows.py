@@ -17,7 +17,7 @@ from .harmonic_krylov import HarmonicKrylov
 
 _SINGLE = 48  # unknowns of a node from which on single precision saves more than its check costs
 _PART = 32  # cells whose blocks exist at once, beside the factors
-_FEW = 400_000  # numbers up to which all of them are cheaper than a choice of them
+_FEW = 600_000  # numbers up to which all of them are cheaper than a choice of them; fewer, where many are not wanted
 _ROUNDED = 1e-13  # share of sums of products of Fourier functions below which they are zero, rounded
 _REFINED = 1e-2  # size of a refinement beside its solution above which single precision does not do
 _SYMMETRIC = 1e-9  # share of the rows that may be left where a symmetry says zero
@@ -215,7 +215,8 @@ class Balance:
     def _blocks(self, by_y, by_ydot, active, precision):
         """P^T diag(dF/dy) Q + P^T diag(dF/dydot) Q_t: (..., nodes, rows, n) of tangents (..., n_r, n_f, nodes, Nt)."""
         *lead, n_r, n_f, nodes, Nt = by_y.shape
-        if by_y.size // Nt * self.basis.harmonic.size**2 <= _FEW:
+        C = self.basis.harmonic.size
+        if by_y.size // Nt * C**2 <= _FEW * self.n / (n_f * C):
             return self._few_blocks(by_y, by_ydot, active, precision)
         at, to = (np.cumsum([0, *map(len, parts)]) for parts in (active, self.columns))
         out = np.zeros((math.prod(lead), nodes, at[-1], self.n), precision)
