@@ -191,7 +191,7 @@ MOVING_ERROR = 2e-3  # rms over the range: that of 24 segments, and half as much
 
 
 def test_times_at_equal_errors():
-    """The least time on either side that meets the error; a case in which one side does not is left out."""
+    """The least time of each method that meets the error; one that does not get there is left out."""
     point = lambda case, method, seconds, rms: {"case": case, "method": method, "seconds": seconds, "rms": rms}
     points = [
         point("a", "harmonic balance", 1.0, 5e-3),
@@ -201,8 +201,13 @@ def test_times_at_equal_errors():
         point("b", "harmonic balance", 1.0, 1e-3),
         point("b", "time domain", 1.0, None),
     ]
-    found = {row["rms"]: row["ratios"] for row in dynamic_work.at_errors(points)}
-    assert found == {1e-2: [6.0], 3e-3: [3.0], 1e-3: [4.5]}
+    found = {(row["case"], row["level"]): {method: best["seconds"] for method, best in row["best"].items()}
+             for row in dynamic_work.at_errors(points)}  # fmt: skip
+    both, balanced = {"harmonic balance": 1.0, "time domain": 6.0}, {"harmonic balance": 1.0}
+    later, last = {"harmonic balance": 2.0, "time domain": 6.0}, {"harmonic balance": 2.0, "time domain": 9.0}
+    assert found == {("a", 3e-2): both, ("a", 1e-2): both, ("a", 3e-3): later, ("a", 1e-3): last,
+                     ("a", 3e-4): {"harmonic balance": 2.0}, ("b", 3e-2): balanced, ("b", 1e-2): balanced,
+                     ("b", 3e-3): balanced, ("b", 1e-3): balanced}  # fmt: skip
 
 
 moordyn_installed = pytest.mark.skipif("moordyn" not in peers.adapters(), reason="the optional peer is not installed")

@@ -150,11 +150,35 @@ def _kN(value) -> str:
     return f"{value:.2f}".replace("-", MINUS)
 
 
-def _work(data, folder, tables) -> Shown:
+def _work(data, folder, tables) -> dict:
     keys = ("case", "method", "size", "harmonics", "dt", "seconds", "rms", "error", "status", "message")
     columns = {key: key for key in keys}
     table = written(tables, "work", "Error against run time", data["points"], columns)
-    return Shown(dynamics_work_figures.work(data, folder), table)
+    return {"points": Shown(dynamics_work_figures.work(data, folder), table), "levels": _levels(data, tables)}
+
+
+def _levels(data, tables) -> Table:
+    """Every method's least time to an error, and the setting of harmonic balance."""
+    family, rows = "harmonic balance", []
+    others = dict.fromkeys(method for row in data["at_errors"] for method in row["best"] if method != family)
+    for found in data["at_errors"]:
+        best, row = found["best"], {"case": CASES[found["case"]], "level": found["level"]}
+        if ours := best.get(family):
+            corrected = ", corrected" if ours["method"] != family else ""
+            row |= {"ours": ours["seconds"], "setting": f"{ours['size']}, {ours['harmonics']}{corrected}"}
+        for method in (name for name in others if name in best):
+            row[method] = best[method]["seconds"]
+            row[f"{method} ratio"] = best[method]["seconds"] / ours["seconds"] if ours else None
+        rows.append(row)
+    columns = {"case": "case", "level": "rms error at most", "ours": family, "setting": "with (nodes, harmonics)"}
+    for method in others:
+        columns |= {method: method, f"{method} ratio": "over harmonic balance"}
+    formats = dict.fromkeys(("ours", *others), seconds) | {f"{method} ratio": _times for method in others}
+    return written(tables, "equal_errors", "Least times to an error", rows, columns, formats=formats)
+
+
+def _times(value) -> str:
+    return number(value, 2)
 
 
 def _needed(data, folder, tables) -> Shown:

@@ -5,15 +5,16 @@ from __future__ import annotations
 from statistics import median
 
 from .dynamics_figures import metres
-from .dynamics_work_figures import at_equal_error
+from .dynamics_work_figures import ratios_at
 from .published import stated
 from .verdicts import Verdict
-from .words import TIMES, number, ratio, seconds
+from .words import TIMES, number, plural, ratio, seconds
 
 # What the project set itself to reach before anything was measured.
 DRIFT, THREE_PERIODS = 1e-3, 0.35  # m after 50 periods; s
 PLANAR, SPATIAL, STEPS = 0.060, 0.150, 10  # s of cases 1 and 2 to 4; Newton steps from zero
 FIELDS_GAIN, EQUAL_ERROR = 2.0, 5.0
+PAPERS_ERROR = 1e-3  # of the tension over its range: what the paper's settings reach in cases 1 and 2
 ORDER, SAME_ORBIT = 0.05, 1e-4
 
 
@@ -61,10 +62,13 @@ def _harmonic_verdicts(data: dict):
         )
     if data.get("work"):
         for method in ("time domain", "MoorDyn"):
-            ratios = at_equal_error(data["work"]["points"], method)
+            ratios = ratios_at(data["work"]["at_errors"], PAPERS_ERROR, method)
             if ratios:
-                value = median(ratios)
-                detail = f"over that of harmonic balance at equal error, median, wanted at least {EQUAL_ERROR:g}"
+                value, cases = min(ratios), plural(len(ratios), "case")
+                detail = (
+                    f"to an error of {PAPERS_ERROR:g}, over that of harmonic balance, least of {cases}, wanted at "
+                    f"least {EQUAL_ERROR:g}"
+                )
                 yield Verdict(
                     f"{ratio(value)} {TIMES}", f"time of {method}", detail, value >= EQUAL_ERROR, "dynamics-work"
                 )

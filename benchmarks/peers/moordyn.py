@@ -58,7 +58,7 @@ class MoorDyn(Adapter):
 
     label = "MoorDyn"
     version = metadata.version("moordyn")
-    settings = ((12, 200), (24, 500), (49, 1000), (98, 2000))
+    settings = ((8, 100), (12, 200), (17, 500), (24, 500), (34, 1000), (49, 1000), (98, 2000))
     # 196 segments take four times as long as 98 and, but for case 3 of the paper, no further
 
     def cable(self, scene, time, fairlead, cells):
