@@ -13,7 +13,7 @@ from solvers.statics import solve_static
 from solvers.time_domain import solve_time_domain
 
 from . import console, dynamic_orders, dynamic_work, results
-from .dynamic_cases import DT, NODES, PERIODS, instants, scene, system, wave
+from .dynamic_cases import DT, NODES, PERIODS, instants, scene, system, warm_up, wave
 from .harness import clock
 
 CASE, LARGE = "case_1", "case_1_large"
@@ -201,6 +201,7 @@ def chosen(arguments, timed, stem: str) -> tuple[list[str], str]:
 def measured(parts: dict, chosen, label: str, *settings) -> dict:
     """The named parts of a result file; a part yields None once a step and its value last."""
     file = {}
+    warm_up()
 
     def steps():
         for number, name in enumerate(chosen, start=1):

@@ -54,6 +54,11 @@ def system(name: str, nodes: int = NODES, fields: str = "auto"):
     return found
 
 
+def warm_up():
+    """Load or compile what is compiled, in both precisions: it would be in the first timings of a process."""
+    solve_periodic(system("case_1", 25), harmonics=HARMONICS)
+
+
 def axial_ratio(name: str) -> float:
     """First axial frequency of the stretched line as a straight bar between held ends, over that of the motion."""
     case = scene(name)

@@ -14,11 +14,13 @@ from solvers.modes import natural_modes
 from solvers.motion import Ramped
 
 from . import dynamic_work
-from .dynamic_cases import TIMES, instants, on_mesh, wave
+from .dynamic_cases import TIMES, instants, on_mesh, warm_up, wave
 
 STATIC_NODES = (25, 50, 100, 200)
 HARMONIC = ((25, 4), (25, 6), (25, 9), (50, 9), (50, 15), (100, 15), (100, 25), (200, 25))
 """(nodes, harmonics): both grow together, for of two errors the larger hides the other."""
+CORRECTED = ((13, 6), (17, 9), (25, 15), (41, 20))
+"""The same with a deferred correction."""
 STEPPED = ((25, 50), (50, 100), (50, 200), (100, 200), (100, 400))
 """(nodes, steps in a period)."""
 PROBES = HARMONIC[0], HARMONIC[3]  # what harmonic balance must solve before more is tried
@@ -54,13 +56,13 @@ class Study:
         key = method, nodes, other
         if key not in self.found:
             chain, began = self.chain(nodes), time.perf_counter()
-            if method == "harmonic balance":
-                response = solve_periodic(chain, harmonics=other, throw=False)
+            if harmonic := method.startswith("harmonic"):
+                corrected = method.endswith("corrected")
+                response = solve_periodic(chain, harmonics=other, deferred_correction=corrected, throw=False)
             else:
                 response = solve_time_domain(chain, dt=self.period / other, periods=PERIODS, throw=False)
             seconds = time.perf_counter() - began
             good = response.status is Status.SUCCESS
-            harmonic = method == "harmonic balance"
             self.found[key] = {
                 "method": method,
                 "nodes": nodes,
@@ -118,12 +120,13 @@ def _error(tension, reference) -> float:
 
 def steps(scene: Scene) -> int:
     """How many times ``study`` yields."""
-    return 2 + len(HARMONIC) + len(STEPPED)
+    return 2 + len(HARMONIC) + len(CORRECTED) + len(STEPPED)
 
 
 def study(scene: Scene):
     """Generator: yields None after each step of the work, at the end the part of the scene's file."""
     made = Study(scene)
+    warm_up()
     try:
         statics = static_ladder(made)
     except ConvergenceError as error:
@@ -134,11 +137,12 @@ def study(scene: Scene):
     yield None
     reference = made.reference()
     yield None
-    ladder = []
-    tried = HARMONIC if reference["method"] == "harmonic balance" else PROBES
-    for method, settings in (("harmonic balance", HARMONIC), ("time domain", STEPPED)):
+    ladder, balanced = [], reference["method"] == "harmonic balance"
+    rungs = {"harmonic balance": HARMONIC, "harmonic balance, corrected": CORRECTED, "time domain": STEPPED}
+    tried = rungs if balanced else rungs | {"harmonic balance": PROBES, "harmonic balance, corrected": ()}
+    for method, settings in rungs.items():
         for nodes, other in settings:
-            if method != "harmonic balance" or (nodes, other) in tried:
+            if (nodes, other) in tried[method]:
                 ladder.append(made.solve(method, nodes, other))
             if (method, nodes, other) != ("time domain", *STEPPED[-1]):
                 yield None
@@ -274,14 +278,13 @@ def _python(best) -> str | None:
     """The recommended setting as lines to paste."""
     if best is None:
         return None
-    solve = (
-        f"response = solve_periodic(system, harmonics={best['harmonics']})"
-        if best["method"] == "harmonic balance"
-        else f"response = solve_time_domain(system, dt={best['dt']:.6g}, periods={PERIODS})"
-    )
-    name = "solve_periodic" if best["method"] == "harmonic balance" else "solve_time_domain"
+    if best["method"] == "time domain":
+        name, how = "solve_time_domain", f"dt={best['dt']:.6g}, periods={PERIODS}"
+    else:
+        name, how = "solve_periodic", f"harmonics={best['harmonics']}"
+        how += ", deferred_correction=True" if best["method"].endswith("corrected") else ""
     return (
         f"from solvers import Scene, cable_system, {name}\n\n"
-        f'system = cable_system(Scene.load("FILE"), nodes={best["nodes"]})\n{solve}\n'
+        f'system = cable_system(Scene.load("FILE"), nodes={best["nodes"]})\nresponse = {name}(system, {how})\n'
         "response.tension_harmonics(5)  # N: mean and amplitudes of the fairlead tension"
     )

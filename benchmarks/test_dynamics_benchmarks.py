@@ -187,6 +187,7 @@ def test_two_histories_extrapolated_are_better_than_the_finer_one():
 
 # ---------------------------------------------------------------- the peer
 STATIC_ERROR = 1e-3  # of the tension: five times that of 49 straight segments with their masses at the nodes
+SAME_PLACE = 1e-6  # rms over the range: of coordinates rounded otherwise; in the air it is off by a fifth
 MOVING_ERROR = 2e-3  # rms over the range: that of 24 segments, and half as much again
 
 
@@ -245,6 +246,15 @@ def test_the_adapter_moves_the_line_that_was_meant(change, within):
     changed = replace(chain.scene, cable=replace(chain.scene.cable, **change))
     found = simulated(changed, Ramped(changed.motion, chain.period / 2), chain.period, 1000, 24)
     assert (dynamic_work.errors(known, found)["rms"] < MOVING_ERROR) == within
+
+
+@moordyn_installed
+def test_the_adapter_puts_the_line_into_the_water():
+    """A scene without a seabed has its origin anywhere; MoorDyn has air above z = 0, where the line moves otherwise."""
+    case = scene("case_1")
+    higher = {name: tuple(np.array(getattr(case, name)) + (0, 0, 1000.0)) for name in ("anchor", "fairlead")}
+    below, above = (simulated(one, case.motion, 20.0, 200, 12).tension for one in (case, replace(case, **higher)))
+    assert rms(above - below) / np.ptp(below) < SAME_PLACE
 
 
 @moordyn_installed

@@ -13,7 +13,7 @@ from .tables import Table
 from .words import DASH, number, plural, seconds, slug
 
 STAR = "#f2c230"
-OWN = ("harmonic balance", "time domain")
+OWN = ("harmonic balance", "harmonic balance, corrected", "time domain")
 OTHERS = {"REFUSED": "refused", "UNSUPPORTED": "not modelled"}
 """How other codes that give no tension are shown."""
 
@@ -45,8 +45,9 @@ def section(scene: dict, stem: str, figure_folder: Path, table_folder: Path) -> 
 
 def _setting(row: dict) -> str:
     """As a reader says it."""
-    if row["method"] == "harmonic balance":
-        return f"harmonic balance with {row['nodes']} nodes and {plural(row['harmonics'], 'harmonic')}"
+    if row["method"] != "time domain":
+        how = " and a deferred correction" if row["method"].endswith("corrected") else ""
+        return f"harmonic balance with {row['nodes']} nodes, {plural(row['harmonics'], 'harmonic')}{how}"
     return f"time stepping with {row['nodes']} nodes and dt = {number(row['dt'])} s"
 
 

@@ -170,7 +170,7 @@ def _figures(context) -> Group | None:
     if context["work"]:
         chosen += context["work"].figures[:1]
     if context["harmonic"] and context["harmonic"]["work"]:
-        chosen += context["harmonic"]["work"].group.figures[:1]
+        chosen += context["harmonic"]["work"]["points"].group.figures[:1]
     caption = (
         "Error against run time; rings: the Pareto front. First lines at rest, all cases together; then a moving cable."
     )

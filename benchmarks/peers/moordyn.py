@@ -3,7 +3,8 @@
 What to mind: the tension output of a line is that of its last segment, half a segment from the end (first order), so
 the force on the point is taken; in a coupling step the fairlead moves with one velocity, so the mean one is given, and
 a long coupling step still shifts the response. Its RK2 is unstable for a line without internal damping: DAMPING is a
-share of the critical damping of a segment, so it vanishes with refinement.
+share of the critical damping of a segment, so it vanishes with refinement. Above z = 0 it has air: a scene without a
+seabed is deep in its water wherever its origin is, so the line is let down until it is.
 """
 
 from __future__ import annotations
@@ -22,8 +23,6 @@ from .adapter import Adapter
 
 DAMPING = -0.1
 STEP = 0.5  # of the time that an axial wave takes through a segment; twice that is beyond the limit of stability
-DEPTH = 5000.0  # m: of a seabed that is not there
-
 _INPUT = """MoorDyn
 --- LINE TYPES ---
 Name Diam MassDen EA BA/-zeta EI Cd Ca CdAx CaAx
@@ -70,10 +69,12 @@ class MoorDyn(Adapter):
             raise NotImplementedError("this adapter gives one transverse drag coefficient and no damping in s")
         step = time[1] - time[0]
         velocity = np.diff(fairlead, axis=0) / step
+        down = float(max(scene.anchor[2], fairlead[:, 2].max()) + scene.length)
+        fairlead = fairlead - [0.0, 0.0, down]
         force = np.empty((len(time), 3))
         with tempfile.TemporaryDirectory() as folder, _silence():
             file = Path(folder) / "lines.txt"
-            file.write_text(describe(scene, cells), encoding="utf-8")
+            file.write_text(describe(scene, cells, down), encoding="utf-8")
             system = moordyn.Create(str(file))
             try:
                 moordyn.Init(system, list(fairlead[0]), [0.0, 0.0, 0.0])
@@ -87,15 +88,17 @@ class MoorDyn(Adapter):
         return np.linalg.norm(force, axis=1)
 
 
-def describe(scene, segments: int) -> str:
-    """Its input file; the submerged weight follows from diameter and mass."""
+def describe(scene, segments: int, down: float) -> str:
+    """Its input file, the line let down by so many m; the submerged weight follows from diameter and mass."""
     cable, environment = scene.cable, scene.environment
-    points = {name: " ".join(f"{float(part)!r}" for part in getattr(scene, name)) for name in ("anchor", "fairlead")}
+    ends = {name: (*getattr(scene, name)[:2], getattr(scene, name)[2] - down) for name in ("anchor", "fairlead")}
+    points = {name: " ".join(f"{float(part)!r}" for part in end) for name, end in ends.items()}
+    depth = float(2 * scene.length - min(end[2] for end in ends.values()))  # m: of a seabed that is not reached
     crossing = scene.length / segments / math.sqrt(cable.EA / cable.mass_per_length)  # s
     return _INPUT.format(
         d=cable.diameter, m=cable.mass_per_length, EA=cable.EA, damping=DAMPING, Cd=cable.Cdn, Ca=cable.Ca,
         Cdt=cable.Cdt, L=scene.length, segments=segments, step=STEP * crossing, g=environment.g, rho=environment.rho,
-        depth=DEPTH, **points,
+        depth=depth, **points,
     )  # fmt: skip
 
 
