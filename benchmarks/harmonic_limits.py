@@ -13,7 +13,7 @@ from solvers.motion import Motion
 from verification.cases.oscillators import cubic_chain
 
 from .cable_dynamics import exponent
-from .dynamic_cases import HARMONICS, NODES, instants, rms, scene, system, wave
+from .dynamic_cases import HARMONICS, NODES, SAMPLES, instants, rms, scene, system, wave
 from .dynamic_work import least_seconds
 from .harness import clock
 
@@ -96,7 +96,7 @@ def growth(quick: bool, references):
 def fields(quick: bool, references):
     """Case 1 in four and in six fields, turn and turn about."""
     calls = {
-        name: lambda name=name: solve_periodic(system(CASE, NODES, name), harmonics=HARMONICS)
+        name: lambda name=name: solve_periodic(system(CASE, NODES, name), harmonics=HARMONICS, samples=SAMPLES)
         for name in ("planar", "spatial")
     }
     waves = {name: wave(call()) for name, call in calls.items()}

@@ -251,6 +251,9 @@ def _warnings(made: Study, found: dict):
     """Sentences on what the owner of this moving line should know."""
     if any(made.scene.environment.current):
         yield "The current acts on the moving line; forces, profile and stiffness above are those of still water."
+    top = max(made.scene.anchor[2], made.scene.fairlead[2])
+    if top > 0:
+        yield f"An end is {top:.4g} m above still water (z = 0), and the line is taken to be in the water all along."
     mine = [row for row in found["ladder"] if row["method"] in ("harmonic balance", "time domain")]
     failed = {row["sentence"] for row in mine if row["status"] not in ("SUCCESS", "NO_PERIODIC_RESPONSE")}
     yield from (f"Some settings failed: {sentence}." for sentence in sorted(failed))
