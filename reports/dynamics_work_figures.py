@@ -101,7 +101,7 @@ def _at_errors(rows) -> list[str]:
     said = []
     for method in dict.fromkeys(method for row in rows for method in row["best"] if not method.startswith("harmonic")):
         found = {level: ratios_at(rows, level, method) for level in dict.fromkeys(row["level"] for row in rows)}
-        parts = [f"{across(ratios)} at {number(level)} ({plural(len(ratios), 'case')})"
+        parts = [f"{across(ratios)} at {number(level, 1)} ({plural(len(ratios), 'case')})"
                  for level, ratios in found.items() if ratios]  # fmt: skip
         said.append(f"The least time of {method} to an error, over that of harmonic balance: {'; '.join(parts)}.")
     return said
