@@ -174,6 +174,7 @@ def _levels(data, tables) -> Table:
     for method in others:
         columns |= {method: method, f"{method} ratio": "over harmonic balance"}
     formats = dict.fromkeys(("ours", *others), seconds) | {f"{method} ratio": _times for method in others}
+    formats["level"] = "{:g}".format
     return written(tables, "equal_errors", "Least times to an error", rows, columns, formats=formats)
 
 

@@ -9,7 +9,7 @@ from matplotlib import pyplot as plt
 
 from . import style
 from .dynamics_figures import CASES, METHODS, decades, legend, metres, save
-from .words import across, number, plural, times
+from .words import number, times
 
 
 def work(data: dict, folder: Path) -> style.Group:
@@ -42,7 +42,7 @@ def work(data: dict, folder: Path) -> style.Group:
     caption = (
         "Each point is one setting; lower and further left is better; rings: the Pareto front. Of harmonic balance "
         "are, "
-        f"{'; '.join(said)}. {' '.join(_equal_error(data['points']) + _at_errors(data['at_errors']))} "
+        f"{'; '.join(said)}. {' '.join(_equal_error(data['points']))} "
         "The grey band is the uncertainty of the reference. "
         "“Extrapolated” solves in time on two meshes with two steps and takes the error of second order out. "
         "“Corrected” adds to harmonic balance up to three steps with the last Jacobian to equations of fourth order."
@@ -94,14 +94,3 @@ def ratios_at(rows: list[dict], level: float, method: str, family: str = "harmon
     """Least time of a method to an error, over that of the family: of the cases in which both get there."""
     pairs = [(row["best"].get(method), row["best"].get(family)) for row in rows if row["level"] == level]
     return [theirs["seconds"] / ours["seconds"] for theirs, ours in pairs if theirs and ours]
-
-
-def _at_errors(rows) -> list[str]:
-    """The least time to each of some errors, as a multiple of that of harmonic balance."""
-    said = []
-    for method in dict.fromkeys(method for row in rows for method in row["best"] if not method.startswith("harmonic")):
-        found = {level: ratios_at(rows, level, method) for level in dict.fromkeys(row["level"] for row in rows)}
-        parts = [f"{across(ratios)} at {number(level, 1)} ({plural(len(ratios), 'case')})"
-                 for level, ratios in found.items() if ratios]  # fmt: skip
-        said.append(f"The least time of {method} to an error, over that of harmonic balance: {'; '.join(parts)}.")
-    return said
