@@ -23,24 +23,28 @@ class BlockChain:
 
     cells[0] multiplies the left node of a cell, cells[1] the right one; long chains may give ``cells`` as an iterator
     over parts (2, m, n, n), from left to right, which then never exist all at once. The precision, single or double,
-    is that of ``start``. ``singular``: no use to solve.
+    is that of ``start``. ``singular``: no use to solve. Raises ValueError for blocks and right-hand sides of other shapes.
     """
 
     def __init__(self, start, cells, end, border):
-        (p, n), (k, nodes), real = start.shape, border.shape[:2], start.dtype
-        self.precision, self.p, self.unit = real, p, np.array([1, -1], real)
+        (p, n), (k, nodes) = start.shape, border.shape[:2]
+        self.precision = real = np.dtype(np.float32 if start.dtype == np.float32 else float)
+        self.unit = np.array([1, -1], real)
         self.open = np.empty((nodes - 1, p, n), real)  # factors of the open rows
         self.cell = np.empty((nodes - 1, n, n + k), real)  # of a cell's rows and the full ones, by columns
         self.ahead = np.empty((nodes - 1, n - p, n), real)  # coefficients of the next node
         self.columns, self.rows = np.empty((2, nodes - 1, n), np.int32)  # their order in each
-        border = np.ascontiguousarray(border.swapaxes(0, 1), real)
-        rest, done, singular = np.concatenate([start, border[0]]), 0, 0
+        border, end = _block(border.swapaxes(0, 1), real, nodes, k, n), _block(end, real, n - p - k, n)
+        rest, done, singular = np.empty((p + k, n), real), 0, 0
+        rest[:p], rest[p:] = start, border[0]
         for left, right in (cells,) if isinstance(cells, np.ndarray) else cells:
             at, done = slice(done, done + len(left)), done + len(left)
             beside = border[at.start + 1 : at.stop + 1]
-            left, right = (np.ascontiguousarray(part, real) for part in (left, right))
+            left, right = (_block(part, real, at.stop - at.start, n, n) for part in (left, right))
             found = self.open[at], self.cell[at], self.ahead[at], self.columns[at], self.rows[at]
             singular += _eliminate(rest, left, right, beside, *found, self.unit)
+        if done != nodes - 1:
+            raise ValueError(f"cells: {done} of them do not lie between {nodes} nodes")
         getrf = lapack.sgetrf if real == np.float32 else lapack.dgetrf
         last, exchanges, info = getrf(np.concatenate([rest[:p], end, rest[p:]]))
         self.last, self.last_rows = np.ascontiguousarray(last.T), np.empty(n, np.int32)
@@ -49,9 +53,26 @@ class BlockChain:
 
     def solve(self, start, cells, end, border):
         """Solution (N, n) for right-hand sides (p,), (N - 1, n), (n - p - k,) and (k,)."""
-        right = (np.ascontiguousarray(part, self.precision) for part in (start, cells, end, border))
+        (m, p, n), k = self.open.shape, self.cell.shape[2] - self.cell.shape[1]
+        shapes = ((start, p), (cells, m, n), (end, n - p - k), (border, k))
+        right = (_block(part, self.precision, *shape) for part, *shape in shapes)
         factors = self.open, self.cell, self.ahead, self.columns, self.rows, self.last, self.last_rows
         return _solve(*right, *factors, self.unit).astype(float)
+
+
+def _block(part, real, *shape):
+    """A C array of a block, whose shape is looked at here: compiled loops would read beside it."""
+    if part.shape != shape:
+        raise ValueError(f"a block of shape {part.shape} must be {shape}")
+    return np.ascontiguousarray(part, real)
+
+
+def _compiled(loop):
+    """Compiled at the first call: once for all processes, or in each where numba finds no folder to keep it in."""
+    try:
+        return njit(cache=True)(loop)
+    except RuntimeError:
+        return njit(loop)
 
 
 # ---------------------------------------------------------------- BLAS and LAPACK in compiled code
@@ -69,13 +90,13 @@ _sgemv, _dgemv = (_external("blas", letter + "gemv", 11) for letter in "sd")
 _RIGHT, _UPPER, _LOWER, _PLAIN, _TURNED, _ONES, _ANY = (ord(letter) for letter in "RULNTUN")
 
 
-@njit(cache=True)
+@_compiled
 def _at(A, i, j):
     """Address of A[i, j]."""
     return A.ctypes.data + A.itemsize * (i * A.shape[1] + j)
 
 
-@njit(cache=True)
+@_compiled
 def _getrf(m, n, A, lda, exchanges, unit):
     """LU of A (m, n) in place; whether it met a pivot of zero."""
     sizes = np.array([m, n, lda, 0], np.int32)  # used after the call, or it would not live so long
@@ -87,7 +108,7 @@ def _getrf(m, n, A, lda, exchanges, unit):
     return sizes[3] != 0
 
 
-@njit(cache=True)
+@_compiled
 def _trsm(triangle, turned, diagonal, m, n, A, lda, B, ldb, unit):
     """B (m, n) = B A^-1 with a triangle of A (n, n), or with A turned."""
     sizes = np.array([_RIGHT, triangle, turned, diagonal, m, n, lda, ldb], np.int32)
@@ -99,7 +120,7 @@ def _trsm(triangle, turned, diagonal, m, n, A, lda, B, ldb, unit):
     return sizes[0]
 
 
-@njit(cache=True)
+@_compiled
 def _gemm(m, n, k, A, lda, B, ldb, C, ldc, unit):
     """C (m, n) -= A (m, k) B^T."""
     sizes = np.array([_PLAIN, _TURNED, m, n, k, lda, ldb, ldc], np.int32)
@@ -112,7 +133,7 @@ def _gemm(m, n, k, A, lda, B, ldb, C, ldc, unit):
     return sizes[0]
 
 
-@njit(cache=True)
+@_compiled
 def _trsv(triangle, turned, diagonal, n, A, lda, x, unit):
     """x (n) = A^-1 x with a triangle of A, or with A turned."""
     sizes = np.array([triangle, turned, diagonal, n, lda, 1], np.int32)
@@ -124,7 +145,7 @@ def _trsv(triangle, turned, diagonal, n, A, lda, x, unit):
     return sizes[0]
 
 
-@njit(cache=True)
+@_compiled
 def _gemv(turned, m, n, A, lda, x, y, unit):
     """y -= A x with A (m, n), or with A turned."""
     sizes = np.array([turned, m, n, lda, 1], np.int32)
@@ -138,7 +159,7 @@ def _gemv(turned, m, n, A, lda, x, y, unit):
 
 
 # ---------------------------------------------------------------- the elimination
-@njit(cache=True)
+@_compiled
 def _order(exchanges, order):
     """The order of rows after LAPACK's exchanges, counted from 1."""
     for i in range(order.size):
@@ -148,7 +169,7 @@ def _order(exchanges, order):
         order[i], order[j] = order[j], order[i]
 
 
-@njit(cache=True)
+@_compiled
 def _eliminate(rest, left, right, beside, open, cell, ahead, columns, rows, unit):
     """Factors of some nodes; how many were singular.
 
@@ -190,7 +211,7 @@ def _eliminate(rest, left, right, beside, open, cell, ahead, columns, rows, unit
     return singular
 
 
-@njit(cache=True)
+@_compiled
 def _solve(start, cells, end, border, open, cell, ahead, columns, rows, last, last_rows, unit):
     """Solution (N, n) for right-hand sides (p,), (N - 1, n), (n - p - k,) and (k,)."""
     m, q, n = ahead.shape

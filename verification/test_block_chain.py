@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import ctypes
+import subprocess
+import sys
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -160,6 +163,62 @@ def test_compiled_loops_are_those_on_the_page(name, monkeypatch):
     for loop in ("_eliminate", "_solve"):
         monkeypatch.setattr(block_chain, loop, getattr(block_chain, loop).py_func)
     assert np.array_equal(chain.solved(), compiled)
+
+
+def test_compiled_loops_need_no_folder():
+    """Where numba finds no folder to keep them in (all that it knows are taken away), they are compiled all the same."""
+    program = """
+import numpy as np
+from numba.core.caching import FunctionCache
+FunctionCache._impl_class._locator_classes = []
+from solvers.block_chain import _order
+order = np.empty(3, np.int32)
+_order(np.array([3, 3], np.int32), order)
+print(order, _order.stats.cache_path)
+"""
+    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=Path(__file__).parents[1])
+    assert (ended.stdout.strip(), ended.stderr) == ("[2 0 1] None", "")
+
+
+REFUSED = {
+    "a cell too few": lambda blocks, right: blocks.__setitem__(1, blocks[1][:, 1:]),
+    "a cell too many": lambda blocks, right: blocks.__setitem__(1, np.repeat(blocks[1], 2, axis=1)),
+    "parts with a cell too few": lambda blocks, right: blocks.__setitem__(1, [blocks[1][:, :2], blocks[1][:, 3:]]),
+    "cells with fewer unknowns": lambda blocks, right: blocks.__setitem__(1, blocks[1][..., 1:]),
+    "an end row too few": lambda blocks, right: blocks.__setitem__(2, blocks[2][1:]),
+    "full rows with fewer unknowns": lambda blocks, right: blocks.__setitem__(3, blocks[3][..., 1:]),
+    "a start row too few on the right": lambda blocks, right: right.__setitem__(0, right[0][1:]),
+    "a cell too few on the right": lambda blocks, right: right.__setitem__(1, right[1][1:]),
+    "an end row too many on the right": lambda blocks, right: right.__setitem__(2, np.ones(9)),
+    "full rows too many on the right": lambda blocks, right: right.__setitem__(3, np.ones(9)),
+}
+
+
+@pytest.mark.parametrize("spoil", REFUSED.values(), ids=REFUSED)
+def test_blocks_that_do_not_fit_are_refused(spoil):
+    """Compiled loops do not look at their indices: a block of another shape would be read beside its end."""
+    chain = Chain.random(6, 5, 2, 1)
+    blocks, right = list(chain.blocks), list(chain.right)
+    spoil(blocks, right)
+    with pytest.raises(ValueError, match=r"must be|do not lie between"):
+        BlockChain(*blocks).solve(*right)
+
+
+LAYOUTS = {
+    "by columns": np.asfortranarray,
+    "backwards": lambda part: part[tuple(slice(None, None, -1) for _ in part.shape)].copy()[
+        tuple(slice(None, None, -1) for _ in part.shape)
+    ],
+    "bytes swapped": lambda part: part.astype(part.dtype.newbyteorder()),
+}
+
+
+@pytest.mark.parametrize("layout", LAYOUTS.values(), ids=LAYOUTS)
+def test_any_layout_in_memory_is_the_same_chain(layout):
+    """Blocks and right-hand sides by columns, backwards or in the other byte order give the same bits."""
+    chain = CHAINS["closed by mean places"]
+    other = Chain(*(tuple(map(layout, parts)) for parts in (chain.blocks, chain.right)))
+    assert np.array_equal(other.solved(), chain.solved())
 
 
 SINGULAR = {
