@@ -90,13 +90,13 @@ _sgemv, _dgemv = (_external("blas", letter + "gemv", 11) for letter in "sd")
 _RIGHT, _UPPER, _LOWER, _PLAIN, _TURNED, _ONES, _ANY = (ord(letter) for letter in "RULNTUN")
 
 
-@_compiled
+@njit
 def _at(A, i, j):
     """Address of A[i, j]."""
     return A.ctypes.data + A.itemsize * (i * A.shape[1] + j)
 
 
-@_compiled
+@njit
 def _getrf(m, n, A, lda, exchanges, unit):
     """LU of A (m, n) in place; whether it met a pivot of zero."""
     sizes = np.array([m, n, lda, 0], np.int32)  # used after the call, or it would not live so long
@@ -108,7 +108,7 @@ def _getrf(m, n, A, lda, exchanges, unit):
     return sizes[3] != 0
 
 
-@_compiled
+@njit
 def _trsm(triangle, turned, diagonal, m, n, A, lda, B, ldb, unit):
     """B (m, n) = B A^-1 with a triangle of A (n, n), or with A turned."""
     sizes = np.array([_RIGHT, triangle, turned, diagonal, m, n, lda, ldb], np.int32)
@@ -120,7 +120,7 @@ def _trsm(triangle, turned, diagonal, m, n, A, lda, B, ldb, unit):
     return sizes[0]
 
 
-@_compiled
+@njit
 def _gemm(m, n, k, A, lda, B, ldb, C, ldc, unit):
     """C (m, n) -= A (m, k) B^T."""
     sizes = np.array([_PLAIN, _TURNED, m, n, k, lda, ldb, ldc], np.int32)
@@ -133,7 +133,7 @@ def _gemm(m, n, k, A, lda, B, ldb, C, ldc, unit):
     return sizes[0]
 
 
-@_compiled
+@njit
 def _trsv(triangle, turned, diagonal, n, A, lda, x, unit):
     """x (n) = A^-1 x with a triangle of A, or with A turned."""
     sizes = np.array([triangle, turned, diagonal, n, lda, 1], np.int32)
@@ -145,7 +145,7 @@ def _trsv(triangle, turned, diagonal, n, A, lda, x, unit):
     return sizes[0]
 
 
-@_compiled
+@njit
 def _gemv(turned, m, n, A, lda, x, y, unit):
     """y -= A x with A (m, n), or with A turned."""
     sizes = np.array([turned, m, n, lda, 1], np.int32)
