@@ -80,7 +80,7 @@ def solve_periodic(
     newton, iterative = _NEWTON[globalisation], linear_solver == "iterative"
     z, spent = _start(system, basis, start), 0
     with one_blas_thread(), np.errstate(all="ignore"):  # a diverging step is found by its size
-        mirror = mirror_of(system, math.pi / basis.omega) if symmetry else None
+        mirror = mirror_of(system, basis) if symmetry else None
         if multilevel and start is None:
             z, spent = _climbed(system, basis, _COARSE * nu, newton, mirror, iterative)
         found = _continued(system, basis, z, tolerance, newton, mirror, iterative)

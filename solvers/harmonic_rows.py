@@ -24,22 +24,24 @@ _SYMMETRIC = 1e-9  # share of the rows that may be left where a symmetry says ze
 _NONE = np.empty(0, int)
 
 
-def mirror_of(system, half):
-    """Signs of the chain's mirror if its rows at a random state and at the image of it half a period (s) later agree.
+def mirror_of(system, basis):
+    """Signs of the chain's mirror if its rows at a random state and at the image of it half a period later agree.
 
-    None where they do not, or where the chain has no mirror.
+    At every sample, each with a state of its own: a few would miss a short push. None where they do not agree, or where
+    the chain has no mirror.
     """
     mirror = system.mirror()
     if mirror is None:
         return None
     (fields, *signs), rng, rest = mirror, np.random.default_rng(1), system.rest()[..., None]
-    shape, t = (*rest.shape[:2], 3), half * rng.random(3)
+    half, t = math.pi / basis.omega, basis.times if basis.samples % 2 else basis.times[: basis.samples // 2]
+    shape = (*rest.shape[:2], t.size)
     y, ydot = rest * (1 + 0.1 * rng.random(shape)) + 0.1 * rng.random(shape), rng.random(shape)
     turn = np.array(fields)[:, None, None]
     for part, sign in zip((system.start, system.between, system.end), signs, strict=True):
         here, there = part(y, ydot, t, False).value, part(turn * y, turn * ydot, t + half, False).value
         turned = (np.array(sign) * here.T).T
-        if abs(turned - there).max(initial=0) > _SYMMETRIC * abs(here).max(initial=0):
+        if not abs(turned - there).max(initial=0) <= _SYMMETRIC * abs(here).max(initial=0):
             return None
     return mirror
 

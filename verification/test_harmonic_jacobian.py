@@ -203,7 +203,7 @@ def random_balance(name, setting, seed=0):
     """(Balance, x): random coefficients of a size at which every term counts."""
     system = chain_of(name)
     basis = setting.basis(system.period)
-    balance = Balance(system, basis, mirror_of(system, math.pi / basis.omega) if "symmetric" in name else None)
+    balance = Balance(system, basis, mirror_of(system, basis) if "symmetric" in name else None)
     rng = np.random.default_rng(seed)
     spread = np.array([SPREAD.get(field, 1.0) for field in system.fields]) / setting.harmonics
     z = spread[:, None, None] * rng.uniform(-1, 1, (len(spread), system.nodes, balance.basis.harmonic.size))

@@ -373,6 +373,15 @@ DEFECTS = (
         _MEAN,
     ),
     Defect(
+        "a mirror seen at three instants",
+        "harmonic_rows",
+        "else basis.times[: basis.samples // 2]",
+        "else basis.times[:3]",
+        "regime",
+        "a push between the instants at which the mirror is tried is missed",
+        "test_oscillators.py::test_a_short_push_is_no_symmetry",
+    ),
+    Defect(
         "odd where even",
         "harmonic_rows",
         "k % 2 == (0 if sign > 0 else 1)",
@@ -490,6 +499,15 @@ DEFECTS = (
         "term",
         "row exchanges are forgotten for the right-hand side",
         _CHAIN,
+    ),
+    Defect(
+        "blocks of any shape",
+        "block_chain",
+        "if part.shape != shape:",
+        "if False:",
+        "regime",
+        "compiled loops read beside blocks that do not fit",
+        "test_block_chain.py::test_blocks_that_do_not_fit_are_refused",
     ),
     Defect(
         "first node not solved",
