@@ -147,7 +147,7 @@ def digest(project: Path) -> str:
             inside = file.relative_to(project).as_posix()
             if not inside.startswith(SKIPPED) and "__pycache__" not in inside:
                 total.update(f"{inside}\0".encode() + hashlib.sha256(file.read_bytes()).digest())
-    for package in ("numpy", "scipy", "mpmath", "hypothesis", "pytest"):
+    for package in ("numpy", "scipy", "numba", "mpmath", "hypothesis", "pytest"):
         total.update(f"{package} {importlib.metadata.version(package)}\0".encode())
     total.update(platform.python_version().encode())
     return total.hexdigest()
