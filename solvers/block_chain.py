@@ -15,7 +15,7 @@ import llvmlite.binding
 import numpy as np
 from numba import njit, types
 from numba.extending import get_cython_function_address
-from scipy.linalg import lapack
+from scipy.linalg import cython_blas, cython_lapack, lapack
 
 
 class BlockChain:
@@ -23,13 +23,13 @@ class BlockChain:
 
     cells[0] multiplies the left node of a cell, cells[1] the right one; long chains may give ``cells`` as an iterator
     over parts (2, m, n, n), from left to right, which then never exist all at once. The precision, single or double,
-    is that of ``start``. ``singular``: no use to solve. Raises ValueError for blocks and right-hand sides of other shapes.
+    is that of ``start``. ``singular``: no use to solve. Raises ValueError where the shapes do not fit together.
     """
 
     def __init__(self, start, cells, end, border):
         (p, n), (k, nodes) = start.shape, border.shape[:2]
         self.precision = real = np.dtype(np.float32 if start.dtype == np.float32 else float)
-        self.unit = np.array([1, -1], real)
+        self.unit = np.array([1, -1], real)  # factors that BLAS takes by address
         self.open = np.empty((nodes - 1, p, n), real)  # factors of the open rows
         self.cell = np.empty((nodes - 1, n, n + k), real)  # of a cell's rows and the full ones, by columns
         self.ahead = np.empty((nodes - 1, n - p, n), real)  # coefficients of the next node
@@ -76,30 +76,34 @@ def _compiled(loop):
 
 
 # ---------------------------------------------------------------- BLAS and LAPACK in compiled code
-def _external(library, name, count):
-    """A routine of scipy with so many arguments, all of them addresses."""
-    llvmlite.binding.add_symbol("scipy_" + name, get_cython_function_address("scipy.linalg.cython_" + library, name))
+def _external(module, name, count):
+    """A routine of scipy with so many arguments, all of them addresses, those of integers to 32 bits."""
+    if "int64" in str(module.__pyx_capi__[name]):
+        raise ImportError("scipy: this build has 64-bit integers in BLAS; one with 32 bits, as on PyPI, is needed")
+    llvmlite.binding.add_symbol("scipy_" + name, get_cython_function_address(module.__name__, name))
     return types.ExternalFunction("scipy_" + name, types.void(*[types.uintp] * count))
 
 
-_sgetrf, _dgetrf = (_external("lapack", letter + "getrf", 6) for letter in "sd")
-_strsm, _dtrsm = (_external("blas", letter + "trsm", 11) for letter in "sd")
-_sgemm, _dgemm = (_external("blas", letter + "gemm", 13) for letter in "sd")
-_strsv, _dtrsv = (_external("blas", letter + "trsv", 8) for letter in "sd")
-_sgemv, _dgemv = (_external("blas", letter + "gemv", 11) for letter in "sd")
+_sgetrf, _dgetrf = (_external(cython_lapack, letter + "getrf", 6) for letter in "sd")
+_strsm, _dtrsm = (_external(cython_blas, letter + "trsm", 11) for letter in "sd")
+_sgemm, _dgemm = (_external(cython_blas, letter + "gemm", 13) for letter in "sd")
+_strsv, _dtrsv = (_external(cython_blas, letter + "trsv", 8) for letter in "sd")
+_sgemv, _dgemv = (_external(cython_blas, letter + "gemv", 11) for letter in "sd")
+# The letters of BLAS; of the diagonal, _ONES is not looked at. Each call ends with a look at ``sizes``: numba frees an
+# array after its last use, and the routine has but its address.
 _RIGHT, _UPPER, _LOWER, _PLAIN, _TURNED, _ONES, _ANY = (ord(letter) for letter in "RULNTUN")
 
 
 @njit
 def _at(A, i, j):
-    """Address of A[i, j]."""
+    """Address of A[i, j] of a C array; one row or column too far where nothing is taken from there."""
     return A.ctypes.data + A.itemsize * (i * A.shape[1] + j)
 
 
 @njit
 def _getrf(m, n, A, lda, exchanges, unit):
     """LU of A (m, n) in place; whether it met a pivot of zero."""
-    sizes = np.array([m, n, lda, 0], np.int32)  # used after the call, or it would not live so long
+    sizes = np.array([m, n, lda, 0], np.int32)
     s = sizes.ctypes.data
     if n and unit.itemsize == 4:
         _sgetrf(s, s + 4, A, s + 8, exchanges.ctypes.data, s + 12)

@@ -84,8 +84,8 @@ def solve_periodic(
         if multilevel and start is None:
             z, spent = _climbed(system, basis, _COARSE * nu, newton, mirror, iterative)
         found = _continued(system, basis, z, tolerance, newton, mirror, iterative)
-        x, *_, reached, balance = found
-        if reached == 1.0 and balance.symmetric and not balance.holds(balance.pack(x)):
+        coefficients, *_, reached, balance = found
+        if reached == 1.0 and balance.symmetric and not balance.holds(balance.pack(coefficients)):
             *_, reached, balance = found = _continued(system, basis, z, tolerance, newton, None, iterative)
         response = _response(system, nu, spent, *found, finer, tolerance)
     given = f"{Nh} harmonics, {Nt} samples, amplitude reached: {reached:.4g}"

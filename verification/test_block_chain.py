@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.linalg import cython_blas
 
 from solvers import block_chain
 from solvers.block_chain import BlockChain
@@ -166,7 +167,7 @@ def test_compiled_loops_are_those_on_the_page(name, monkeypatch):
 
 
 def test_compiled_loops_need_no_folder():
-    """Where numba finds no folder to keep them in (all that it knows are taken away), they are compiled all the same."""
+    """Where numba finds no folder to keep them in (all are taken from it), they are compiled all the same."""
     program = """
 import numpy as np
 from numba.core.caching import FunctionCache
@@ -176,14 +177,22 @@ order = np.empty(3, np.int32)
 _order(np.array([3, 3], np.int32), order)
 print(order, _order.stats.cache_path)
 """
-    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=Path(__file__).parents[1])
+    folder = Path(__file__).parents[1]
+    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=folder)
     assert (ended.stdout.strip(), ended.stderr) == ("[2 0 1] None", "")
+
+
+def test_a_build_with_longer_integers_is_refused(monkeypatch):
+    """BLAS with integers of 64 bits would read beside those of 32 that it is given."""
+    monkeypatch.setitem(cython_blas.__pyx_capi__, "dgemm", "void (char *, char *, int64_t *, ...)")
+    with pytest.raises(ImportError, match="64-bit integers"):
+        block_chain._external(cython_blas, "dgemm", 13)
 
 
 REFUSED = {
     "a cell too few": lambda blocks, right: blocks.__setitem__(1, blocks[1][:, 1:]),
     "a cell too many": lambda blocks, right: blocks.__setitem__(1, np.repeat(blocks[1], 2, axis=1)),
-    "parts with a cell too few": lambda blocks, right: blocks.__setitem__(1, [blocks[1][:, :2], blocks[1][:, 3:]]),
+    "a cell too few in parts": lambda blocks, right: blocks.__setitem__(1, [blocks[1][:, :2], blocks[1][:, 3:]]),
     "cells with fewer unknowns": lambda blocks, right: blocks.__setitem__(1, blocks[1][..., 1:]),
     "an end row too few": lambda blocks, right: blocks.__setitem__(2, blocks[2][1:]),
     "full rows with fewer unknowns": lambda blocks, right: blocks.__setitem__(3, blocks[3][..., 1:]),

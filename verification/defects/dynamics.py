@@ -320,7 +320,7 @@ DEFECTS = (
     Defect(
         "symmetry taken on trust",
         "harmonic_balance",
-        "if reached == 1.0 and balance.symmetric and not balance.holds(balance.pack(x)):",
+        "if reached == 1.0 and balance.symmetric and not balance.holds(balance.pack(coefficients)):",
         "if reached == 1.0 and balance.symmetric and False:",
         "regime",
         "a mirror that passed by mistake is not looked at again",
