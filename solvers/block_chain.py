@@ -11,7 +11,10 @@ loops take two to five times as long. Blocks are stored as C arrays, which BLAS 
 
 from __future__ import annotations
 
+import ctypes
+
 import llvmlite.binding
+import numba
 import numpy as np
 from numba import njit, types
 from numba.extending import get_cython_function_address
@@ -29,8 +32,8 @@ class BlockChain:
     def __init__(self, start, cells, end, border):
         (p, n), (k, nodes) = start.shape, border.shape[:2]
         self.precision = real = np.dtype(np.float32 if start.dtype == np.float32 else float)
-        self.unit = np.array([1, -1], real)  # factors that BLAS takes by address
-        self.open = np.empty((nodes - 1, p, n), real)  # factors of the open rows
+        self.signs = np.array([1, -1], real)  # factors that BLAS takes by address
+        self.opened = np.empty((nodes - 1, p, n), real)  # factors of the open rows
         self.cell = np.empty((nodes - 1, n, n + k), real)  # of a cell's rows and the full ones, by columns
         self.ahead = np.empty((nodes - 1, n - p, n), real)  # coefficients of the next node
         self.columns, self.rows = np.empty((2, nodes - 1, n), np.int32)  # their order in each
@@ -41,8 +44,8 @@ class BlockChain:
             at, done = slice(done, done + len(left)), done + len(left)
             beside = border[at.start + 1 : at.stop + 1]
             left, right = (_block(part, real, at.stop - at.start, n, n) for part in (left, right))
-            found = self.open[at], self.cell[at], self.ahead[at], self.columns[at], self.rows[at]
-            singular += _eliminate(rest, left, right, beside, *found, self.unit)
+            found = self.opened[at], self.cell[at], self.ahead[at], self.columns[at], self.rows[at]
+            singular += _eliminate(rest, left, right, beside, *found, self.signs)
         if done != nodes - 1:
             raise ValueError(f"cells: {done} of them do not lie between {nodes} nodes")
         getrf = lapack.sgetrf if real == np.float32 else lapack.dgetrf
@@ -53,11 +56,11 @@ class BlockChain:
 
     def solve(self, start, cells, end, border):
         """Solution (N, n) for right-hand sides (p,), (N - 1, n), (n - p - k,) and (k,)."""
-        (m, p, n), k = self.open.shape, self.cell.shape[2] - self.cell.shape[1]
+        (m, p, n), k = self.opened.shape, self.cell.shape[2] - self.cell.shape[1]
         shapes = ((start, p), (cells, m, n), (end, n - p - k), (border, k))
         right = (_block(part, self.precision, *shape) for part, *shape in shapes)
-        factors = self.open, self.cell, self.ahead, self.columns, self.rows, self.last, self.last_rows
-        return _solve(*right, *factors, self.unit).astype(float)
+        factors = self.opened, self.cell, self.ahead, self.columns, self.rows, self.last, self.last_rows
+        return _solve(*right, *factors, self.signs).astype(float)
 
 
 def _block(part, real, *shape):
@@ -80,7 +83,10 @@ def _external(module, name, count):
     """A routine of scipy with so many arguments, all of them addresses, those of integers to 32 bits."""
     if "int64" in str(module.__pyx_capi__[name]):
         raise ImportError("scipy: this build has 64-bit integers in BLAS; one with 32 bits, as on PyPI, is needed")
-    llvmlite.binding.add_symbol("scipy_" + name, get_cython_function_address(module.__name__, name))
+    address = get_cython_function_address(module.__name__, name)
+    if numba.config.DISABLE_JIT:
+        return ctypes.CFUNCTYPE(None, *[ctypes.c_size_t] * count)(address)
+    llvmlite.binding.add_symbol("scipy_" + name, address)
     return types.ExternalFunction("scipy_" + name, types.void(*[types.uintp] * count))
 
 
@@ -101,11 +107,11 @@ def _at(A, i, j):
 
 
 @njit
-def _getrf(m, n, A, lda, exchanges, unit):
+def _getrf(m, n, A, lda, exchanges, signs):
     """LU of A (m, n) in place; whether it met a pivot of zero."""
     sizes = np.array([m, n, lda, 0], np.int32)
     s = sizes.ctypes.data
-    if n and unit.itemsize == 4:
+    if n and signs.itemsize == 4:
         _sgetrf(s, s + 4, A, s + 8, exchanges.ctypes.data, s + 12)
     elif n:
         _dgetrf(s, s + 4, A, s + 8, exchanges.ctypes.data, s + 12)
@@ -113,11 +119,11 @@ def _getrf(m, n, A, lda, exchanges, unit):
 
 
 @njit
-def _trsm(triangle, turned, diagonal, m, n, A, lda, B, ldb, unit):
+def _trsm(triangle, turned, diagonal, m, n, A, lda, B, ldb, signs):
     """B (m, n) = B A^-1 with a triangle of A (n, n), or with A turned."""
     sizes = np.array([_RIGHT, triangle, turned, diagonal, m, n, lda, ldb], np.int32)
-    s, one = sizes.ctypes.data, unit.ctypes.data
-    if m and n and unit.itemsize == 4:
+    s, one = sizes.ctypes.data, signs.ctypes.data
+    if m and n and signs.itemsize == 4:
         _strsm(s, s + 4, s + 8, s + 12, s + 16, s + 20, one, A, s + 24, B, s + 28)
     elif m and n:
         _dtrsm(s, s + 4, s + 8, s + 12, s + 16, s + 20, one, A, s + 24, B, s + 28)
@@ -125,12 +131,12 @@ def _trsm(triangle, turned, diagonal, m, n, A, lda, B, ldb, unit):
 
 
 @njit
-def _gemm(m, n, k, A, lda, B, ldb, C, ldc, unit):
+def _gemm(m, n, k, A, lda, B, ldb, C, ldc, signs):
     """C (m, n) -= A (m, k) B^T."""
     sizes = np.array([_PLAIN, _TURNED, m, n, k, lda, ldb, ldc], np.int32)
-    s, one = sizes.ctypes.data, unit.ctypes.data
-    minus = one + unit.itemsize
-    if m and n and k and unit.itemsize == 4:
+    s, one = sizes.ctypes.data, signs.ctypes.data
+    minus = one + signs.itemsize
+    if m and n and k and signs.itemsize == 4:
         _sgemm(s, s + 4, s + 8, s + 12, s + 16, minus, A, s + 20, B, s + 24, one, C, s + 28)
     elif m and n and k:
         _dgemm(s, s + 4, s + 8, s + 12, s + 16, minus, A, s + 20, B, s + 24, one, C, s + 28)
@@ -138,11 +144,11 @@ def _gemm(m, n, k, A, lda, B, ldb, C, ldc, unit):
 
 
 @njit
-def _trsv(triangle, turned, diagonal, n, A, lda, x, unit):
+def _trsv(triangle, turned, diagonal, n, A, lda, x, signs):
     """x (n) = A^-1 x with a triangle of A, or with A turned."""
     sizes = np.array([triangle, turned, diagonal, n, lda, 1], np.int32)
     s = sizes.ctypes.data
-    if n and unit.itemsize == 4:
+    if n and signs.itemsize == 4:
         _strsv(s, s + 4, s + 8, s + 12, A, s + 16, x, s + 20)
     elif n:
         _dtrsv(s, s + 4, s + 8, s + 12, A, s + 16, x, s + 20)
@@ -150,12 +156,12 @@ def _trsv(triangle, turned, diagonal, n, A, lda, x, unit):
 
 
 @njit
-def _gemv(turned, m, n, A, lda, x, y, unit):
+def _gemv(turned, m, n, A, lda, x, y, signs):
     """y -= A x with A (m, n), or with A turned."""
     sizes = np.array([turned, m, n, lda, 1], np.int32)
-    s, one = sizes.ctypes.data, unit.ctypes.data
-    minus = one + unit.itemsize
-    if m and n and unit.itemsize == 4:
+    s, one = sizes.ctypes.data, signs.ctypes.data
+    minus = one + signs.itemsize
+    if m and n and signs.itemsize == 4:
         _sgemv(s, s + 4, s + 8, minus, A, s + 12, x, s + 16, one, y, s + 16)
     elif m and n:
         _dgemv(s, s + 4, s + 8, minus, A, s + 12, x, s + 16, one, y, s + 16)
@@ -174,7 +180,7 @@ def _order(exchanges, order):
 
 
 @_compiled
-def _eliminate(rest, left, right, beside, open, cell, ahead, columns, rows, unit):
+def _eliminate(rest, left, right, beside, opened, cell, ahead, columns, rows, signs):
     """Factors of some nodes; how many were singular.
 
     rest (p + k, n): open and full rows at the first of them, and then at the node after the last. left, right (m, n, n)
@@ -185,9 +191,9 @@ def _eliminate(rest, left, right, beside, open, cell, ahead, columns, rows, unit
     p, k, singular = n - q, beside.shape[1], 0
     first, second = np.empty(p, np.int32), np.empty(q, np.int32)
     for i in range(m):
-        o, c = open[i], cell[i]
+        o, c = opened[i], cell[i]
         o[:] = rest[:p]
-        singular += _getrf(n, p, _at(o, 0, 0), n, first, unit)
+        singular += _getrf(n, p, _at(o, 0, 0), n, first, signs)
         _order(first, columns[i])
         for j in range(n):
             column = columns[i, j]
@@ -195,9 +201,9 @@ def _eliminate(rest, left, right, beside, open, cell, ahead, columns, rows, unit
                 c[j, r] = left[i, r, column]
             for r in range(k):
                 c[j, n + r] = rest[p + r, column]
-        _trsm(_LOWER, _TURNED, _ONES, n + k, p, _at(o, 0, 0), n, _at(c, 0, 0), n + k, unit)
-        _gemm(n + k, q, p, _at(c, 0, 0), n + k, _at(o, 0, p), n, _at(c, p, 0), n + k, unit)
-        singular += _getrf(n, q, _at(c, p, 0), n + k, second, unit)
+        _trsm(_LOWER, _TURNED, _ONES, n + k, p, _at(o, 0, 0), n, _at(c, 0, 0), n + k, signs)
+        _gemm(n + k, q, p, _at(c, 0, 0), n + k, _at(o, 0, p), n, _at(c, p, 0), n + k, signs)
+        singular += _getrf(n, q, _at(c, p, 0), n + k, second, signs)
         _order(second, rows[i])
         for shares in c[:p]:
             for j in range(q):
@@ -209,43 +215,43 @@ def _eliminate(rest, left, right, beside, open, cell, ahead, columns, rows, unit
         for r in range(p):
             rest[r] = right[i, rows[i, q + r]]
         rest[p:] = beside[i]
-        _trsm(_LOWER, _TURNED, _ONES, n, q, _at(c, p, 0), n + k, _at(a, 0, 0), n, unit)
-        _trsm(_UPPER, _PLAIN, _ANY, k, q, _at(c, p, 0), n + k, _at(c, p, n), n + k, unit)
-        _gemm(n, p + k, q, _at(a, 0, 0), n, _at(c, p, q), n + k, _at(rest, 0, 0), n, unit)
+        _trsm(_LOWER, _TURNED, _ONES, n, q, _at(c, p, 0), n + k, _at(a, 0, 0), n, signs)
+        _trsm(_UPPER, _PLAIN, _ANY, k, q, _at(c, p, 0), n + k, _at(c, p, n), n + k, signs)
+        _gemm(n, p + k, q, _at(a, 0, 0), n, _at(c, p, q), n + k, _at(rest, 0, 0), n, signs)
     return singular
 
 
 @_compiled
-def _solve(start, cells, end, border, open, cell, ahead, columns, rows, last, last_rows, unit):
+def _solve(start, cells, end, border, opened, cell, ahead, columns, rows, last, last_rows, signs):
     """Solution (N, n) for right-hand sides (p,), (N - 1, n), (n - p - k,) and (k,)."""
     m, q, n = ahead.shape
     p, k = n - q, border.size
-    found, x = np.empty((m, n), unit.dtype), np.empty((m + 1, n), unit.dtype)
-    rest, right = np.empty(p + k, unit.dtype), np.empty(n + k, unit.dtype)
+    found, x = np.empty((m, n), signs.dtype), np.empty((m + 1, n), signs.dtype)
+    rest, right = np.empty(p + k, signs.dtype), np.empty(n + k, signs.dtype)
     rest[:p], rest[p:] = start, border
     for i in range(m):
-        o, c, f = open[i], cell[i], found[i]
+        o, c, f = opened[i], cell[i], found[i]
         for r in range(n):
             right[r] = cells[i, rows[i, r]]
         right[n:] = rest[p:]
         f[:p] = rest[:p]
-        _trsv(_UPPER, _TURNED, _ANY, p, _at(o, 0, 0), n, _at(found, i, 0), unit)
-        _gemv(_PLAIN, n + k, p, _at(c, 0, 0), n + k, _at(found, i, 0), right.ctypes.data, unit)
-        _trsv(_LOWER, _PLAIN, _ONES, q, _at(c, p, 0), n + k, right.ctypes.data, unit)
-        _gemv(_PLAIN, p + k, q, _at(c, p, q), n + k, right.ctypes.data, right[q:].ctypes.data, unit)
+        _trsv(_UPPER, _TURNED, _ANY, p, _at(o, 0, 0), n, _at(found, i, 0), signs)
+        _gemv(_PLAIN, n + k, p, _at(c, 0, 0), n + k, _at(found, i, 0), right.ctypes.data, signs)
+        _trsv(_LOWER, _PLAIN, _ONES, q, _at(c, p, 0), n + k, right.ctypes.data, signs)
+        _gemv(_PLAIN, p + k, q, _at(c, p, q), n + k, right.ctypes.data, right[q:].ctypes.data, signs)
         f[p:] = right[:q]
         rest[:] = right[q:]
     right[:p], right[p : n - k], right[n - k : n] = rest[:p], end, rest[p:]
     for r in range(n):
         x[m, r] = right[last_rows[r]]
-    _trsv(_LOWER, _PLAIN, _ONES, n, _at(last, 0, 0), n, _at(x, m, 0), unit)
-    _trsv(_UPPER, _PLAIN, _ANY, n, _at(last, 0, 0), n, _at(x, m, 0), unit)
+    _trsv(_LOWER, _PLAIN, _ONES, n, _at(last, 0, 0), n, _at(x, m, 0), signs)
+    _trsv(_UPPER, _PLAIN, _ANY, n, _at(last, 0, 0), n, _at(x, m, 0), signs)
     for i in range(m - 1, -1, -1):
-        o, c, f = open[i], cell[i], found[i]
-        _gemv(_TURNED, n, q, _at(ahead[i], 0, 0), n, _at(x, i + 1, 0), _at(found, i, p), unit)
-        _trsv(_UPPER, _PLAIN, _ANY, q, _at(c, p, 0), n + k, _at(found, i, p), unit)
-        _gemv(_TURNED, q, p, _at(o, 0, p), n, _at(found, i, p), _at(found, i, 0), unit)
-        _trsv(_LOWER, _TURNED, _ONES, p, _at(o, 0, 0), n, _at(found, i, 0), unit)
+        o, c, f = opened[i], cell[i], found[i]
+        _gemv(_TURNED, n, q, _at(ahead[i], 0, 0), n, _at(x, i + 1, 0), _at(found, i, p), signs)
+        _trsv(_UPPER, _PLAIN, _ANY, q, _at(c, p, 0), n + k, _at(found, i, p), signs)
+        _gemv(_TURNED, q, p, _at(o, 0, p), n, _at(found, i, p), _at(found, i, 0), signs)
+        _trsv(_LOWER, _TURNED, _ONES, p, _at(o, 0, 0), n, _at(found, i, 0), signs)
         for j in range(n):
             x[i, columns[i, j]] = f[j]
     return x

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import os
 import subprocess
 import sys
 from dataclasses import dataclass
@@ -154,6 +155,23 @@ def test_blocks_and_right_hand_sides_are_left_as_they_are():
     before = [part.copy() for part in (*chain.blocks, *chain.right)]
     chain.solved()
     assert all(np.array_equal(a, b) for a, b in zip(before, (*chain.blocks, *chain.right), strict=True))
+
+
+def test_without_compiling_it_solves_as_well():
+    """With NUMBA_DISABLE_JIT, as for a debugger, the same file runs interpreted."""
+    text = (
+        "import numpy as np\n"
+        "from solvers import block_chain\n"
+        "from verification.test_block_chain import BACKWARD, CHAINS, backward_error\n"
+        "assert not hasattr(block_chain._solve, 'py_func')\n"
+        "chain = CHAINS['closed in space']\n"
+        "assert backward_error(chain, chain.solved()) <= BACKWARD\n"
+    )
+    environment = os.environ | {"NUMBA_DISABLE_JIT": "1"}
+    run = subprocess.run(
+        [sys.executable, "-c", text], cwd=Path(__file__).parents[1], env=environment, capture_output=True, text=True
+    )
+    assert run.returncode == 0, run.stderr
 
 
 @pytest.mark.parametrize("name", CHAINS)

@@ -476,7 +476,7 @@ DEFECTS = (
     Defect(
         "transposed elimination",
         "block_chain",
-        "minus = one + unit.itemsize\n    if m and n and k",
+        "minus = one + signs.itemsize\n    if m and n and k",
         "minus = one\n    if m and n and k",
         "sign",
         "the Schur complement is added",
