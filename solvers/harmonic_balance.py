@@ -7,6 +7,7 @@ vanish, (63), and Newton's method solves for z with the blocks (72)-(74) of the 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -84,11 +85,10 @@ def solve_periodic(
         if multilevel and start is None:
             z, spent = _climbed(system, basis, _COARSE * nu, newton, mirror, iterative)
         found = _continued(system, basis, z, tolerance, newton, mirror, iterative)
-        coefficients, *_, reached, balance = found
-        if reached == 1.0 and balance.symmetric and not balance.holds(balance.pack(coefficients)):
-            *_, reached, balance = found = _continued(system, basis, z, tolerance, newton, None, iterative)
-        response = _response(system, nu, spent, *found, finer, tolerance)
-    given = f"{Nh} harmonics, {Nt} samples, amplitude reached: {reached:.4g}"
+        if found.reached == 1.0 and found.balance.symmetric and not found.balance.holds(found.balance.pack(found.z)):
+            found = _continued(system, basis, z, tolerance, newton, None, iterative)
+        response = _response(system, nu, spent, found, finer, tolerance)
+    given = f"{Nh} harmonics, {Nt} samples, amplitude reached: {found.reached:.4g}"
     if response.event is not None:
         t, node = response.event
         given += f"; a state is invalid at t = {t:.4g} s, node {node + 1} of {system.nodes}"
@@ -153,8 +153,19 @@ def _levels(coarsest, fewest, harmonics):
     return levels[::-1]
 
 
-def _continued(system, basis, z, tolerance, newton, mirror, iterative):
-    """Newton at the full driving, or from rest by steps in its amplitude: (z, iterations, steps, reached, balance)."""
+class _Found(NamedTuple):
+    """Coefficients z at the share of the driving that was reached, and how: all iterations, steps of the last Newton."""
+
+    z: np.ndarray
+    iterations: int
+    steps: list
+    reached: float
+    balance: Balance
+    inverse: list  # its last element solves with the newest Jacobian
+
+
+def _continued(system, basis, z, tolerance, newton, mirror, iterative) -> _Found:
+    """Newton at the full driving, or from rest by steps in its amplitude."""
     reached, rise, iterations, before = 0.0, 1.0, 0, None
     while True:
         share = min(1.0, reached + rise)
@@ -164,29 +175,47 @@ def _continued(system, basis, z, tolerance, newton, mirror, iterative):
         guess = z
         if before is not None:  # along the secant
             guess = z + (share - reached) / (reached - before[0]) * (z - before[1])
-        x, steps, converged = newton(balance.linearise, balance.residual, balance.pack(guess), tolerance, _error)
+        linearise, inverse = _remembered(balance.linearise)
+        x, steps, converged = newton(linearise, balance.residual, balance.pack(guess), tolerance, _error)
         iterations += len(steps)
         if converged:
             if reached > 0:
                 before = (reached, z)
             z, reached, rise = balance.unpack(x), share, 2 * rise
             if reached == 1.0:
-                return z, iterations, steps, reached, balance
+                return _Found(z, iterations, steps, reached, balance, inverse)
         else:
             if reached == 0:
                 z = np.zeros_like(z)
             rise /= 2
             if rise < _SMALLEST_RISE or iterations > _PATIENCE:
-                return z, iterations, steps, reached, balance
+                return _Found(z, iterations, steps, reached, balance, inverse)
 
 
-def _response(system, nu, spent, z, iterations, steps, reached, balance, finer, tolerance) -> PeriodicResponse:
+def _remembered(linearise):
+    """linearise, and a list of what its last call gave to solve with.
+
+    Not kept by the balance, which the solving function knows: factors would outlive the solve until a collection.
+    """
+    inverse = []
+
+    def again(x):
+        inverse.clear()  # the old factors go before the new ones come
+        F, solve = linearise(x)
+        inverse.append(solve)
+        return F, solve
+
+    return again, inverse
+
+
+def _response(system, nu, spent, found, finer, tolerance) -> PeriodicResponse:
     """What was found, corrected with the rows of a ``finer`` chain if there is one."""
     status, event, correction = Status.SUCCESS, None, None
+    z, iterations, steps, reached, balance, inverse = found
     basis = balance.basis
     norm = float(abs(balance.residual(balance.pack(z))).max())
     if finer is not None and reached == 1.0:
-        z, correction = _corrected(balance, finer, z, tolerance)
+        z, correction = _corrected(balance, inverse[-1], finer, z, tolerance)
         system = system if correction is None else finer
         status = Status.NOT_CORRECTED if correction is None else status
     if reached < 1.0:
@@ -198,11 +227,11 @@ def _response(system, nu, spent, z, iterations, steps, reached, balance, finer, 
         if invalid is not None:
             status, event = (invalid[0] if reached == 1.0 else status), (float(t), invalid[1])
             break
-    found = tuple(steps), reached, basis.mean, balance.symmetric, event, correction
-    return PeriodicResponse(system, basis, z, nu, status, iterations, spent, norm, *found)
+    how = tuple(steps), reached, basis.mean, balance.symmetric, event, correction
+    return PeriodicResponse(system, basis, z, nu, status, iterations, spent, norm, *how)
 
 
-def _corrected(balance, finer, z, tolerance):
+def _corrected(balance, inverse, finer, z, tolerance):
     """z after steps of the last Jacobian to the rows of a chain of higher order, and mean |dz|.
 
     One step is of fourth order with the Jacobian at z. The last one is often older, and the next steps mend it. Where
@@ -210,7 +239,7 @@ def _corrected(balance, finer, z, tolerance):
     """
     rows, x, last = balance.of(finer), balance.pack(z), np.inf
     for k in range(_CORRECTIONS):  # noqa: B007 (used below)
-        step = balance.inverse(rows.residual(x))
+        step = inverse(rows.residual(x))
         size = _error(step)
         if not (np.isfinite(size) and size <= last / 2):
             break

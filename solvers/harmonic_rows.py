@@ -70,7 +70,7 @@ class Balance:
             self.closed = [d for d in range(len(drift)) if 0 in self.end_rows[offset + d]]
             for d in self.closed:
                 self.end_rows[offset + d] = self.end_rows[offset + d][1:]
-        self.weights, self.scratch, self.inverse = {}, {}, None
+        self.weights, self.scratch = {}, {}
         self.n = sum(map(len, self.columns))
         parts = self.columns, self.start_rows, self.cell_rows, self.end_rows
         self.of_node, self.of_start, self.of_cell, self.of_end = (self._places(active) for active in parts)
@@ -157,12 +157,7 @@ class Balance:
         return parts[0][:, 0], parts[1], parts[2][:, 0], drift
 
     def linearise(self, x):
-        """The residual and a function that solves with the Jacobian, None where it is singular; kept as ``inverse``."""
-        self.inverse = None  # the old factors go before the new ones come
-        F, self.inverse = self._linearised(x)
-        return F, self.inverse
-
-    def _linearised(self, x):
+        """The residual and a function that solves with the Jacobian, None where it is singular."""
         rows, state = self.rows(x, True)
         F = self._sampled(rows, state)
         if not np.isfinite(F).all():

@@ -5,12 +5,14 @@ Starts on fewer nodes and harmonics, factors in single precision that are checke
 
 from __future__ import annotations
 
+import gc
 import math
+import weakref
 
 import numpy as np
 import pytest
 
-from solvers import harmonic_balance, harmonic_rows, newton
+from solvers import Status, harmonic_balance, harmonic_rows, newton
 from solvers.block_chain import BlockChain
 from solvers.cable import CableSystem, cable_system
 from solvers.fourier import Basis
@@ -71,6 +73,25 @@ def made(monkeypatch) -> list:
 
     monkeypatch.setattr(harmonic_rows, "BlockChain", Counted)
     return kept
+
+
+@pytest.mark.parametrize("options", [{}, {"deferred_correction": True}, {"globalisation": "relaxation"}], ids=str)
+def test_factors_do_not_outlive_the_solve(options, monkeypatch):
+    """Without a collection of garbage every factorisation is freed: the next solve gets its memory, still warm."""
+    living = []
+
+    class Watched(BlockChain):
+        def __init__(self, *blocks):
+            super().__init__(*blocks)
+            living.append(weakref.ref(self))
+
+    monkeypatch.setattr(harmonic_rows, "BlockChain", Watched)
+    gc.disable()
+    try:
+        response = solve_periodic(system(2, 25), harmonics=5, **options)
+        assert response.status is Status.SUCCESS and living and not any(factors() for factors in living)
+    finally:
+        gc.enable()
 
 
 @each_case

@@ -320,8 +320,8 @@ DEFECTS = (
     Defect(
         "symmetry taken on trust",
         "harmonic_balance",
-        "if reached == 1.0 and balance.symmetric and not balance.holds(balance.pack(coefficients)):",
-        "if reached == 1.0 and balance.symmetric and False:",
+        "if found.reached == 1.0 and found.balance.symmetric and not found.balance.holds(found.balance.pack(found.z)):",
+        "if found.reached == 1.0 and found.balance.symmetric and False:",
         "regime",
         "a mirror that passed by mistake is not looked at again",
         "test_oscillators.py::test_symmetry_is_looked_at_again_in_the_solution",
