@@ -154,7 +154,7 @@ def _levels(coarsest, fewest, harmonics):
 
 
 class _Found(NamedTuple):
-    """Coefficients z at the share of the driving that was reached, and how: all iterations, steps of the last Newton."""
+    """Coefficients z at the share of the driving that was reached, and how: all iterations, steps of the last solve."""
 
     z: np.ndarray
     iterations: int
