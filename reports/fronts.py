@@ -34,6 +34,7 @@ class Behind:
         return f"from an error of {number(self.least, 2)} {end} {theirs}, this project {mine}"
 
 
+MOVING_WRONG = 0.1  # greatest error over the range of the tension: beyond, an answer is wrong, as in the stability maps
 OUR_METHODS = ("harmonic balance", "time domain")
 """How the names of this project's methods for moving cables begin."""
 
@@ -95,8 +96,8 @@ def _limit(point: dict) -> float:
 
 
 def moving(points: list[dict], titles: dict) -> list[Front]:
-    """The fronts of the moving cables; points of the part "work" of harmonic_balance.json."""
-    good = [p | {"error": p["rms"]} for p in points if p["rms"]]
+    """The fronts of the moving cables; points of the part "work" of harmonic_balance.json, wrong answers left out."""
+    good = [p | {"error": p["rms"]} for p in points if p["rms"] and p["error"] <= MOVING_WRONG]
     mine, label = lambda p: p["method"].startswith(OUR_METHODS), lambda p: p["method"]
     return [_front(titles[case], [p for p in good if p["case"] == case], mine, label)
             for case in dict.fromkeys(p["case"] for p in good)]  # fmt: skip

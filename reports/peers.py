@@ -11,7 +11,6 @@ from .tables import Table, short
 from .words import plural, ratio
 
 FASTER = "where it is the faster one"
-MOVING_WRONG = 0.1  # greatest error over the range of the tension, as in the stability maps
 
 
 def table(
@@ -86,4 +85,4 @@ def _moving(data):
 
 def _moved(point: dict | None) -> str:
     """The verdict on the finest setting of a case; None where it gave no tension."""
-    return "refused" if point is None else "wrong" if point["error"] > MOVING_WRONG else "right"
+    return "refused" if point is None else "wrong" if point["error"] > fronts.MOVING_WRONG else "right"

@@ -261,7 +261,7 @@ def subprocess_of(code: str):
 # ---------------------------------------------------------------- fronts
 FRONTS = """
 from reports import fronts
-P = lambda who, seconds, error: {"method": who, "case": "c", "seconds": seconds, "rms": error}
+P = lambda who, seconds, rms: {"method": who, "case": "c", "seconds": seconds, "rms": rms, "error": 3 * rms}
 ours = [P("harmonic balance", 1.0, 1e-2), P("time domain", 4.0, 1e-4)]
 ahead, = fronts.moving(ours + [P("MoorDyn", 5.0, 1e-3)], {"c": "C"})
 print(ahead.words)
@@ -269,12 +269,15 @@ behind, = fronts.moving(ours + [P("MoorDyn", 2.0, 1e-3)], {"c": "C"})
 print(behind.mine, behind.points, behind.words)
 alone, = fronts.moving(ours + [P("MoorDyn", 9.0, 1e-6)], {"c": "C"})
 print(alone.words)
+wrong, = fronts.moving(ours + [P("MoorDyn", 0.1, 0.5)], {"c": "C"})
+print(wrong.points, wrong.words)
 """
 
 
 def test_words_on_the_front_follow_the_points():
-    """Ahead at every error; behind at some, with both times; and behind where this project has no setting."""
-    ahead, behind, alone = subprocess_of(FRONTS).stdout.splitlines()
+    """Ahead at every error; behind at some, with both times, or with no setting; a wrong answer is ahead of nobody."""
+    ahead, behind, alone, wrong = subprocess_of(FRONTS).stdout.splitlines()
+    assert wrong == f"2 {ahead}"
     assert ahead == "C: this project is the fastest at every error that any code reaches"
     assert behind == ("2 3 C: from an error of 0.0010 up to 0.010 MoorDyn takes 2.00 s, this project 4.00 s (2 times)")
     assert alone == "C: from an error of 1.0e-6 up to 1.0e-4 MoorDyn takes 9.00 s, this project has no setting"
