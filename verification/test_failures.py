@@ -361,6 +361,7 @@ def test_the_good_scene_loads(scene_file):
         ('"a line"', "7", r"name: 7 must be a text"),
         ("", "description = ['x']\n", r"description: \['x'\] must be a text"),
         ("", "tolerance = 0\n", r"tolerance: 0 \(dimensionless\) must be > 0"),
+        ("", "tolerance = 1\n", r"tolerance: 1 \(dimensionless\) must be < 1"),
         ("", "tolerance = 'fine'\n", r"tolerance: 'fine' must be a real number"),
         ("[environment]\ndepth = 320.0\n", "environment = 320.0\n", r"environment: 320.0 must be a table"),
         ("[environment]\ndepth = 320.0\n", "[[environment]]\ndepth = 320.0\n", r"environment: .* must be a table"),

@@ -11,6 +11,7 @@ import scipy.sparse as sparse
 from solvers import network_balance, network_few, network_jacobian, solve_network
 from solvers.catenary_excursion import excursion
 from solvers.network_balance import Balance
+from solvers.network_jacobian import _dogleg
 from solvers.network_monolithic import Monolith
 from solvers.network_nested import Count
 
@@ -447,3 +448,14 @@ def test_raised_bights_lie_on_the_seabed():
 def test_stiffness_has_the_size_of_its_coupled_nodes(case):
     state = solved(case)
     assert state.stiffness.shape == (3 * state.coupled.sum(),) * 2 and largest(state) > 0
+
+
+# ---------------------------------------------------------------- the trust region
+def test_the_dogleg_lies_on_its_path():
+    """As long as the radius: along Cauchy's step, then from its end towards Newton's; or all of Newton's."""
+    newton, cauchy = np.array([3.0, 4.0]), np.array([1.0, 0.0])
+    assert np.array_equal(_dogleg(newton, cauchy, 6.0), newton)
+    assert _dogleg(newton, cauchy, 0.25) == pytest.approx(0.25 * cauchy)
+    step = _dogleg(newton, cauchy, 2.0)
+    share = (step - cauchy) / (newton - cauchy)
+    assert np.linalg.norm(step) == pytest.approx(2.0) and share[0] == pytest.approx(share[1]) and 0 < share[0] < 1
