@@ -1,43 +1,43 @@
 """Runs a module as a stage of the report: `python -m reports.guard alone|beside MODULE ARGUMENT...`.
 
-"alone" is pinned to one core. The stage ends with the report however that ends, kill -9 included: the report holds the
-other end of its standard input, and when that is closed the whole group of processes of the stage is killed.
+"alone" is pinned to one core. What the stage started ends with it and with the report, however those end, kill -9
+included: the report holds the other end of the guard's standard input, and when that is closed, or the stage is over,
+the guard kills the stage's group of processes. It stands outside of that group: a stage that found its output closed
+before its own watcher ran would take the watcher with it and leave its children.
 """
 
 from __future__ import annotations
 
+import contextlib
 import os
-import runpy
 import signal
+import subprocess
 import sys
 import threading
 
 
-def main():
-    """Become the module."""
-    how, module, *arguments = sys.argv[1:]
-    _end_with_parent()
+def main() -> int:
+    """Start the module, and return its exit status when it and what it started are gone."""
+    how, *words = sys.argv[1:]
     if how == "alone" and hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})  # interrupts tend to go to the first core
-    sys.argv = [module, *arguments]
-    runpy.run_module(module, run_name="__main__", alter_sys=True)
+    group = {"process_group": 0} if hasattr(os, "killpg") else {}
+    stage = subprocess.Popen([sys.executable, "-m", *words], stdin=subprocess.DEVNULL, **group)
+    threading.Thread(target=_watch, args=(stage,), daemon=True).start()
+    code = stage.wait()
+    _kill(stage)
+    return code if code >= 0 else 128 - code  # of a signal, as shells tell it
 
 
-def _end_with_parent():
-    """Watch the parent through a copy of standard input, which becomes empty for the stage and its own children."""
-    line = os.dup(0)
-    empty = os.open(os.devnull, os.O_RDONLY)
-    os.dup2(empty, 0)
-    os.close(empty)
-    threading.Thread(target=_watch, args=(line,), daemon=True).start()
+def _watch(stage: subprocess.Popen):
+    os.read(0, 1)  # nothing is ever written: this returns when the report is gone
+    _kill(stage)
 
 
-def _watch(line: int):
-    os.read(line, 1)  # nothing is ever written: this returns when the parent is gone
-    if hasattr(os, "killpg") and os.getpgrp() == os.getpid():
-        os.killpg(os.getpid(), signal.SIGKILL)
-    os._exit(1)
+def _kill(stage: subprocess.Popen):
+    with contextlib.suppress(ProcessLookupError, PermissionError):  # nobody is left; macOS: only who is over
+        os.killpg(stage.pid, signal.SIGKILL) if hasattr(os, "killpg") else stage.kill()
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

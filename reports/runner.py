@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import os
 import queue
-import signal
 import subprocess
 import sys
 import threading
@@ -185,12 +184,9 @@ class _Run:
 
 
 def _end(processes: list[subprocess.Popen]):
+    """Let the guards end their stages and what these started."""
     for process in processes:
-        with contextlib.suppress(ProcessLookupError):
-            if hasattr(os, "killpg"):
-                os.killpg(process.pid, signal.SIGTERM)
-            else:
-                process.terminate()
+        process.stdin.close()
     for process in processes:
         try:
             process.wait(timeout=10)

@@ -136,6 +136,29 @@ def test_killed_run_goes_on_where_it_was(tmp_path, planted):
     assert states(planted(folder, pause=0.4)) == ["reused"] * 6
 
 
+ENDS = {"by itself": "os._exit(3)", "its output closed": "print(flush=True)"}
+"""What a stage does without end while its child lives: it is over at once, or as soon as its report is killed, before
+anybody can have told it so."""
+
+
+@needs_kill
+@pytest.mark.parametrize("how", ENDS)
+def test_a_stage_that_ends_first_leaves_no_child(tmp_path, planted, how):
+    """Its report sees it failed and goes on, or was killed; in both cases what the stage started ends too."""
+    stage = tmp_path / "planted_stage.py"
+    start, _ = stage.read_text().split("text = ", 1)
+    stage.write_text(f"import os\n{start}\nwhile True:\n    pathlib.Path(beats).exists() and {ENDS[how]}\n")
+    run = planted(tmp_path / "run")
+    beats = tmp_path / "run" / "beats"
+    if how == "by itself":
+        assert states(run) == ["failed"] * 6
+    else:
+        wait_for(beats.exists)
+        run.kill()
+        run.communicate()
+    wait_for(lambda: silent(beats), ENDS_WITHIN)
+
+
 @needs_kill
 def test_result_that_was_cut_is_made_again(tmp_path, planted):
     """A result file that is not as it was written (cut by a full disk, edited) is not valid, whatever its record."""
