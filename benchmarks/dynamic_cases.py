@@ -171,8 +171,8 @@ class References:
 
 
 _SOLVERS = ("cable", "cable_planar", "cable_spatial", "chain", "loads", "fourier", "harmonic_balance", "harmonic_rows",
-            "harmonic_krylov", "block_chain", "newton", "statics", "motion", "properties", "scene", "periodic_response",
-            "stencils")  # fmt: skip
+            "harmonic_krylov", "harmonic_blocks", "compiled", "block_chain", "newton", "statics", "motion",
+            "properties", "scene", "periodic_response", "stencils")  # fmt: skip
 
 
 @cache

@@ -20,6 +20,8 @@ from numba import njit, types
 from numba.extending import get_cython_function_address
 from scipy.linalg import cython_blas, cython_lapack, lapack
 
+from .compiled import compiled
+
 
 class BlockChain:
     """Factors of start (p, n), cells (2, N - 1, n, n), end (n - p - k, n) and full rows border (k, N, n).
@@ -68,14 +70,6 @@ def _block(part, real, *shape):
     if part.shape != shape:
         raise ValueError(f"a block of shape {part.shape} must be {shape}")
     return np.ascontiguousarray(part, real)
-
-
-def _compiled(loop):
-    """Compiled at the first call: once for all processes, or in each where numba finds no folder to keep it in."""
-    try:
-        return njit(cache=True)(loop)
-    except RuntimeError:
-        return njit(loop)
 
 
 # ---------------------------------------------------------------- BLAS and LAPACK in compiled code
@@ -169,7 +163,7 @@ def _gemv(turned, m, n, A, lda, x, y, signs):
 
 
 # ---------------------------------------------------------------- the elimination
-@_compiled
+@compiled
 def _order(exchanges, order):
     """The order of rows after LAPACK's exchanges, counted from 1."""
     for i in range(order.size):
@@ -179,7 +173,7 @@ def _order(exchanges, order):
         order[i], order[j] = order[j], order[i]
 
 
-@_compiled
+@compiled
 def _eliminate(rest, left, right, beside, opened, cell, ahead, columns, rows, signs):
     """Factors of some nodes; how many were singular.
 
@@ -221,7 +215,7 @@ def _eliminate(rest, left, right, beside, opened, cell, ahead, columns, rows, si
     return singular
 
 
-@_compiled
+@compiled
 def _solve(start, cells, end, border, opened, cell, ahead, columns, rows, last, last_rows, signs):
     """Solution (N, n) for right-hand sides (p,), (N - 1, n), (n - p - k,) and (k,)."""
     m, q, n = ahead.shape

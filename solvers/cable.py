@@ -162,18 +162,19 @@ class CableSystem(ChainSystem):
         at = np.append(np.arange(0, self.nodes - 1, 2), self.nodes - 1)
         coarse = CableSystem(self.scene, self.s[at], self.planar, self.motion)
         coarse._equilibrium = self.rest()[:, at]
+        coarse._following = self._following and tuple(part[..., at] for part in self._following)
         if self.source is not None:
             coarse.source = lambda t: self.source(t)[:, at]
         return coarse, lambda z: make_interp_spline(coarse.s, z, axis=1)(self.s)
 
     def carried(self, t) -> np.ndarray | None:
-        """The rest with velocities that grow from none at the anchor to the prescribed ones at the fairlead."""
-        if self.motion is None:
+        """The equilibrium as it follows the fairlead, linearised, with the velocities of that."""
+        if self.motion is None or self._following is None:
             return None
-        y = np.repeat(self.rest()[..., None], len(t), axis=-1)
+        state, place = self._following
         turn = self._rows.velocity(self.rest())[1][:, 1 : 1 + self.dimension]  # a rotation
-        share, moved = self.s / self.s[-1], self.axes @ self.motion.velocity(t)
-        y[1 : 1 + self.dimension] = np.einsum("dcn,n,dt->cnt", turn, share, moved)
+        y = self.rest()[..., None] + np.einsum("afn,at->fnt", state, self.axes @ self.motion.displacement(t))
+        y[1 : 1 + self.dimension] = np.einsum("dcn,adn,at->cnt", turn, place, self.axes @ self.motion.velocity(t))
         return y
 
     def mirror(self) -> tuple[tuple[int, ...], ...] | None:
@@ -206,6 +207,12 @@ class CableSystem(ChainSystem):
 
         return solve_static(self).y
 
+    @cached_property
+    def _following(self):
+        from .statics import follow  # statics knows this module
+
+        return follow(self)
+
     def answer(self) -> float:
         """An axial wave passes five cells and comes back."""
         return 10 * float(self.ds.max()) / math.sqrt(self.EA / self.m)
@@ -219,7 +226,7 @@ class CableSystem(ChainSystem):
     def drift(self, y, t) -> np.ndarray:
         """Integral of (1 + eps) t ds less the prescribed place of the fairlead, (2 or 3, *S), m."""
         straight = _over(self.chord[:, None] / self.s[-1], y)  # taken off at the nodes: smaller sums round less
-        away = np.moveaxis(self._rows.stretched_tangent(y, False)[0] - straight, 1, -1) @ self._weights
+        away = np.einsum("dn...,n->d...", self._rows.stretched_tangent(y, False)[0] - straight, self._weights)
         return away - (0.0 if self.motion is None else self.axes @ self.motion.displacement(t))
 
     def drift_tangent(self, y) -> np.ndarray:

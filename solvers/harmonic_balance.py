@@ -14,6 +14,7 @@ import numpy as np
 from .chain import ChainSystem
 from .fourier import Basis
 from .harmonic_rows import Balance, mirror_of
+from .heap import keep_freed_memory
 from .newton import damped_newton, relaxed_newton
 from .outcome import InputError, Status
 from .periodic_response import PeriodicResponse
@@ -80,6 +81,7 @@ def solve_periodic(
     basis = Basis(Nh, Nt, 2 * math.pi / (nu * system.period), bool(mean))
     newton, iterative = _NEWTON[globalisation], linear_solver == "iterative"
     z, spent = _start(system, basis, start), 0
+    keep_freed_memory()
     with one_blas_thread(), np.errstate(all="ignore"):  # a diverging step is found by its size
         mirror = mirror_of(system, basis) if symmetry else None
         if multilevel and start is None:

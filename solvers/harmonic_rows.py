@@ -13,12 +13,11 @@ import math
 import numpy as np
 
 from .block_chain import BlockChain
+from .harmonic_blocks import Blocks
 from .harmonic_krylov import HarmonicKrylov
 
 _SINGLE = 48  # unknowns of a node from which on single precision saves more than its check costs
 _PART = 32  # cells whose blocks exist at once, beside the factors
-_FEW = 600_000  # numbers up to which all of them are cheaper than a choice of them; fewer, where many are not wanted
-_ROUNDED = 1e-13  # share of sums of products of Fourier functions below which they are zero, rounded
 _REFINED = 1e-2  # size of a refinement beside its solution above which single precision does not do
 _SYMMETRIC = 1e-9  # share of the rows that may be left where a symmetry says zero
 _NONE = np.empty(0, int)
@@ -70,10 +69,11 @@ class Balance:
             self.closed = [d for d in range(len(drift)) if 0 in self.end_rows[offset + d]]
             for d in self.closed:
                 self.end_rows[offset + d] = self.end_rows[offset + d][1:]
-        self.weights, self.scratch = {}, {}
+        self.blocks = Blocks(basis, self.columns)
         self.n = sum(map(len, self.columns))
         parts = self.columns, self.start_rows, self.cell_rows, self.end_rows
         self.of_node, self.of_start, self.of_cell, self.of_end = (self._places(active) for active in parts)
+        self.harmonics = [self.blocks.harmonics(active, basis) for active in parts[1:]]
 
     def _active(self, signs, count):
         """Coefficients (a list of index arrays) of each field or row."""
@@ -197,78 +197,18 @@ class Balance:
         """
         start, cells, end = rows
         nodes = self.rest.shape[1]
-        some = lambda at: self._blocks(cells.y[..., at, :], cells.ydot[..., at, :], self.cell_rows, precision)
+        first, middle, last = self.harmonics
+        between = lambda *some: self.blocks(cells.y, cells.ydot, middle, precision, *some)
         blocks = (
-            self._blocks(start.y[:, :, None], start.ydot[:, :, None], self.start_rows, precision)[0],
-            some(slice(None)) if part is None else (some(slice(i, i + part)) for i in range(0, nodes - 1, part)),
-            self._blocks(end.y[:, :, None], end.ydot[:, :, None], self.end_rows, precision)[0],
+            self.blocks(start.y[:, :, None], start.ydot[:, :, None], first, precision)[0],
+            between() if part is None else (between(i, i + part) for i in range(0, nodes - 1, part)),
+            self.blocks(end.y[:, :, None], end.ydot[:, :, None], last, precision)[0],
         )
         if not self.closed:
             return *blocks, np.zeros((0, nodes, self.n), precision)
         mean = slope[self.closed] @ (self.basis.P[:, :1] * self.basis.Q)  # (k, n_f, N, C)
         mean = np.swapaxes(mean, 1, 2).reshape(len(self.closed), nodes, -1)
         return *blocks, mean[..., self.of_node].astype(precision)
-
-    def _blocks(self, by_y, by_ydot, active, precision):
-        """P^T diag(dF/dy) Q + P^T diag(dF/dydot) Q_t: (..., nodes, rows, n) of tangents (..., n_r, n_f, nodes, Nt)."""
-        *lead, n_r, n_f, nodes, Nt = by_y.shape
-        C = self.basis.harmonic.size
-        if by_y.size // Nt * C**2 <= _FEW * self.n / (n_f * C):
-            return self._few_blocks(by_y, by_ydot, active, precision)
-        at, to = (np.cumsum([0, *map(len, parts)]) for parts in (active, self.columns))
-        out = np.zeros((math.prod(lead), nodes, at[-1], self.n), precision)
-        filled = set()
-        for tangent, of_rate in ((by_y, False), (by_ydot, True)):
-            tangent = tangent.reshape(len(out), n_r, n_f, nodes, Nt)
-            there = (tangent != 0).reshape(len(out), n_r, n_f, nodes * Nt).any(axis=3).any(axis=0)
-            still = (tangent == tangent[..., :1]).reshape(len(out), n_r, n_f, nodes * Nt).all(axis=3).all(axis=0)
-            alike = {}  # entries of the same coefficients are transformed at once
-            for a, b in np.argwhere(there):
-                weight, diagonal = self._weight(active[a], self.columns[b], of_rate, precision)
-                if still[a, b]:
-                    i, j, share = diagonal
-                    out[:, :, at[a] + i, to[b] + j] += tangent[:, a, b, :, :1] * share
-                else:
-                    alike.setdefault(id(weight), (weight, []))[1].append((a, b))
-            for weight, entries in alike.values():
-                rows, columns = np.array(entries).T
-                sampled = tangent[:, rows, columns].astype(precision)
-                blocks = (sampled.reshape(-1, Nt) @ weight).reshape(len(out), len(rows), nodes, weight.shape[1])
-                for e, (a, b) in enumerate(entries):
-                    place = out[:, :, at[a] : at[a + 1], to[b] : to[b + 1]]
-                    block = blocks[:, e].reshape(place.shape)
-                    np.add(place, block, out=place) if (a, b) in filled else np.copyto(place, block)
-            filled = set(map(tuple, np.argwhere(there)))
-        return out.reshape(*lead, *out.shape[1:])
-
-    def _few_blocks(self, by_y, by_ydot, active, precision):
-        """The same by one product over all coefficients: more numbers and fewer calls."""
-        *lead, n_r, n_f, nodes, Nt = by_y.shape
-        C = self.basis.harmonic.size
-        if precision not in self.weights:
-            Q, P = np.concatenate([self.basis.Q, self.basis.Q_t]), np.concatenate([self.basis.P, self.basis.P])
-            self.weights[precision] = (P[:, :, None] * Q[:, None]).reshape(len(Q), -1).astype(precision)
-        sampled = np.concatenate([by_y, by_ydot], axis=-1, dtype=precision).reshape(-1, 2 * Nt)
-        shape, size = (math.prod(lead), n_r, n_f, nodes, C, C), len(sampled) * C**2
-        kept = self.scratch.get(precision)
-        if kept is None or kept.size < size:  # new pages cost more than the product
-            kept = self.scratch[precision] = np.empty(size, precision)
-        made = np.matmul(sampled, self.weights[precision], out=kept[:size].reshape(-1, C**2))
-        blocks = np.empty((shape[0], nodes, n_r, C, n_f, C), precision)
-        np.copyto(blocks, np.moveaxis(made.reshape(shape), (3, 4), (1, 3)))
-        rows, columns = self._places(active), self.of_node
-        return blocks.reshape(*lead, nodes, n_r * C, n_f * C)[..., rows, :][..., columns]
-
-    def _weight(self, rows, columns, of_rate, precision):
-        """P[t, i] Q[t, j] or P[t, i] Q_t[t, j], (Nt, rows columns); its sum over t: places i, j and values."""
-        key = (rows.tobytes(), columns.tobytes(), of_rate, precision)
-        if key not in self.weights:
-            Q = self.basis.Q_t if of_rate else self.basis.Q
-            weight = self.basis.P[:, rows, None] * Q[:, None, columns]
-            total = weight.sum(axis=0)
-            i, j = np.nonzero(abs(total) > _ROUNDED * abs(total).max(initial=0))
-            self.weights[key] = weight.reshape(len(weight), -1).astype(precision), (i, j, total[i, j])
-        return self.weights[key]
 
     def _split(self, F):
         """Parts of a right-hand side as BlockChain takes them."""

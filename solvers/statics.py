@@ -100,6 +100,23 @@ def solve_static(system: CableSystem, *, method="box", tolerance=TOLERANCE, thro
     return state.or_throw(system.scene.name) if throw else state
 
 
+def follow(system) -> tuple[np.ndarray, np.ndarray] | None:
+    """How the state (n_d, n_f, N) and the places of the nodes (n_d, n_d, N) at rest follow the fairlead, per metre.
+
+    The first axis is the direction of the fairlead, the second of the places, in the system's own axes; linearised.
+    None where the stiffness is singular.
+    """
+    statics, n, y = _Statics(system), system.dimension, system.rest()
+    place = system.axes @ (system.positions(y) - system.anchor[:, None])
+    rows = statics.rows(np.concatenate([y[statics.angles], place]), True)
+    if not statics.jacobian.factorise(*(part.y for part in rows)):
+        return None
+    moved = np.zeros((2 * n * system.nodes, n))
+    moved[-n:] = np.eye(n)  # the rows of the end
+    x = statics.jacobian.solve(moved).T.reshape(n, system.nodes, 2 * n).swapaxes(1, 2)
+    return np.array([statics.full(one) - statics.full(0 * one) for one in x]), x[:, n:]
+
+
 def _pieces(system) -> int:
     """Into how many shots a cell is cut, so that none passes more than two boundary layers sqrt(T/k) of the seabed."""
     if not system.has_seabed or not system.seabed_stiffness:

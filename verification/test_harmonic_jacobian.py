@@ -15,9 +15,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from solvers import Environment, Motion, Scene, harmonic_rows
+from solvers import Environment, Motion, Scene, harmonic_blocks, harmonic_rows
 from solvers.cable import cable_system
 from solvers.fourier import Basis
+from solvers.harmonic_blocks import Blocks
 from solvers.harmonic_krylov import HarmonicKrylov
 from solvers.harmonic_rows import Balance, mirror_of
 
@@ -271,13 +272,6 @@ def _block_maxima(matrix, rows, columns):
 
 
 # ---------------------------------------------------------------- the claims
-@pytest.fixture(params=[0, math.inf], ids=["chosen products", "all products"])
-def products(request, monkeypatch):
-    """Both ways to sum the blocks: small chains take the second, large ones the first."""
-    monkeypatch.setattr(harmonic_rows, "_FEW", request.param)
-
-
-@pytest.mark.usefixtures("products")
 @each_setting
 @each_chain
 def test_jacobian_blocks_agree_with_complex_step(name, setting):
@@ -299,7 +293,6 @@ def test_rows_agree_with_the_fft(name):
         assert abs(got - wanted).max() <= RESIDUAL * abs(wanted).max(), f"{setting}"
 
 
-@pytest.mark.usefixtures("products")
 @each_chain
 def test_jacobian_agrees_with_central_differences(name):
     """The assembled matrix times a direction is the difference of the solver's own residual."""
@@ -317,7 +310,6 @@ def _spread(balance):
     return np.array([SPREAD.get(field, 1.0) for field in balance.system.fields])
 
 
-@pytest.mark.usefixtures("products")
 @pytest.mark.parametrize("single", [0, 10**6], ids=["single and its check", "double"])
 @each_chain
 def test_newton_steps_solve_the_complex_step_jacobian(name, single, monkeypatch):
@@ -368,7 +360,6 @@ class _Dense:
         self.dense = lambda: (A, b)
 
 
-@pytest.mark.usefixtures("products")
 @pytest.mark.parametrize("name", [name for name in CHAINS if "symmetric" in name])
 def test_symmetric_blocks_are_part_of_all_blocks(name):
     """At a symmetric state the rows and columns that symmetry leaves out are coupled to no others."""
@@ -382,6 +373,70 @@ def test_symmetric_blocks_are_part_of_all_blocks(name):
     rows = ~(abs(J[:, ~kept]) > RESIDUAL * size).any(axis=1)  # rows that see only what is kept
     assert rows.sum() == kept.sum()
     assert not (abs(J[~rows][:, kept]) > RESIDUAL * size[~rows]).any()
+
+
+# ---------------------------------------------------------------- blocks from harmonics
+def sums(basis, by_y, by_ydot, rows, columns):
+    """P^T diag(g) Q + P^T diag(h) Q_t as the sums over samples that (72)-(74) say, row by row and field by field."""
+    made = np.einsum("tr,abnt,tc->nabrc", basis.P, by_y, basis.Q)
+    made += np.einsum("tr,abnt,tc->nabrc", basis.P, by_ydot, basis.Q_t)
+    return np.concatenate(
+        [
+            np.concatenate([made[:, a, b][:, r][:, :, c] for b, c in enumerate(columns)], axis=2)
+            for a, r in enumerate(rows)
+        ],
+        axis=1,
+    )
+
+
+def sampled_tangents(rng, shape):
+    """Random ones, of which some do not change in time, some are zero, and some begin as if they were either."""
+    g = rng.normal(size=shape)
+    g[0, 0] = g[0, 0][:, :1]
+    g[1, 0] = 0.0
+    g[1, 1, :-1] = 0.0
+    g[0, 1, :, :-1] = g[0, 1][:, :1]
+    return g
+
+
+PRECISIONS = {float: 1e-13, np.float32: 3e-6}  # of the largest number: a hundred roundings
+
+
+@pytest.mark.parametrize("precision", PRECISIONS)
+@each_setting
+def test_blocks_are_the_sums_over_the_samples(setting, precision):
+    """Made of sums and differences of harmonics they are the products of the basis, whichever coefficients count, for
+    tangents that change in time and others, and in parts."""
+    basis, rng, nodes = setting.basis(2.5), np.random.default_rng(12), 5
+    k = basis.harmonic
+    choices = [np.flatnonzero(keep) for keep in (k >= 0, k % 2 == 0, k % 2 == 1, k > 0, k < 0)]
+    for rows, columns in ((choices[:2], choices[1:4]), (choices[3:], choices[:3]), (choices[1:3], choices[2:])):
+        by_y, by_ydot = (sampled_tangents(rng, (2, 3, nodes, basis.samples)) for _ in range(2))
+        wanted, blocks = sums(basis, by_y, by_ydot, rows, columns), Blocks(basis, columns)
+        given = by_y, by_ydot, blocks.harmonics(rows, basis), precision
+        parts = np.concatenate([blocks(*given, 0, 2), blocks(*given, 2, 9)])
+        for made in (blocks(*given), parts):
+            assert made.dtype == precision
+            assert abs(made - wanted).max(initial=0) <= PRECISIONS[precision] * abs(wanted).max(initial=0)
+
+
+def test_interpreted_blocks_are_the_same(monkeypatch):
+    """The compiled loops are those on the page."""
+    balance, x = random_balance("in space, all loads", SETTINGS[4])
+    compiled = assembled(balance, x)
+    for loop in ("_add_all", "_add", "_add_still", "_still"):
+        monkeypatch.setattr(harmonic_blocks, loop, getattr(harmonic_blocks, loop).py_func)
+    assert abs(assembled(balance, x) - compiled).max() <= PRECISIONS[float] * abs(compiled).max()
+
+
+@pytest.mark.parametrize("shape", [(2, 3, 5, 7), (3, 3, 5, 8), (2, 2, 5, 8), (2, 3, 4, 8)], ids=str)
+def test_tangents_that_do_not_fit_are_refused(shape):
+    """Compiled loops do not look at their indices: of 8 samples, 2 rows and 3 fields each other number is told."""
+    basis = Basis(2, 8, 1.0, True)
+    every = np.arange(basis.harmonic.size)
+    blocks = Blocks(basis, [every] * 3)
+    with pytest.raises(ValueError, match="do not fit to 2 rows, 3 fields and 8 samples"):
+        blocks(np.ones(shape), np.ones((2, 3, 5, 8)), blocks.harmonics([every] * 2, basis), float)
 
 
 # ---------------------------------------------------------------- the check turns red
@@ -419,7 +474,6 @@ def plants(balance, x):
         yield from (("drift_tangent", "", tuple(entry)) for entry in used if entry[0] in balance.closed)
 
 
-@pytest.mark.usefixtures("products")
 @pytest.mark.parametrize("name", ["in its plane, all loads", "in space, all loads", "sway, symmetric", "masses, towed"])
 def test_one_per_cent_in_any_block_is_found(name):
     """Each tangent in turn 1 % wrong, by state and by rate, left and right, at both ends and in the closing rows."""
@@ -449,7 +503,6 @@ def test_one_per_cent_in_any_tangent_is_found_in_the_product():
         assert (abs(got - J @ d.ravel()) / (abs(J) @ abs(d.ravel()))).max() > RESIDUAL, plant
 
 
-@pytest.mark.usefixtures("products")
 @pytest.mark.parametrize("fault", [name for name in BASIS_FAULTS if "constant" not in name])
 def test_a_wrong_basis_turns_the_blocks_red(fault):
     """The blocks by complex step share no basis with the solver."""

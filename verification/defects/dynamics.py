@@ -13,6 +13,8 @@ _OUTPUTS = "test_time_domain.py::test_outputs_belong_together"
 _DRIFT = "test_time_domain.py::test_the_fairlead_stays_where_it_is_prescribed -k 5"
 _BASIS = "test_harmonic_jacobian.py::test_fourier_basis"
 _BLOCKS = "test_harmonic_jacobian.py::test_jacobian_blocks_agree_with_complex_step -k 'mass or towed'"
+_FOLLOWS = "test_harmonic_levels.py::test_the_carried_state_is_the_equilibrium_that_follows"
+_SUMS = "test_harmonic_jacobian.py::test_blocks_are_the_sums_over_the_samples"
 _TRIGONOMETRIC = "test_oscillators.py::test_trigonometric_solutions_come_out_exactly"
 _MEAN = "test_oscillators.py::test_the_mean_is_closed_by_the_place"
 _CHAIN = "test_block_chain.py::test_the_solution_meets_every_row"
@@ -347,22 +349,22 @@ DEFECTS = (
     Defect(
         "carried start turned the wrong way",
         "cable",
-        '"dcn,n,dt->cnt"',
-        '"cdn,n,dt->cnt"',
+        '"dcn,adn,at->cnt"',
+        '"cdn,adn,at->cnt"',
         "symbol",
         "the rotation into the frame of the line is transposed: the start moves elsewhere than its fairlead",
-        "test_harmonic_levels.py::test_the_carried_state_meets_both_ends",
+        _FOLLOWS,
+    ),
+    Defect(
+        "the fairlead led by its anchor",
+        "statics",
+        "moved[-n:] = np.eye(n)",
+        "moved[:n] = np.eye(n)",
+        "boundary",
+        "the equilibrium follows the anchor in place of the fairlead",
+        _FOLLOWS,
     ),
     # ------------------------------------------------------------ harmonic_rows
-    Defect(
-        "weights of states for rates",
-        "harmonic_rows",
-        "key = (rows.tobytes(), columns.tobytes(), of_rate, precision)",
-        "key = (rows.tobytes(), columns.tobytes(), precision)",
-        "stale",
-        "the products of the basis are kept under a name that does not tell states from rates",
-        _BLOCKS,
-    ),
     Defect(
         "mean of the velocity kept",
         "harmonic_rows",
@@ -400,33 +402,6 @@ DEFECTS = (
         "test_found_by_defects.py::test_blocks_in_parts_are_all_blocks",
     ),
     Defect(
-        "rates of the basis for its values",
-        "harmonic_rows",
-        "Q = self.basis.Q_t if of_rate else self.basis.Q",
-        "Q = self.basis.Q if of_rate else self.basis.Q_t",
-        "symbol",
-        "Q and its rate exchanged in (72)-(74)",
-        _BLOCKS,
-    ),
-    Defect(
-        "all products without the rates",
-        "harmonic_rows",
-        "np.concatenate([self.basis.Q, self.basis.Q_t])",
-        "np.concatenate([self.basis.Q, self.basis.Q])",
-        "symbol",
-        "(72)-(74) by one product: the tangents by the rates meet Q in place of its rate",
-        _BLOCKS,
-    ),
-    Defect(
-        "coefficients of columns for those of rows",
-        "harmonic_rows",
-        "np.moveaxis(made.reshape(shape), (3, 4), (1, 3))",
-        "np.moveaxis(made.reshape(shape), (3, 5), (1, 3))",
-        "index",
-        "blocks from the product over all coefficients are transposed, field by field",
-        _BLOCKS,
-    ),
-    Defect(
         "single precision taken on trust",
         "harmonic_rows",
         "if not factors.singular and abs(more).mean() <= _REFINED * abs(step).mean():",
@@ -443,6 +418,79 @@ DEFECTS = (
         "sign",
         "the refinement of a Newton step has the wrong sign",
         "test_harmonic_jacobian.py::test_newton_steps_solve_the_complex_step_jacobian",
+    ),
+    # ------------------------------------------------------------ harmonic_blocks, compiled, heap
+    Defect(
+        "sum and difference of harmonics exchanged",
+        "harmonic_blocks",
+        "ss, sc = cos[less] - cos[more], sin[more] + sin[less]",
+        "ss, sc = cos[more] - cos[less], sin[more] + sin[less]",
+        "sign",
+        "products of two sines have the wrong sign",
+        _BLOCKS,
+    ),
+    Defect(
+        "rates of the basis for its values",
+        "harmonic_blocks",
+        "ss, sc, cs, cc = w * sc, -w * ss, w * cc, -w * cs",
+        "ss, sc, cs, cc = w * ss, w * sc, w * cs, w * cc",
+        "symbol",
+        "Q for its rate in (72)-(74), where tangents change in time",
+        _SUMS,
+    ),
+    Defect(
+        "a still rate with the wrong sign",
+        "harmonic_blocks",
+        "block[i, j + 1] -= np.float32",
+        "block[i, j + 1] += np.float32",
+        "sign",
+        "of a constant tangent by the rates, -omega sin is taken as its opposite",
+        _SUMS,
+    ),
+    Defect(
+        "the constant as cosine of nothing",
+        "harmonic_blocks",
+        "root = np.uint64(cos.size // 3), np.sqrt(block.dtype.type(2.0))",
+        "root = np.uint64(cos.size // 3), block.dtype.type(2.0)",
+        "factor",
+        "the constant function is not divided by the root of two",
+        _SUMS,
+    ),
+    Defect(
+        "still at the first node",
+        "harmonic_blocks",
+        "    for samples in tangent:\n",
+        "    for samples in tangent[:1]:\n",
+        "regime",
+        "a tangent that changes in time at later nodes only is taken as constant",
+        _SUMS,
+    ),
+    Defect(
+        "tangents of any shape",
+        "harmonic_blocks",
+        "if by_ydot.shape != by_y.shape or",
+        "if False and",
+        "regime",
+        "compiled loops read beside tangents that do not fit",
+        "test_harmonic_jacobian.py::test_tangents_that_do_not_fit_are_refused",
+    ),
+    Defect(
+        "no folder, no solver",
+        "compiled",
+        "except RuntimeError:",
+        "except ZeroDivisionError:",
+        "regime",
+        "where numba finds no folder to keep its code in, solvers cannot be imported",
+        "test_block_chain.py::test_compiled_loops_need_no_folder",
+    ),
+    Defect(
+        "nothing learned",
+        "heap",
+        "_LARGEST = 31 * 2**20",
+        "_LARGEST = 2**10",
+        "factor",
+        "the block that tells the C library to keep memory is a small one",
+        "test_harmonic_levels.py::test_a_second_solve_touches_no_new_memory",
     ),
     # ------------------------------------------------------------ harmonic_krylov
     Defect(
