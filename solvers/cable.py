@@ -56,7 +56,6 @@ class CableSystem(ChainSystem):
         self.period = getattr(motion, "period", None)
         self.ds = np.diff(s)
         self.nodes, self.planar = s.size, planar
-        self._rows = cable_planar if planar else cable_spatial
         self.axes = _axes(scene)[: 2 if planar else 3]
         self.anchor = np.array(scene.anchor)
         self.chord = self.axes @ (np.array(scene.fairlead) - self.anchor)
@@ -84,6 +83,11 @@ class CableSystem(ChainSystem):
         self._start = np.zeros((self.start_rows, len(self.fields)))
         self._start[: self.dimension, 1 : 1 + self.dimension] = np.eye(self.dimension)
         self._start[self.dimension :, -1] = 1.0
+
+    @property
+    def _rows(self):
+        """The equations for these fields; a module, which an attribute of a system to be pickled cannot be."""
+        return cable_planar if self.planar else cable_spatial
 
     def support(self, z):
         """What the seabed carries at the heights z, HB 2.5, and its d/dz; N/m.
@@ -168,13 +172,17 @@ class CableSystem(ChainSystem):
         return coarse, lambda z: make_interp_spline(coarse.s, z, axis=1)(self.s)
 
     def carried(self, t) -> np.ndarray | None:
-        """The equilibrium as it follows the fairlead, linearised, with the velocities of that."""
+        """The equilibrium as it follows the fairlead, linearised, with the velocities of that.
+
+        With a source, which takes the line elsewhere, the velocities alone: what drag needs.
+        """
         if self.motion is None or self._following is None:
             return None
         state, place = self._following
         turn = self._rows.velocity(self.rest())[1][:, 1 : 1 + self.dimension]  # a rotation
-        y = self.rest()[..., None] + np.einsum("afn,at->fnt", state, self.axes @ self.motion.displacement(t))
-        y[1 : 1 + self.dimension] = np.einsum("dcn,adn,at->cnt", turn, place, self.axes @ self.motion.velocity(t))
+        moved, rate = self.axes @ self.motion.displacement(t), self.axes @ self.motion.velocity(t)
+        y = self.rest()[..., None] + np.einsum("afn,at->fnt", state, moved * (self.source is None))
+        y[1 : 1 + self.dimension] = np.einsum("dcn,adn,at->cnt", turn, place, rate)
         return y
 
     def mirror(self) -> tuple[tuple[int, ...], ...] | None:

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import threading
+from contextlib import contextmanager
 from functools import lru_cache
 
 from threadpoolctl import ThreadpoolController
+
+_lock, _entered = threading.Lock(), []  # what there was before the first who is inside came, then None for each other
 
 
 @lru_cache(maxsize=1)
@@ -13,6 +17,18 @@ def _controller() -> ThreadpoolController:
     return ThreadpoolController()
 
 
+@contextmanager
 def one_blas_thread():
-    """Context in which BLAS and LAPACK use one thread."""
-    return _controller().limit(limits=1, user_api="blas")
+    """Context in which BLAS and LAPACK use one thread, until the last of those who entered it has left.
+
+    They may overlap, in threads of Python: if each restored what it had found, the last one would restore the one
+    thread of the others.
+    """
+    with _lock:
+        _entered.append(None if _entered else _controller().limit(limits=1, user_api="blas"))
+    try:
+        yield
+    finally:
+        with _lock:
+            if limits := _entered.pop():
+                limits.restore_original_limits()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,6 +17,7 @@ from solvers import (
     Scene,
     Status,
     cable_system,
+    solve_periodic,
     solve_static,
     solve_time_domain,
 )
@@ -85,3 +87,34 @@ def test_bad_cables_are_refused(change, mesh, message):
     """A mesh that is none and an anchor in the ground are refused by name."""
     with pytest.raises(InputError, match=message):
         cable_system(replace(OC3, **change), 20, mesh=mesh)
+
+
+# ---------------------------------------------------------------- in another process
+def moving():
+    """The line on few nodes, with its motion of 5 m."""
+    return cable_system(OC3, 12)
+
+
+RESULTS = {
+    "equilibrium": lambda: solve_static(moving()),
+    "history": lambda: solve_time_domain(moving(), dt=0.5, periods=1),
+    "periodic": lambda: solve_periodic(moving(), harmonics=4),
+    "corrected": lambda: solve_periodic(moving(), harmonics=4, deferred_correction=True),
+}
+
+
+@pytest.mark.parametrize("name", RESULTS)
+def test_results_go_from_one_process_to_another(name):
+    """A study over many cases runs in a pool of processes: what is found there comes back whole, with its system."""
+    found = RESULTS[name]()
+    copy = pickle.loads(pickle.dumps(found))
+    assert copy.status is found.status and np.array_equal(copy.tension, found.tension)
+    assert np.array_equal(solve_static(pickle.loads(pickle.dumps(moving()))).y, copy.system.rest())
+
+
+def test_failures_go_from_one_process_to_another():
+    """An exception that cannot be sent back would leave the pool waiting; it keeps its message."""
+    with pytest.raises(ConvergenceError) as failed:
+        solve_periodic(cable_system(replace(OC3, motion=OC3.motion.scaled(4.0)), 12), harmonics=4)
+    copy = pickle.loads(pickle.dumps(failed.value))
+    assert str(copy) == str(failed.value) and type(copy) is ConvergenceError

@@ -16,14 +16,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from threadpoolctl import threadpool_info, threadpool_limits
 
-from solvers import Motion, Status, harmonic_balance, harmonic_rows, newton
+from solvers import InputError, Motion, Status, harmonic_balance, harmonic_rows, newton
 from solvers.block_chain import BlockChain
 from solvers.cable import CableSystem, cable_system
 from solvers.fourier import Basis
 from solvers.harmonic_balance import solve_periodic
 from solvers.harmonic_rows import Balance
 from solvers.statics import solve_static
+from solvers.threads import one_blas_thread
 
 from .cases.oscillators import MassChain, harmonic_force
 from .test_block_chain import FORWARD, Chain
@@ -261,3 +263,25 @@ def test_a_second_solve_touches_no_new_memory():
     """What a solve frees is there for the next one: the system is not asked for it again."""
     run = subprocess.run([sys.executable, "-c", PAGES], cwd=Path(__file__).parents[1], capture_output=True, text=True)
     assert run.returncode == 0 and int(run.stdout) < FEW_PAGES, run.stdout + run.stderr
+
+
+# ---------------------------------------------------------------- threads
+def blas_threads() -> set[int]:
+    """Threads that the linear algebra takes now."""
+    return {library["num_threads"] for library in threadpool_info() if library["user_api"] == "blas"}
+
+
+def test_overlapping_solves_leave_the_threads_as_they_were():
+    """Of two solves in threads of Python the second begins before the first one ends, and ends after it."""
+    with threadpool_limits(2, user_api="blas"):
+        first, second = one_blas_thread(), one_blas_thread()
+        first.__enter__()
+        second.__enter__()
+        assert blas_threads() == {1}
+        first.__exit__(None, None, None)
+        assert blas_threads() == {1}
+        second.__exit__(None, None, None)
+        assert blas_threads() == {2}
+        with pytest.raises(InputError), one_blas_thread():
+            raise InputError("a solve that fails")
+        assert blas_threads() == {2}

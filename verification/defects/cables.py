@@ -12,6 +12,7 @@ _GEOMETRY = "test_cable_order.py::test_geometry_is_that_of_the_conventions"
 _TANGENTS = "test_cable_jacobian.py::test_tangents_of_the_rows"
 _EQUILIBRIUM = "test_cable_jacobian.py::test_tangents_of_the_equilibrium"
 _BAND = "test_cable_jacobian.py::test_the_band_is_the_whole_matrix"
+_OVERLAP = "test_harmonic_levels.py::test_overlapping_solves_leave_the_threads_as_they_were"
 _MEETS = "test_cable_statics.py::test_the_equilibrium_solves_the_rows_and_meets_the_ends"
 _SHOT = "test_cable_statics.py::test_shooting_agrees_with_the_truth"
 _RATES = "test_motion.py::test_rates_are_derivatives"
@@ -537,7 +538,15 @@ DEFECTS = (
         "limits=2,",
         "factor",
         "the number of threads of the linear algebra",
-        "test_oscillators.py::test_trigonometric_solutions_come_out_exactly",
-        blind="results do not depend on it, only times on a busy machine do: the benchmarks state it",
+        _OVERLAP,
+    ),
+    Defect(
+        "threads back before the last has left",
+        "threads",
+        "limits := _entered.pop()",
+        "limits := _entered.pop(0)",
+        "stale",
+        "of solves that overlap in threads of Python the second ends with all threads of the linear algebra",
+        _OVERLAP,
     ),
 )
