@@ -1,4 +1,4 @@
-"""Compact mooring-cable solvers: numpy and scipy, and numba for loops over small blocks. See README.md for the conventions."""
+"""Compact mooring-cable solvers: numpy and scipy, numba for loops over small blocks. Conventions: README.md."""
 
 from .cable import CableSystem, cable_system
 from .catenary import CatenaryBatch, CatenaryState, Regime, Span, solve_span, solve_spans

@@ -24,7 +24,7 @@ class Blocks:
         self.basis, self.columns, Nh = basis, self.harmonics(columns, basis), basis.harmonics
         angle = np.multiply.outer(basis.omega * basis.times, np.arange(-Nh, 2 * Nh + 1))
         waves = np.concatenate([np.cos(angle), np.sin(angle)], axis=1) / basis.samples
-        self.waves = {np.float32: waves.astype(np.float32), float: waves}
+        self.waves = {np.dtype(real): waves.astype(real) for real in (np.float32, float)}
 
     @staticmethod
     def harmonics(active, basis):
@@ -33,19 +33,20 @@ class Blocks:
         return np.cumsum([0, *map(len, active)]), k.astype(np.uint64)  # of a sign the loops would take care
 
     def __call__(self, by_y, by_ydot, rows, precision, first=0, last=None):
-        """(..., m, r, n) of tangents (..., n_r, n_f, nodes, Nt) at m nodes or cells from ``first`` to before ``last``.
+        """(..., m, r, n) of tangents (..., n_r, n_f, nodes, Nt) at m nodes or cells, those of the slice first:last.
 
         rows: as ``harmonics`` gives them. precision: np.float32 or float. Raises ValueError where shapes do not fit.
         """
         lead, shape, (to, k), (at, l) = by_y.shape[:-4], by_y.shape[-4:], rows, self.columns
-        if by_ydot.shape != by_y.shape or (*shape[:2], shape[3]) != (to.size - 1, at.size - 1, self.basis.samples):
+        fits = (to.size - 1, at.size - 1, *shape[2:3], self.basis.samples)
+        if by_ydot.shape != by_y.shape or shape != fits:
             raise ValueError(f"tangents of shape {by_y.shape} and {by_ydot.shape} do not fit to {to.size - 1} rows, "
                              f"{at.size - 1} fields and {self.basis.samples} samples")  # fmt: skip
-        last, parts = min(last or shape[2], shape[2]), math.prod(lead)
-        out = np.zeros((*lead, last - first, k.size, l.size), precision)
+        first, last, _ = slice(first, last).indices(shape[2])
+        parts, out = math.prod(lead), np.zeros((*lead, max(last - first, 0), k.size, l.size), precision)
         for tangent, rate in ((by_y, 0.0), (by_ydot, self.basis.omega)):
             tangent = np.ascontiguousarray(tangent, float).reshape(parts, *shape)
-            _add_all(out.reshape(parts, *out.shape[-3:]), tangent, self.waves[precision], to, k, at, l, rate, first)
+            _add_all(out.reshape(parts, *out.shape[-3:]), tangent, self.waves[out.dtype], to, k, at, l, rate, first)
         return out
 
 
@@ -126,10 +127,8 @@ def _add_all(out, tangents, waves, to, k, at, l, rate, first):
     for p in range(parts):
         for a in range(n_r):
             for b in range(n_f):
-                tangent, blocks = (
-                    tangents[p, a, b, first : first + nodes],
-                    out[p, :, to[a] : to[a + 1], at[b] : at[b + 1]],
-                )
+                tangent = tangents[p, a, b, first : first + nodes]
+                blocks = out[p, :, to[a] : to[a + 1], at[b] : at[b + 1]]
                 rows, columns = k[to[a] : to[a + 1]], l[at[b] : at[b + 1]]
                 if _still(tangent):
                     for i in range(nodes):

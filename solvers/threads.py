@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import threading
 from contextlib import contextmanager
 from functools import lru_cache
@@ -9,6 +10,8 @@ from functools import lru_cache
 from threadpoolctl import ThreadpoolController
 
 _lock, _entered = threading.Lock(), []  # what there was before the first who is inside came, then None for each other
+if hasattr(os, "register_at_fork"):  # a lock that another thread holds would stay locked in the child
+    os.register_at_fork(before=_lock.acquire, after_in_parent=_lock.release, after_in_child=_lock.release)
 
 
 @lru_cache(maxsize=1)
@@ -31,4 +34,13 @@ def one_blas_thread():
     finally:
         with _lock:
             if limits := _entered.pop():
+                _let_others_set()
                 limits.restore_original_limits()
+                _let_others_set()
+
+
+def _let_others_set():
+    """From threadpoolctl 3.8 on OpenBLAS obeys the thread that set it first, and no other one that leaves or comes."""
+    for library in _controller().lib_controllers:
+        if hasattr(library, "clear_controlling_thread"):
+            library.clear_controlling_thread(force=True)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import gc
 import math
+import os
 import platform
 import subprocess
 import sys
@@ -16,16 +17,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from threadpoolctl import threadpool_info, threadpool_limits
 
-from solvers import InputError, Motion, Status, harmonic_balance, harmonic_rows, newton
+from solvers import Motion, Status, harmonic_balance, harmonic_rows, newton
 from solvers.block_chain import BlockChain
 from solvers.cable import CableSystem, cable_system
 from solvers.fourier import Basis
 from solvers.harmonic_balance import solve_periodic
 from solvers.harmonic_rows import Balance
 from solvers.statics import solve_static
-from solvers.threads import one_blas_thread
 
 from .cases.oscillators import MassChain, harmonic_force
 from .test_block_chain import FORWARD, Chain
@@ -266,22 +265,64 @@ def test_a_second_solve_touches_no_new_memory():
 
 
 # ---------------------------------------------------------------- threads
-def blas_threads() -> set[int]:
-    """Threads that the linear algebra takes now."""
+THREADS = """
+import threading
+from threadpoolctl import threadpool_info, threadpool_limits
+from solvers.threads import one_blas_thread
+
+def count():
     return {library["num_threads"] for library in threadpool_info() if library["user_api"] == "blas"}
+
+def run(*works):
+    threads = [threading.Thread(target=work) for work in works]
+    for thread in threads:
+        thread.start()
+    return threads
+
+found, first_is_in, second_is_in, first_is_out, end = [], *(threading.Event() for _ in range(4))
+
+def first():
+    with one_blas_thread():
+        first_is_in.set()
+        second_is_in.wait()
+    first_is_out.set()
+    end.wait()  # a thread of a pool lives on
+
+def second():
+    first_is_in.wait()
+    with one_blas_thread():
+        second_is_in.set()
+        first_is_out.wait()
+        found.append(count())
+
+def alone():
+    with one_blas_thread():
+        found.append(count())
+    with threadpool_limits(1):
+        found.append(count())
+
+before = count()
+with one_blas_thread():
+    found.append(count())
+try:
+    with one_blas_thread():
+        raise ValueError
+except ValueError:
+    pass
+run(alone)[0].join()
+assert count() == before
+run(first, second)[1].join()
+after = count()
+end.set()
+print(before == after, found == [{1}] * 4)
+"""
 
 
 def test_overlapping_solves_leave_the_threads_as_they_were():
-    """Of two solves in threads of Python the second begins before the first one ends, and ends after it."""
-    with threadpool_limits(2, user_api="blas"):
-        first, second = one_blas_thread(), one_blas_thread()
-        first.__enter__()
-        second.__enter__()
-        assert blas_threads() == {1}
-        first.__exit__(None, None, None)
-        assert blas_threads() == {1}
-        second.__exit__(None, None, None)
-        assert blas_threads() == {2}
-        with pytest.raises(InputError), one_blas_thread():
-            raise InputError("a solve that fails")
-        assert blas_threads() == {2}
+    """A solve, then one in a thread of Python, then two that overlap, of which the first began first and its thread
+    lives on: one BLAS thread inside, as many as before in the end."""
+    environment = {name: value for name, value in os.environ.items() if not name.endswith("_NUM_THREADS")}
+    run = subprocess.run(
+        [sys.executable, "-c", THREADS], cwd=Path(__file__).parents[1], env=environment, capture_output=True, text=True
+    )
+    assert (run.stdout, run.stderr) == ("True True\n", "")

@@ -160,6 +160,22 @@ def test_a_stage_that_ends_first_leaves_no_child(tmp_path, planted, how):
 
 
 @needs_kill
+@pytest.mark.parametrize("told", [signal.SIGTERM, signal.SIGINT])
+def test_a_guard_that_is_told_to_end_ends_its_stage(tmp_path, planted, told):
+    """The stage, its child, and the output that a report would wait for; the status is that of shells."""
+    beats, part = tmp_path / "beats", tmp_path / "part"
+    command = [sys.executable, "-m", "reports.guard", "beside", "planted_stage", "0", part, beats, str(LONGEST)]
+    environment = os.environ | {"PYTHONPATH": str(tmp_path)}
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+    with subprocess.Popen(command, cwd=ROOT, env=environment, start_new_session=True, **pipes) as guard:
+        wait_for(beats.exists)
+        guard.send_signal(told)
+        guard.communicate(timeout=ENDS_WITHIN)
+    assert guard.returncode == 128 + told
+    wait_for(lambda: silent(beats), ENDS_WITHIN)
+
+
+@needs_kill
 def test_result_that_was_cut_is_made_again(tmp_path, planted):
     """A result file that is not as it was written (cut by a full disk, edited) is not valid, whatever its record."""
     states(planted(tmp_path / "run"))

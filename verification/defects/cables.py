@@ -541,6 +541,15 @@ DEFECTS = (
         _OVERLAP,
     ),
     Defect(
+        "threads of the first thread alone",
+        "threads",
+        'if hasattr(library, "clear_controlling_thread"):',
+        "if False:",
+        "regime",
+        "after a solve in one thread of Python the linear algebra heeds no other one",
+        _OVERLAP,
+    ),
+    Defect(
         "threads back before the last has left",
         "threads",
         "limits := _entered.pop()",
