@@ -7,6 +7,7 @@ coefficient; it takes from the solver the rows of the chain (verified in time) a
 from __future__ import annotations
 
 import copy
+import importlib
 import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -22,6 +23,7 @@ from solvers.harmonic_blocks import Blocks
 from solvers.harmonic_krylov import HarmonicKrylov
 from solvers.harmonic_rows import Balance, mirror_of
 
+from .cables import planted
 from .cases.oscillators import cubic_chain, duffing, towed_chain
 from .reference import EPS
 from .test_block_chain import NO_WORSE, Chain, backward_error
@@ -427,6 +429,19 @@ def test_interpreted_blocks_are_the_same(monkeypatch):
     for loop in ("_add_all", "_add", "_add_still", "_still"):
         monkeypatch.setattr(harmonic_blocks, loop, getattr(harmonic_blocks, loop).py_func)
     assert abs(assembled(balance, x) - compiled).max() <= PRECISIONS[float] * abs(compiled).max()
+
+
+def test_a_planted_fault_does_not_stay():
+    """Loops compiled from a text with a fault are not kept on disk for the true ones, which are written alike."""
+    fault = "harmonic_blocks", "np.sqrt(block.dtype.type(2.0))", "np.sqrt(block.dtype.type(3.0))"
+    basis, shape = Basis(2, 8, 1.0, True), (1, 1, 2, 8)
+    tangent, every = np.random.default_rng(7).normal(size=shape), [np.arange(basis.harmonic.size)]
+    made = lambda of: of(basis, every)(tangent, tangent, of.harmonics(every, basis), float)
+    with planted(*fault) as faulty:
+        module = importlib.import_module(f"{faulty.cable.__package__}.harmonic_blocks")
+        wrong, kept = made(module.Blocks), module._add.stats.cache_path
+    assert kept is None and abs(wrong - made(Blocks)).max() > 0.1
+    assert abs(made(Blocks) - sums(basis, tangent, tangent, every, every)).max() <= PRECISIONS[float]
 
 
 @pytest.mark.parametrize("shape", [(2, 3, 5, 7), (3, 3, 5, 8), (2, 2, 5, 8), (2, 3, 4, 8)], ids=str)
