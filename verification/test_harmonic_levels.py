@@ -314,7 +314,7 @@ assert count() == before
 run(first, second)[1].join()
 after = count()
 end.set()
-print(before == after, found == [{1}] * 4)
+print(before == after, [one <= {1} for one in found])  # none where no library can be told
 """
 
 
@@ -325,4 +325,4 @@ def test_overlapping_solves_leave_the_threads_as_they_were():
     run = subprocess.run(
         [sys.executable, "-c", THREADS], cwd=Path(__file__).parents[1], env=environment, capture_output=True, text=True
     )
-    assert (run.stdout, run.stderr) == ("True True\n", "")
+    assert (run.stdout, run.stderr) == (f"True {[True] * 4}\n", "")
