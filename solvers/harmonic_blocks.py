@@ -54,7 +54,8 @@ class Blocks:
 def _add(block, cos, sin, rows, columns, rate):
     """Add P^T diag(g) Q, or with a rate P^T diag(g) Q_t, of rows and columns with these harmonics.
 
-    cos, sin: sums of g cos(m w t) and g sin(m w t) over Nt, m = -Nh..2 Nh.
+    cos, sin: sums of g cos(m w t) and g sin(m w t) over Nt, m = -Nh..2 Nh. A harmonic is exact in single precision and
+    leaves that of a product with it to the other factor.
     """
     if rows.size == 0 or columns.size == 0:
         return

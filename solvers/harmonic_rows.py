@@ -73,7 +73,7 @@ class Balance:
         self.n = sum(map(len, self.columns))
         parts = self.columns, self.start_rows, self.cell_rows, self.end_rows
         self.of_node, self.of_start, self.of_cell, self.of_end = (self._places(active) for active in parts)
-        self.harmonics = [self.blocks.harmonics(active, basis) for active in parts[1:]]
+        self.row_harmonics = [self.blocks.harmonics(active, basis) for active in parts[1:]]
 
     def _active(self, signs, count):
         """Coefficients (a list of index arrays) of each field or row."""
@@ -197,7 +197,7 @@ class Balance:
         """
         start, cells, end = rows
         nodes = self.rest.shape[1]
-        first, middle, last = self.harmonics
+        first, middle, last = self.row_harmonics
         between = lambda *some: self.blocks(cells.y, cells.ydot, middle, precision, *some)
         blocks = (
             self.blocks(start.y[:, :, None], start.ydot[:, :, None], first, precision)[0],

@@ -1,6 +1,7 @@
 """What makes the harmonic balance quick: does it leave the answer alone, and does it do less work?
 
-Starts on fewer nodes and harmonics, factors in single precision that are checked, Broyden's updates of an old Jacobian.
+Starts that follow the fairlead, on fewer nodes and harmonics, factors in single precision that are checked, updates of
+an old Jacobian after Broyden, memory that stays with the process, one BLAS thread.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ DETUNED = 2e-7  # share of the stiffness, twice the spacing of single precision:
 NEAR_RESONANCE = 1e-7  # of the amplitude: rounding, 1e-16, times that condition, and a hundred
 CUBIC = 1e-12  # of the values: splines reproduce cubic polynomials
 SMALL, RATE_STEP = 1e-3, 1e-2  # m of a motion that is small for a line; s, small for a period of 20
-SECOND_ORDER = 1e-3  # share of a small motion that is of second order, and of its rates that a difference of them is
+SECOND_ORDER = 1e-4  # share of a small motion that is of second order, of its rates that differences miss; found 2.4e-5
 
 
 # ---------------------------------------------------------------- single precision
