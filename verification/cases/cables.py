@@ -188,7 +188,7 @@ TIME_FAULTS = [
 """The time integration: weights, levels of time, the hold, the interpolation."""
 
 SIGNS = {
-    "cable_planar": ("_loads", "cells", "velocity", "stretched_tangent"),
-    "cable_spatial": ("__init__", "cells", "velocity", "stretched_tangent"),
+    "cable_planar": ("_loads", "_local", "cells", "velocity", "stretched_tangent"),
+    "cable_spatial": ("__init__", "_local", "cells", "velocity", "stretched_tangent"),
 }
 """Functions of the two modules of HB (1)-(12) in which each term in turn is planted with the wrong sign."""
