@@ -6,6 +6,7 @@ error. Then the four cases of the paper against their tension on finer meshes; f
 
 from __future__ import annotations
 
+import importlib
 import math
 from functools import cache
 
@@ -19,7 +20,7 @@ from solvers.outcome import ConvergenceError, InputError, Status
 from solvers.statics import solve_static
 from solvers.stencils import stencils
 
-from .cables import LENGTH, TERMS, Manufactured, graded
+from .cables import LENGTH, TERMS, Manufactured, graded, planted, sign_faults
 from .cases.oscillators import MassChain, harmonic_force
 from .exact import cable_mp
 from .orders import assert_order, observed_orders
@@ -124,13 +125,16 @@ def test_stencils_are_exact_for_cubics(mesh):
     assert max(stencil_errors(three, 2).values()) <= ROUNDING
 
 
-def point_error(name, planar) -> float:
-    """Rows at points of the fields less their source, over the largest part of row 1; derivatives exact."""
+def point_error(name, planar, of=None) -> float:
+    """Rows at points of the fields less their source, over the largest part of row 1; derivatives exact.
+
+    of: a module with a planted fault in place of the system's.
+    """
     made = problem(name, 9, planar)
     t, h = np.array([0.7, 6.1, 13.3]), 1e-3
     y, y_s, y_t = made.state(t)
     y_st = (made.state(t + h)[1] - made.state(t - h)[1]) / (2 * h)
-    rows = made.system._rows.point(made.system, y, y_t, y_s, y_st)
+    rows = (of or made.system._rows).point(made.system, y, y_t, y_s, y_st)
     wanted = cable_mp.source_grid(made.p, made.fields, made.system.s, t, planar=planar)
     return float(abs(rows - wanted).max() / (made.p.EA * abs(y_s[0]).max()))
 
@@ -140,6 +144,18 @@ def point_error(name, planar) -> float:
 def test_rows_at_a_point_are_the_equations(name, planar):
     """Each term alone and all together, against the independent statement of the equations."""
     assert point_error(name, planar) <= (RATE if TERMS[name].beta else POINT)
+
+
+@SPATIAL
+def test_each_sign_at_a_point_is_seen(planar):
+    """Every term of the rows at a point in turn with the wrong sign misses the equations."""
+    faults, survivors = sign_faults("cable_planar" if planar else "cable_spatial", ("point",)), []
+    for module, old, new, what in faults:
+        with planted(module, old, new) as faulty:
+            of = importlib.import_module(f"{faulty.cable.__package__}.{module}")
+            if not point_error("all", planar, of) > RATE:
+                survivors.append(what)
+    assert len(faults) >= 10 and not survivors, "\n".join(survivors)
 
 
 # ---------------------------------------------------------------- orders
