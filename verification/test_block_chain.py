@@ -21,8 +21,9 @@ from .reference import EPS
 BACKWARD = 100 * EPS
 """Of |A| |x| + |b|, row by row, in well-scaled chains: elimination with row exchanges leaves a few eps."""
 
-NO_WORSE = 10
-"""Where the scales of the rows differ, elimination loses digits of the small ones: so many times what LAPACK loses."""
+ORDERS = 20
+"""Where the scales of the rows differ, elimination loses digits of the small ones, by the order of its pivots: LAPACK
+loses up to sixty times as many in another order of rows and columns. Allowed is what it loses in the worst of these."""
 
 FORWARD = 100
 """Difference from the dense solution in units of eps times the condition of the matrix with its rows equilibrated."""
@@ -118,13 +119,23 @@ def backward_error(chain, x) -> float:
     return error if error == error else np.inf
 
 
+def lapack_error(chain) -> float:
+    """The largest ``backward_error`` of LAPACK on the whole matrix, its rows and columns in orders that are drawn."""
+    (A, b), rng, found, x = chain.dense(), np.random.default_rng(0), [], np.empty(chain.dense()[1].size)
+    for _ in range(ORDERS):
+        rows, columns = rng.permutation(b.size), rng.permutation(b.size)
+        x[columns] = np.linalg.solve(A[np.ix_(rows, columns)], b[rows])
+        found.append(backward_error(chain, x))
+    return max(found)
+
+
 @pytest.mark.parametrize("name", CHAINS)
 def test_the_solution_meets_every_row(name):
     """A x = b to rounding in every row; with rows and columns of all scales as well as LAPACK on the whole matrix."""
     chain = CHAINS[name]
     allowed = BACKWARD
     if "scaled" in name:
-        allowed = max(allowed, NO_WORSE * backward_error(chain, np.linalg.solve(*chain.dense())))
+        allowed = max(allowed, lapack_error(chain))
     assert backward_error(chain, chain.solved()) <= allowed
 
 

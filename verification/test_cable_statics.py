@@ -68,7 +68,7 @@ def shot(case) -> Truth:
 
     def shoot(F, dense=False):
         start = [*case.anchor, *F]
-        return solve_ivp(rate, (0, case.length), start, "DOP853", rtol=1e-12, atol=1e-9, dense_output=dense)
+        return solve_ivp(rate, (0, case.length), start, "DOP853", rtol=1e-13, atol=1e-10, dense_output=dense)
 
     guess = solve_static(system(case, 51)).anchor_force
     found = root(lambda F: shoot(F).y[:3, -1] - case.fairlead, guess, tol=1e-12)
