@@ -9,11 +9,13 @@ import signal
 import sys
 from pathlib import Path
 
-from . import brought, compare, history, published
-from .ledger import digests, write_atomically
-from .runner import BusyError, Ended, run_all
-from .sources import ROOT, files_of
-from .stages import GROUPS, SLOW, Stage, plan, scene_plan
+from .evidence import published
+from .pipeline import compare, history
+from .pipeline import external_solvers as brought
+from .pipeline.ledger import digests, write_atomically
+from .pipeline.runner import BusyError, Ended, run_all
+from .pipeline.sources import ROOT, files_of
+from .pipeline.stages import GROUPS, SLOW, Stage, plan, scene_plan
 
 DEFAULT_OUT = ROOT / "reports" / "out"
 
@@ -122,7 +124,7 @@ def _page(out: Path, name: str, stages: list[Stage], ended: list[Ended], whole: 
     made_of += [hashlib.sha256(file.read_bytes()).hexdigest() if file.exists() else None for file in results]
     now = hashlib.sha256(json.dumps(made_of).encode()).hexdigest()
     if not ((out / name).exists() and record.exists() and record.read_text(encoding="utf-8") == now):
-        from . import page  # matplotlib only where something is drawn
+        from .page import site as page  # matplotlib only where something is drawn
 
         record.unlink(missing_ok=True)  # from here on until the end the page is between two states
         page.build(out, name, stages, ended, whole)

@@ -1,16 +1,16 @@
 """Compact mooring-cable solvers: numpy and scipy, numba for loops over small blocks. Conventions: README.md."""
 
-from .cable import CableSystem, cable_system
-from .catenary import CatenaryBatch, CatenaryState, Regime, Span, solve_span, solve_spans
-from .harmonic_balance import PeriodicResponse, solve_periodic
-from .motion import FunctionMotion, Motion, SampledMotion
-from .network import NetworkState, solve_network
-from .network_model import Element, Network, Node
-from .outcome import ConvergenceError, InputError, Status
-from .properties import CableProperties, Environment
-from .scene import Scene
-from .statics import StaticState, solve_static
-from .time_domain import TimeHistory, solve_time_domain
+from .cable.statics import StaticState, solve_static
+from .cable.system import CableSystem, cable_system
+from .catenary.span import CatenaryBatch, CatenaryState, Regime, Span, solve_span, solve_spans
+from .common.motion import FunctionMotion, Motion, SampledMotion
+from .common.outcome import ConvergenceError, InputError, Status
+from .common.properties import CableProperties, Environment
+from .harmonic_balance.solve import PeriodicResponse, solve_periodic
+from .io.scene import Scene
+from .network.model import Element, Network, Node
+from .network.solve import NetworkState, solve_network
+from .time_domain.solve import TimeHistory, solve_time_domain
 
 __all__ = [
     "CableProperties",

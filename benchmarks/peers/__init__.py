@@ -2,7 +2,7 @@
 
 Here are the peers, where they are installed, and what is brought: ``python -m reports --solver my_code.py``, or the
 files that the environment variable MOORING_SOLVERS names. adapter.py says what such a class has, program.py what a
-program reads and prints; ``python -m benchmarks.trial my_code.py`` tries it on a few cases.
+program reads and prints; ``python -m benchmarks.smoke my_code.py`` tries it on a few cases.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """MoorPy on networks: moorpy.System, its solver of points and lines.
 
-Its adapter is in moorpy.py; benchmarks.network_turns uses the parts here, to move the points of one system.
+Its adapter is in moorpy.py; benchmarks.network.paired_timing uses the parts here, to move the points of one system.
 ``build`` takes a network with ``nodes``, ``elements`` and ``environment`` as solvers.Network has them.
 
 What to mind: solveEquilibrium(tol) is a distance in m, 0.05 by default, and its catenaries are solved to 0.01 tol, so

@@ -1,6 +1,6 @@
 """Cases of the problem type "oscillator": masses in a row with nonlinear springs and dampers, one mass or many.
 
-A row is a ChainSystem as the dynamic solvers take it (its methods and shapes: solvers.chain), without importing it.
+A row is a ChainSystem as the dynamic solvers take it (its methods and shapes: solvers.numerics.chain), without importing it.
 Mass n (from 0) hangs on spring n, mass 0 on a wall:
 
     m q_n'' + c q_n' + d |q_n'| q_n' + p_n(q_n - q_(n-1)) - p_(n+1)(q_(n+1) - q_n) = F_n(t),
@@ -18,7 +18,7 @@ import numpy as np
 
 
 class Rows(NamedTuple):
-    """As solvers.chain.Rows."""
+    """As solvers.numerics.chain.Rows."""
 
     value: np.ndarray
     y: np.ndarray | None = None

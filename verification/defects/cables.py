@@ -7,16 +7,16 @@ from collections.abc import Iterable
 from ..cases.cables import ERRATA_FAULTS, LOAD_FAULTS
 from .defect import Defect
 
-_PATCH = "test_cable_order.py::test_fields_linear_in_s_leave_no_residual"
-_GEOMETRY = "test_cable_order.py::test_geometry_is_that_of_the_conventions"
-_TANGENTS = "test_cable_jacobian.py::test_tangents_of_the_rows"
-_EQUILIBRIUM = "test_cable_jacobian.py::test_tangents_of_the_equilibrium"
-_BAND = "test_cable_jacobian.py::test_the_band_is_the_whole_matrix"
-_OVERLAP = "test_harmonic_levels.py::test_overlapping_solves_leave_the_threads_as_they_were"
-_MEETS = "test_cable_statics.py::test_the_equilibrium_solves_the_rows_and_meets_the_ends"
-_SHOT = "test_cable_statics.py::test_shooting_agrees_with_the_truth"
-_RATES = "test_motion.py::test_rates_are_derivatives"
-_RAMP = "test_motion.py::test_ramp_starts_from_rest_and_ends_in_the_motion"
+_PATCH = "cable/test_order.py::test_fields_linear_in_s_leave_no_residual"
+_GEOMETRY = "cable/test_order.py::test_geometry_is_that_of_the_conventions"
+_TANGENTS = "cable/test_jacobian.py::test_tangents_of_the_rows"
+_EQUILIBRIUM = "cable/test_jacobian.py::test_tangents_of_the_equilibrium"
+_BAND = "cable/test_jacobian.py::test_the_band_is_the_whole_matrix"
+_OVERLAP = "harmonic_balance/test_start.py::test_overlapping_solves_leave_the_threads_as_they_were"
+_MEETS = "cable/test_statics.py::test_the_equilibrium_solves_the_rows_and_meets_the_ends"
+_SHOT = "cable/test_statics.py::test_shooting_agrees_with_the_truth"
+_RATES = "common/test_motion.py::test_rates_are_derivatives"
+_RAMP = "common/test_motion.py::test_ramp_starts_from_rest_and_ends_in_the_motion"
 
 # ---------------------------------------------------------------- those that the checks of the cable plant themselves
 _BY_TANGENTS = ("d|q|q/dq", "d|q|/dq", "cross tangent", "seabed's tangent")
@@ -30,8 +30,8 @@ def _check(module: str, what: str) -> str:
     if any(word in what for word in _BY_GEOMETRY):
         return _GEOMETRY
     if "runs off" in what:
-        return "test_cable_order.py::test_fields_linear_in_s_and_t_are_reproduced -k bare"
-    fields = {"cable_planar": " and planar", "cable_spatial": " and spatial"}.get(module, "")
+        return "cable/test_order.py::test_fields_linear_in_s_and_t_are_reproduced -k bare"
+    fields = {"cable.planar": " and planar", "cable.spatial": " and spatial"}.get(module, "")
     return f"{_PATCH} -k 'all{fields}'"
 
 
@@ -52,44 +52,44 @@ DEFECTS = (
     # ------------------------------------------------------------ outcome, properties, scene
     Defect(
         "a status that is no refusal is a success",
-        "outcome",
+        "common.outcome",
         "return self.status is Status.SUCCESS",
         "return self.status is not Status.INVALID_INPUT",
         "regime",
         "every result but that of bad input says that it can be used",
-        "test_failures.py::test_undetermined_friction_without_throw",
+        "common/test_failures.py::test_undetermined_friction_without_throw",
     ),
     Defect(
         "failures are not thrown",
-        "outcome",
+        "common.outcome",
         "if self.status is not Status.SUCCESS:",
         "if self.status is Status.INVALID_INPUT:",
         "regime",
         "a failed solve returns its numbers although throw is on",
-        "test_failures.py::test_forces_out_of_range_are_an_error",
+        "common/test_failures.py::test_forces_out_of_range_are_an_error",
     ),
     Defect(
         "area from the diameter as radius",
-        "properties",
+        "common.properties",
         "return math.pi * self.diameter**2 / 4",
         "return math.pi * self.diameter**2",
         "factor",
         "pi d^2 for pi d^2/4",
-        "test_network_scene.py::test_weights_follow_the_environment_of_the_file",
+        "io/test_network_scene.py::test_weights_follow_the_environment_of_the_file",
     ),
     Defect(
         "weight in air",
-        "properties",
+        "common.properties",
         "environment.g * (self.mass_per_length - environment.rho * self.area)",
         "environment.g * self.mass_per_length",
         "misprint",
         "section 5: 226.61 N/m is the mass times g, without the displaced water",
-        "test_network_scene.py::test_weights_follow_the_environment_of_the_file",
+        "io/test_network_scene.py::test_weights_follow_the_environment_of_the_file",
         misprint="MSQS section 5, weight",
     ),
     Defect(
         "added mass counts the water twice",
-        "properties",
+        "common.properties",
         "return self.Ca * environment.rho * self.area",
         "return (1 + self.Ca) * environment.rho * self.area",
         "symbol",
@@ -98,62 +98,62 @@ DEFECTS = (
     ),
     Defect(
         "zero lets through",
-        "properties",
+        "common.properties",
         "    if value <= 0:\n",
         "    if value < 0:\n",
         "input",
         "a stiffness, length or depth of zero is accepted",
-        "test_failures.py::test_properties_are_validated_when_built",
+        "common/test_failures.py::test_properties_are_validated_when_built",
     ),
     Defect(
         "infinite is a number",
-        "properties",
+        "common.properties",
         "    if not math.isfinite(value):\n",
         "    if math.isnan(value):\n",
         "input",
         "infinite inputs are accepted",
-        "test_failures.py::test_numbers_must_be_finite",
+        "common/test_failures.py::test_numbers_must_be_finite",
     ),
     Defect(
         "span along x only",
-        "scene",
+        "io.scene",
         '"x": math.hypot(x1 - x0, y1 - y0)',
         '"x": abs(x1 - x0)',
         "term",
         "the horizontal distance forgets y",
-        "test_invariants.py::test_a_scene_can_be_turned_about_the_vertical",
+        "catenary/test_invariants.py::test_a_scene_can_be_turned_about_the_vertical",
     ),
     Defect(
         "period taken for the frequency",
-        "scene",
+        "io.scene",
         "        frequency = 1 / frequency\n",
         "        frequency = 1 * frequency\n",
         "unit",
         "a motion given by its period moves with so many hertz",
-        "test_scene_dynamics.py::test_every_key_arrives",
+        "io/test_scene.py::test_every_key_arrives",
     ),
     Defect(
         "phase lost in the cosines",
-        "scene",
+        "io.scene",
         "amplitude * np.cos(phase), amplitude * np.sin(phase))",
         "amplitude * np.cos(phase), amplitude * np.sin(np.radians(phase)))",
         "unit",
         "the cosines of a motion take its phase for degrees",
-        "test_scene_dynamics.py",
+        "io/test_scene.py",
     ),
     Defect(
         "fairlead below the seabed moves on",
-        "scene",
+        "io.scene",
         "        if lowest < -depth:\n",
         "        if lowest < -10 * depth:\n",
         "input",
         "a motion may take the fairlead through the seabed",
-        "test_scene_dynamics.py::test_bad_scenes_with_motion",
+        "io/test_scene.py::test_bad_scenes_with_motion",
     ),
     # ------------------------------------------------------------ motion
     Defect(
         "velocity of the cosines",
-        "motion",
+        "common.motion",
         "return self._omega * self.sine.T, -self._omega * self.cosine.T",
         "return self._omega * self.sine.T, self._omega * self.cosine.T",
         "sign",
@@ -162,25 +162,25 @@ DEFECTS = (
     ),
     Defect(
         "hertz for radians per second",
-        "motion",
+        "common.motion",
         "return 2 * math.pi * self.frequency * np.arange",
         "return self.frequency * np.arange",
         "unit",
         "the frequency is used as the angular one",
-        "test_motion.py::test_harmonic_motion_is_a_sine_with_phase",
+        "common/test_motion.py::test_harmonic_motion_is_a_sine_with_phase",
     ),
     Defect(
         "harmonics counted from zero",
-        "motion",
+        "common.motion",
         "np.arange(1, self.harmonics + 1)",
         "np.arange(self.harmonics)",
         "index",
         "the first harmonic stands still, the second moves with the first's frequency",
-        "test_motion.py::test_harmonic_motion_is_a_sine_with_phase",
+        "common/test_motion.py::test_harmonic_motion_is_a_sine_with_phase",
     ),
     Defect(
         "rate of the ramp per step, not per second",
-        "motion",
+        "common.motion",
         "(1 - x) ** 2 / self.duration, 60",
         "(1 - x) ** 2, 60",
         "unit",
@@ -189,7 +189,7 @@ DEFECTS = (
     ),
     Defect(
         "product rule without its 2",
-        "motion",
+        "common.motion",
         "q_tt * r + 2 * q_t * v + q * a",
         "q_tt * r + q_t * v + q * a",
         "factor",
@@ -198,7 +198,7 @@ DEFECTS = (
     ),
     Defect(
         "ramp that jumps",
-        "motion",
+        "common.motion",
         "q = x**3 * (10 - 15 * x + 6 * x**2)",
         "q = x**3 * (10 - 15 * x + 7 * x**2)",
         "factor",
@@ -207,26 +207,26 @@ DEFECTS = (
     ),
     Defect(
         "spline one piece further",
-        "motion",
+        "common.motion",
         'side="right") - 1, 0, len(self.time) - 2)',
         'side="right"), 0, len(self.time) - 2)',
         "index",
         "a time of a series is looked up in the next piece of the spline",
-        "test_found_by_defects.py::test_a_series_goes_through_its_samples",
+        "common/test_found_by_defects.py::test_a_series_goes_through_its_samples",
     ),
     Defect(
         "everything moves in a plane",
-        "motion",
+        "common.motion",
         "extent > _SAME_DIRECTION * max",
         "extent > 0.5 * max",
         "tolerance",
         "directions of a motion smaller than half its largest are left out",
-        "test_motion.py::test_directions_span_the_motion_and_no_more",
+        "common/test_motion.py::test_directions_span_the_motion_and_no_more",
     ),
     # ------------------------------------------------------------ cable
     Defect(
         "anchor row one field early",
-        "cable",
+        "cable.system",
         "value = y[1 : 1 + self.start_rows, 0].copy()",
         "value = y[0 : self.start_rows, 0].copy()",
         "boundary",
@@ -235,7 +235,7 @@ DEFECTS = (
     ),
     Defect(
         "anchor held at the next node",
-        "cable",
+        "cable.system",
         "value = y[1 : 1 + self.start_rows, 0].copy()",
         "value = y[1 : 1 + self.start_rows, 1].copy()",
         "boundary",
@@ -244,16 +244,16 @@ DEFECTS = (
     ),
     Defect(
         "fairlead one node short",
-        "cable",
+        "cable.system",
         "self._rows.velocity(y[:, -1], tangents)",
         "self._rows.velocity(y[:, -2], tangents)",
         "boundary",
         "the prescribed velocity acts on the last node but one",
-        "test_cable_order.py::test_fields_linear_in_s_and_t_are_reproduced -k bare",
+        "cable/test_order.py::test_fields_linear_in_s_and_t_are_reproduced -k bare",
     ),
     Defect(
         "anchor's height is that of still water",
-        "cable",
+        "cable.system",
         "value[-1] = y[-1, 0] - self.anchor[2]",
         "value[-1] = y[-1, 0]",
         "boundary",
@@ -262,16 +262,16 @@ DEFECTS = (
     ),
     Defect(
         "motion across the line forgotten",
-        "cable",
+        "cable.system",
         "for vector in (current, *moves))",
         "for vector in (current,))",
         "regime",
         "a sway is computed in the plane of the line, where it does nothing",
-        "test_cable_invariants.py::test_the_scene_picks_the_fields",
+        "cable/test_invariants.py::test_the_scene_picks_the_fields",
     ),
     Defect(
         "out-of-plane axis to the other side",
-        "cable",
+        "cable.system",
         "[cx, cy, 0.0], [-cy, cx, 0.0]])",
         "[cx, cy, 0.0], [cy, -cx, 0.0]])",
         "sign",
@@ -280,63 +280,63 @@ DEFECTS = (
     ),
     Defect(
         "line always along x",
-        "cable",
+        "cable.system",
         "cx, cy = (dx / span, dy / span) if span > 0",
         "cx, cy = (1.0, 0.0) if span > 0",
         "term",
         "the azimuth of the line is not looked at",
-        "test_cable_invariants.py::test_the_scene_picks_the_fields",
+        "cable/test_invariants.py::test_the_scene_picks_the_fields",
     ),
     Defect(
         "weights of the other cells",
-        "cable",
+        "cable.system",
         "weights[:-1] += self.ds / 2",
         "weights[:-1] += self.ds[::-1] / 2",
         "index",
         "the trapezoidal rule is right on even meshes only",
-        "test_found_by_defects.py::test_drift_is_the_end_of_the_positions_on_any_mesh",
+        "common/test_found_by_defects.py::test_drift_is_the_end_of_the_positions_on_any_mesh",
     ),
     Defect(
         "damping out of the tension",
-        "cable",
+        "cable.system",
         "y[0] if ydot is None else y[0] + self.beta * ydot[0]",
         "y[0] if ydot is None else y[0]",
         "term",
         "the tension that is reported has no part of the material's damping",
-        "test_found_by_defects.py::test_tension_has_its_part_of_damping",
+        "common/test_found_by_defects.py::test_tension_has_its_part_of_damping",
     ),
     Defect(
         "mirror keeps the sideways velocity",
-        "cable",
+        "cable.system",
         "(1, 1, 1, -1, 1, -1, *z), (1, 1, -1, *z),",
         "(1, 1, 1, 1, 1, -1, *z), (1, 1, -1, *z),",
         "sign",
         "the symmetry of the system has a wrong sign for w",
-        "test_cable_invariants.py::test_the_mirror_of_the_system_is_its_symmetry",
+        "cable/test_invariants.py::test_the_mirror_of_the_system_is_its_symmetry",
     ),
     Defect(
         "compression anywhere is fine",
-        "cable",
+        "cable.system",
         "if y[0][least] < 0:",
         "if y[0][least] < -1:",
         "regime",
         "a cable in compression is no event",
-        "test_harmonic_balance.py::test_compression_is_named",
+        "harmonic_balance/test_solve.py::test_compression_is_named",
     ),
     Defect(
         "equilibrium of another system",
-        "cable",
+        "cable.system",
         "        ramped = copy.copy(self)\n",
         "        self.motion, self.__dict__['_equilibrium'] = self.motion, 0 * self.rest()\n"
         "        ramped = copy.copy(self)\n",
         "stale",
         "a copy of a system takes over an equilibrium that is none",
-        "test_cable_invariants.py::test_shifting_the_line_changes_nothing",
+        "cable/test_invariants.py::test_shifting_the_line_changes_nothing",
     ),
     # ------------------------------------------------------------ cable_planar, cable_spatial
     Defect(
         "drag by the length of the chord",
-        "cable_planar",
+        "cable.planar",
         "value / (2 * stretch * stretch), slope",
         "value / (stretch * stretch), slope",
         "derivative",
@@ -345,7 +345,7 @@ DEFECTS = (
     ),
     Defect(
         "current of the neighbour",
-        "cable_planar",
+        "cable.planar",
         "by[1, PHI] -= c.inertia * across * phi_t",
         "by[1, PHI] -= c.inertia * along * phi_t",
         "symbol",
@@ -354,7 +354,7 @@ DEFECTS = (
     ),
     Defect(
         "angles exchanged in the weight",
-        "cable_spatial",
+        "cable.spatial",
         "M36 * theta_t - c.w0 * cos_p * sin_t + Fdb",
         "M36 * theta_t - c.w0 * sin_p * cos_t + Fdb",
         "symbol",
@@ -363,7 +363,7 @@ DEFECTS = (
     ),
     Defect(
         "twist of a binormal",
-        "cable_spatial",
+        "cable.spatial",
         "self.n_phi, self.t_theta, self.b_theta = -level, -self.b, self.t",
         "self.n_phi, self.t_theta, self.b_theta = -level, self.b, self.t",
         "sign",
@@ -378,33 +378,33 @@ DEFECTS = (
             f"{rows} -= c.support(y[Z])[0] * _up(y)",
             "sign",
             "support of the seabed reversed in the rows of fourth order",
-            f"test_cable_order.py::test_order_of_the_corrected_rows -k 'seabed and {fields}'",
+            f"cable/test_order.py::test_order_of_the_corrected_rows -k 'seabed and {fields}'",
         )
-        for module, rows, fields in (("cable_planar", "F[:2]", "planar"), ("cable_spatial", "F[:3]", "spatial"))
+        for module, rows, fields in (("cable.planar", "F[:2]", "planar"), ("cable.spatial", "F[:3]", "spatial"))
     ),
     Defect(
         "a seabed that carries the weight at most",
-        "cable",
+        "cable.system",
         "return seabed_support(self.seabed_stiffness, self.scene.environment.depth, z)",
         "support, slope = seabed_support(self.seabed_stiffness, self.scene.environment.depth, z)\n"
         "        return np.minimum(support, self.w0), np.where(support < self.w0, slope, 0.0)",
         "regime",
         "the limit of statics, HB 2.5, in motion: nothing stops a line that sinks deeper than at rest",
-        "test_stability.py::test_a_slack_chain_on_a_seabed_settles",
+        "suite/test_stability.py::test_a_slack_chain_on_a_seabed_settles",
     ),
     Defect(
         "a hold as strong as on a fine mesh",
-        "cable",
+        "cable.system",
         "return min(1.0, float(_SMALL_TURN",
         "return max(1.0, float(_SMALL_TURN",
         "symbol",
         "the greater for the smaller: the gain of the hold is one on every mesh",
-        "test_stability.py::test_a_slack_chain_on_a_seabed_settles",
+        "suite/test_stability.py::test_a_slack_chain_on_a_seabed_settles",
     ),
     # ------------------------------------------------------------ chain
     Defect(
         "band one row off",
-        "chain",
+        "numerics.chain",
         "(self.kl + self.ku + i - j))",
         "(self.kl + self.ku + i - j - (i > j)))",
         "index",
@@ -413,7 +413,7 @@ DEFECTS = (
     ),
     Defect(
         "end rows where the last cell ends",
-        "chain",
+        "numerics.chain",
         "self._end = self._position(n - fields + first + row, n - fields + column)",
         "self._end = self._position(n - fields + row, n - fields + column)",
         "boundary",
@@ -422,16 +422,16 @@ DEFECTS = (
     ),
     Defect(
         "product with the other neighbour",
-        "chain",
+        "numerics.chain",
         'np.einsum("ijn,jn->in", cells[1], x[:, 1:])',
         'np.einsum("ijn,jn->in", cells[1], x[:, :-1])',
         "index",
         "tangents of the right nodes times the left ones",
-        "test_found_by_defects.py::test_tangents_times_a_state_are_the_change_of_the_rows",
+        "common/test_found_by_defects.py::test_tangents_times_a_state_are_the_change_of_the_rows",
     ),
     Defect(
         "cells field after field",
-        "chain",
+        "numerics.chain",
         "middle = cells.value.swapaxes(0, 1).reshape(",
         "middle = cells.value.reshape(",
         "index",
@@ -441,16 +441,16 @@ DEFECTS = (
     # ------------------------------------------------------------ statics, shooting
     Defect(
         "place by the tangent at the far end",
-        "statics",
+        "cable.statics",
         "- tangent[:, 1:] - tangent[:, :-1]",
         "- 2 * tangent[:, 1:]",
         "order",
         "positions of the equilibrium by a rule of first order",
-        "test_cable_statics.py::test_box_scheme_converges_to_the_catenary -k 'uniform and OC3'",
+        "cable/test_statics.py::test_box_scheme_converges_to_the_catenary -k 'uniform and OC3'",
     ),
     Defect(
         "tangent of the places",
-        "statics",
+        "cable.statics",
         "J[side, n:, :n] = -slope[:, self.angles, at]",
         "J[side, n:, :n] = slope[:, self.angles, at]",
         "derivative",
@@ -459,7 +459,7 @@ DEFECTS = (
     ),
     Defect(
         "pull of the line on the vessel outwards",
-        "statics",
+        "cable.statics",
         "return -self.tension[-1] * self.system.direction(self.y)[:, -1]",
         "return self.tension[-1] * self.system.direction(self.y)[:, -1]",
         "sign",
@@ -468,7 +468,7 @@ DEFECTS = (
     ),
     Defect(
         "anchor's force in the direction of the fairlead's",
-        "statics",
+        "cable.statics",
         "return self.tension[0] * self.system.direction(self.y)[:, 0]",
         "return self.tension[0] * self.system.direction(self.y)[:, -1]",
         "index",
@@ -477,7 +477,7 @@ DEFECTS = (
     ),
     Defect(
         "equilibrium to three digits",
-        "statics",
+        "cable.statics",
         "TOLERANCE = 1e-11",
         "TOLERANCE = 1e-3",
         "tolerance",
@@ -486,16 +486,16 @@ DEFECTS = (
     ),
     Defect(
         "half the current is the current",
-        "statics",
+        "cable.statics",
         "_Statics(_eased(system, x, share)).newton(x, tolerance)",
         "_Statics(_eased(system, x, share / 2)).newton(x, tolerance)",
         "regime",
         "the continuation ends half way and calls it the equilibrium",
-        "test_cable_statics.py::test_a_strong_current_is_reached_in_steps",
+        "cable/test_statics.py::test_a_strong_current_is_reached_in_steps",
     ),
     Defect(
         "shot without stretch",
-        "shooting",
+        "cable.shooting",
         "_direction(F)[0] * (1 + _direction(F)[1] / system.EA)",
         "_direction(F)[0]",
         "term",
@@ -504,16 +504,16 @@ DEFECTS = (
     ),
     Defect(
         "drag of the binormal to the normal",
-        "shooting",
+        "cable.shooting",
         "drag + (system.drag_b - system.drag_n)",
         "drag - (system.drag_b - system.drag_n)",
         "sign",
         "C_db and C_dn exchanged about their mean in the shooting method",
-        "test_found_by_defects.py::test_shooting_knows_the_binormal",
+        "common/test_found_by_defects.py::test_shooting_knows_the_binormal",
     ),
     Defect(
         "tangential drag on stretched length twice",
-        "shooting",
+        "cable.shooting",
         "np.sqrt(1 + T / system.EA)",
         "(1 + T / system.EA)",
         "term",
@@ -523,17 +523,17 @@ DEFECTS = (
     # ------------------------------------------------------------ declared blind spots
     Defect(
         "start of the equilibrium too taut",
-        "statics",
+        "cable.statics",
         "        x[0] = T / system.EA\n",
         "        x[0] = 1.05 * T / system.EA\n",
         "factor",
         "the strain that the iteration for the equilibrium starts from",
-        f"{_MEETS} {_SHOT} test_cable_statics.py::test_the_oc3_line_is_that_of_the_notes",
+        f"{_MEETS} {_SHOT} cable/test_statics.py::test_the_oc3_line_is_that_of_the_notes",
         blind="a start: the same equilibrium comes out, with the same number of steps or one more",
     ),
     Defect(
         "two BLAS threads",
-        "threads",
+        "numerics.threads",
         "limits=1,",
         "limits=2,",
         "factor",
@@ -542,7 +542,7 @@ DEFECTS = (
     ),
     Defect(
         "threads of the first thread alone",
-        "threads",
+        "numerics.threads",
         'if hasattr(library, "clear_controlling_thread"):',
         "if False:",
         "regime",
@@ -551,7 +551,7 @@ DEFECTS = (
     ),
     Defect(
         "threads back before the last has left",
-        "threads",
+        "numerics.threads",
         "limits := _entered.pop()",
         "limits := _entered.pop(0)",
         "stale",

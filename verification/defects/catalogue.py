@@ -12,46 +12,46 @@ CATALOGUE: tuple[Defect, ...] = (*SPANS, *NETWORKS, *CABLES, *DYNAMICS)
 
 # ---------------------------------------------------------------- kinds of checks
 FROZEN = (
-    "test_published.py",
-    "test_references.py",
-    "test_cable_statics.py::test_the_oc3_line_is_that_of_the_notes",
-    "test_exact.py::test_forces_equal_the_reference_table",
-    "test_exact.py::test_anchor_forces_equal_the_reference_table",
-    "test_exact.py::test_grounded_length_equals_the_reference_table",
-    "test_exact.py::test_stiffness_equals_the_reference_table",
-    "test_harmonic_balance.py::test_table_of_the_constant_term",
-    "test_harmonic_balance.py::test_9_m",
-    "test_harmonic_balance.py::test_needed_harmonics",
-    "test_harmonic_balance.py::test_the_constant_term_explains_fig_8",
-    "test_harmonic_balance.py::test_case_1_converges_to_the_independent_reference",
-    "test_map_file.py::test_the_oc3_file_gives_the_forces_of_openfast",
-    "test_network.py::test_two_line_example_to_every_digit",
-    "test_network.py::test_from_the_start_of_the_paper",
-    "test_scene_dynamics.py::test_four_cases_of_the_paper",
-    "test_time_domain.py::test_the_sixth_period_is_that_of_the_notes",
-    "test_time_domain.py::test_nine_metres_keep_the_line_in_tension",
-    "test_time_domain.py::test_the_converged_line_meets_the_reference",
+    "suite/test_published.py",
+    "catenary/test_references.py",
+    "cable/test_statics.py::test_the_oc3_line_is_that_of_the_notes",
+    "catenary/test_exact.py::test_forces_equal_the_reference_table",
+    "catenary/test_exact.py::test_anchor_forces_equal_the_reference_table",
+    "catenary/test_exact.py::test_grounded_length_equals_the_reference_table",
+    "catenary/test_exact.py::test_stiffness_equals_the_reference_table",
+    "harmonic_balance/test_solve.py::test_table_of_the_constant_term",
+    "harmonic_balance/test_solve.py::test_9_m",
+    "harmonic_balance/test_solve.py::test_needed_harmonics",
+    "harmonic_balance/test_solve.py::test_the_constant_term_explains_fig_8",
+    "harmonic_balance/test_solve.py::test_case_1_converges_to_the_independent_reference",
+    "io/test_map_file.py::test_the_oc3_file_gives_the_forces_of_openfast",
+    "network/test_solve.py::test_two_line_example_to_every_digit",
+    "network/test_solve.py::test_from_the_start_of_the_paper",
+    "io/test_scene.py::test_four_cases_of_the_paper",
+    "time_domain/test_solve.py::test_the_sixth_period_is_that_of_the_notes",
+    "time_domain/test_solve.py::test_nine_metres_keep_the_line_in_tension",
+    "time_domain/test_solve.py::test_the_converged_line_meets_the_reference",
 )
 """Checks that compare with published or stored numbers: files, and functions as the beginning of file::function."""
 
 PLANTING = {
-    "test_cable_invariants.py": ("wrong_term",),
-    "test_cable_jacobian.py": ("wrong_tangent",),
-    "test_cable_order.py": ("planted", "no_fault"),
-    "test_cable_statics.py": ("wrong_equation",),
-    "test_deferred_correction.py": ("planted",),
-    "test_stability.py": ("at_most_is_seen", "counts_cells"),
-    "test_time_domain.py": ("fault",),
+    "cable/test_invariants.py": ("wrong_term",),
+    "cable/test_jacobian.py": ("wrong_tangent",),
+    "cable/test_order.py": ("planted", "no_fault"),
+    "cable/test_statics.py": ("wrong_equation",),
+    "harmonic_balance/test_deferred_correction.py": ("planted",),
+    "suite/test_stability.py": ("at_most_is_seen", "counts_cells"),
+    "time_domain/test_solve.py": ("fault",),
 }
 """Words in the names of tests that plant mistakes of their own by text: with another one there they fail for that."""
 
 LONG = {
-    "test_exact.py": ("50_digits", "random_lines"),
-    "test_failures.py": ("any_numbers", "ordinary_ratios"),
-    "test_harmonic_balance.py": ("needed_harmonics",),
-    "test_network.py": ("random_networks", "40_digits"),
-    "test_oscillators.py": ("enough", "five_masses", "smoothed", "converges", "found", "long_chains"),
-    "test_references.py": ("recomputed", "closes", "turns_red", "found"),
+    "catenary/test_exact.py": ("50_digits", "random_lines"),
+    "common/test_failures.py": ("any_numbers", "ordinary_ratios"),
+    "harmonic_balance/test_solve.py": ("needed_harmonics",),
+    "network/test_solve.py": ("random_networks", "40_digits"),
+    "harmonic_balance/test_oscillators.py": ("enough", "five_masses", "smoothed", "converges", "found", "long_chains"),
+    "catenary/test_references.py": ("recomputed", "closes", "turns_red", "found"),
 }
 """Words in the names of tests that take too long to be shown every defect."""
 
@@ -69,39 +69,39 @@ def whole(file: str) -> str:
     return f"{file} -k '{words}'" if words else file
 
 
-STORED = "test_published.py test_references.py -k '{}'".format(
-    " and ".join(f"not {word}" for word in LONG["test_references.py"])
+STORED = "suite/test_published.py catenary/test_references.py -k '{}'".format(
+    " and ".join(f"not {word}" for word in LONG["catenary/test_references.py"])
 )
-_SPAN = ("test_exact.py", "test_jacobian.py", "test_limits.py", "test_invariants.py", "test_cross_solver.py",
-         "test_failures.py")  # fmt: skip
-_NETWORK = ("test_network.py", "test_network_jacobian.py", "test_network_scene.py", "test_map_file.py")
-_CABLE = ("test_cable_order.py", "test_cable_jacobian.py", "test_cable_statics.py", "test_cable_invariants.py",
-          "test_scene_dynamics.py")  # fmt: skip
-_TIME = ("test_time_domain.py", "test_cable_order.py", "test_cable_invariants.py", "test_oscillators.py")
-_PERIODIC = ("test_harmonic_jacobian.py", "test_oscillators.py", "test_block_chain.py", "test_harmonic_balance.py")
+_SPAN = ("catenary/test_exact.py", "catenary/test_jacobian.py", "catenary/test_limits.py", "catenary/test_invariants.py", "catenary/test_cross_solver.py",
+         "common/test_failures.py")  # fmt: skip
+_NETWORK = ("network/test_solve.py", "network/test_jacobian.py", "io/test_network_scene.py", "io/test_map_file.py")
+_CABLE = ("cable/test_order.py", "cable/test_jacobian.py", "cable/test_statics.py", "cable/test_invariants.py",
+          "io/test_scene.py")  # fmt: skip
+_TIME = ("time_domain/test_solve.py", "cable/test_order.py", "cable/test_invariants.py", "harmonic_balance/test_oscillators.py")
+_PERIODIC = ("harmonic_balance/test_jacobian.py", "harmonic_balance/test_oscillators.py", "numerics/test_bordered.py", "harmonic_balance/test_solve.py")
 _FILES = {
-    **dict.fromkeys(("catenary", "catenary_profile", "catenary_regimes", "catenary_solve", "elementary"), _SPAN),
-    **dict.fromkeys(("network", "network_balance", "network_few", "network_jacobian", "network_model", "network_nested",
-                     "network_monolithic", "network_rounding", "network_scene", "map_file"), _NETWORK),
-    **dict.fromkeys(("cable", "cable_planar", "cable_spatial", "loads", "chain"),
-                    (*_CABLE, "test_time_domain.py", "test_harmonic_balance.py")),
-    "statics": (*_CABLE, "test_harmonic_levels.py"),
-    "shooting": _CABLE,
-    **dict.fromkeys(("generalized_alpha", "time_domain"), _TIME),
-    **dict.fromkeys(("fourier", "harmonic_balance", "harmonic_rows", "harmonic_krylov", "harmonic_blocks"),
+    **dict.fromkeys(("catenary.span", "catenary.profile", "catenary.regimes", "catenary.solve", "numerics.elementary"), _SPAN),
+    **dict.fromkeys(("network.solve", "network.equations", "network.scalar", "network.jacobian", "network.model", "network.nested",
+                     "network.monolithic", "network.rounding", "io.network_scene", "io.map_file"), _NETWORK),
+    **dict.fromkeys(("cable.system", "cable.planar", "cable.spatial", "cable.loads", "numerics.chain"),
+                    (*_CABLE, "time_domain/test_solve.py", "harmonic_balance/test_solve.py")),
+    "cable.statics": (*_CABLE, "harmonic_balance/test_start.py"),
+    "cable.shooting": _CABLE,
+    **dict.fromkeys(("time_domain.generalized_alpha", "time_domain.solve"), _TIME),
+    **dict.fromkeys(("numerics.fourier", "harmonic_balance.solve", "harmonic_balance.residual", "harmonic_balance.krylov", "harmonic_balance.blocks"),
                     _PERIODIC),
-    **dict.fromkeys(("block_chain", "compiled", "heap", "threads"), (*_PERIODIC, "test_harmonic_levels.py")),
-    "catenary_excursion": _NETWORK,
-    "invariants": ("test_stability.py",),
-    "modes": ("test_time_domain.py",),
-    "stencils": ("test_deferred_correction.py",),
-    "motion": ("test_motion.py", "test_scene_dynamics.py", "test_time_domain.py"),
-    "newton": (*_SPAN, *_PERIODIC, "test_cable_statics.py"),
-    "outcome": ("test_failures.py", "test_network.py", "test_oscillators.py"),
-    "properties": ("test_failures.py", "test_network_scene.py", "test_scene_dynamics.py", "test_cable_order.py"),
-    "response": ("test_time_domain.py", "test_harmonic_balance.py"),
-    "periodic_response": _PERIODIC,
-    "scene": ("test_failures.py", "test_invariants.py", "test_scene_dynamics.py"),
+    **dict.fromkeys(("numerics.lu.bordered", "numerics.compiled", "numerics.memory", "numerics.threads"), (*_PERIODIC, "harmonic_balance/test_start.py")),
+    "catenary.excursion": _NETWORK,
+    "common.diagnostics": ("suite/test_stability.py",),
+    "numerics.modes": ("time_domain/test_solve.py",),
+    "cable.midpoint_stencils": ("harmonic_balance/test_deferred_correction.py",),
+    "common.motion": ("common/test_motion.py", "io/test_scene.py", "time_domain/test_solve.py"),
+    "numerics.newton": (*_SPAN, *_PERIODIC, "cable/test_statics.py"),
+    "common.outcome": ("common/test_failures.py", "network/test_solve.py", "harmonic_balance/test_oscillators.py"),
+    "common.properties": ("common/test_failures.py", "io/test_network_scene.py", "io/test_scene.py", "cable/test_order.py"),
+    "common.response": ("time_domain/test_solve.py", "harmonic_balance/test_solve.py"),
+    "harmonic_balance.response": _PERIODIC,
+    "io.scene": ("common/test_failures.py", "catenary/test_invariants.py", "io/test_scene.py"),
 }  # fmt: skip
 
 
@@ -111,6 +111,6 @@ def files(module: str) -> tuple[str, ...]:
 
 
 WIDER = {
-    module: (*(whole(file) for file in files), "test_found_by_defects.py", STORED) for module, files in _FILES.items()
+    module: (*(whole(file) for file in files), "common/test_found_by_defects.py", STORED) for module, files in _FILES.items()
 }
 """Module of solvers -> checks that each of its defects is shown with --all, beside the one named for it."""

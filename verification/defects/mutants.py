@@ -86,7 +86,7 @@ def mutant(module: str, text: str, start: int, end: int, new: str) -> Defect:
 @cache
 def check(module: str) -> str:
     """All files of tests of a module at one go, but what is long, plants mistakes itself or compares with a file."""
-    names, left_out = (*files(module), "test_found_by_defects.py"), []
+    names, left_out = (*files(module), "common/test_found_by_defects.py"), []
     for name in names:
         words = (*PLANTING.get(name, ()), *LONG.get(name, ()))
         for function in re.findall(r"^def (test_\w+)", (TESTS / name).read_text(encoding="utf-8"), re.MULTILINE):

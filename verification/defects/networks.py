@@ -4,22 +4,22 @@ from __future__ import annotations
 
 from .defect import Defect
 
-_DERIVATIVES = "test_network_jacobian.py::test_network_derivatives"
-_CLOSED = "test_network.py::test_closed_forms"
-_ROUNDING = "test_network.py -k 'below_the_rounding or within_rounding'"
-_REACTIONS = "test_network.py::test_reactions_carry_loads_and_weights"
-_AGREE = "test_network.py::test_methods_agree"
-_REFUSED = "test_network.py::test_refused_inputs"
-_JOINT = "test_network.py::test_a_joint_on_the_seabed_to_40_digits"
-_TOML = "test_network_scene.py::test_every_key_arrives"
-_MAP = "test_map_file.py::test_every_column_arrives"
-_BRIDLES = "test_map_file.py::test_copies_carry_equal_forces"
+_DERIVATIVES = "network/test_jacobian.py::test_network_derivatives"
+_CLOSED = "network/test_solve.py::test_closed_forms"
+_ROUNDING = "network/test_solve.py -k 'below_the_rounding or within_rounding'"
+_REACTIONS = "network/test_solve.py::test_reactions_carry_loads_and_weights"
+_AGREE = "network/test_solve.py::test_methods_agree"
+_REFUSED = "network/test_solve.py::test_refused_inputs"
+_JOINT = "network/test_solve.py::test_a_joint_on_the_seabed_to_40_digits"
+_TOML = "io/test_network_scene.py::test_every_key_arrives"
+_MAP = "io/test_map_file.py::test_every_column_arrives"
+_BRIDLES = "io/test_map_file.py::test_copies_carry_equal_forces"
 
 DEFECTS = (
     # ------------------------------------------------------------ catenary_excursion
     Defect(
         "block C as printed",
-        "catenary_excursion",
+        "catenary.excursion",
         "Y_H + lost / (w * EA)",
         "Y_H + friction * np.maximum(grounded, 0.0) / EA",
         "misprint",
@@ -29,7 +29,7 @@ DEFECTS = (
     ),
     Defect(
         "anchor force that knows nothing of V",
-        "catenary_excursion",
+        "catenary.excursion",
         "_block(pulled, pulled * friction, turn, zero)",
         "_block(pulled, 0 * pulled, turn, zero)",
         "misprint",
@@ -39,7 +39,7 @@ DEFECTS = (
     ),
     Defect(
         "sine added",
-        "catenary_excursion",
+        "catenary.excursion",
         "(both / 2), b, spread - sine,",
         "(both / 2), b, spread + sine,",
         "sign",
@@ -48,16 +48,16 @@ DEFECTS = (
     ),
     Defect(
         "stretch by the tension at the top",
-        "catenary_excursion",
+        "catenary.excursion",
         "slope + stretch * (both / 2), b,",
         "slope + stretch * b, b,",
         "factor",
         "(2.4b): the weight of the whole line where that of its half is meant",
-        "test_network.py::test_invariances",
+        "network/test_solve.py::test_invariances",
     ),
     Defect(
         "part on the seabed forgotten",
-        "catenary_excursion",
+        "catenary.excursion",
         "H * spread + lying",
         "H * spread",
         "term",
@@ -66,7 +66,7 @@ DEFECTS = (
     ),
     Defect(
         "spring that turns the other way",
-        "catenary_excursion",
+        "catenary.excursion",
         "_block(long - turn * H * H, -turn * H * V, -turn * H * V,",
         "_block(long - turn * H * H, turn * H * V, turn * H * V,",
         "sign",
@@ -75,7 +75,7 @@ DEFECTS = (
     ),
     Defect(
         "raised end that follows H the wrong way",
-        "catenary_excursion",
+        "catenary.excursion",
         "turn = Ya_H * softness",
         "turn = -Ya_H * softness",
         "sign",
@@ -85,7 +85,7 @@ DEFECTS = (
     # ------------------------------------------------------------ network_balance
     Defect(
         "buoyancy and weight exchanged",
-        "network_balance",
+        "network.equations",
         "(environment.rho * node.volume - node.mass)",
         "(node.mass - environment.rho * node.volume)",
         "sign",
@@ -94,7 +94,7 @@ DEFECTS = (
     ),
     Defect(
         "mass without gravity",
-        "network_balance",
+        "network.equations",
         "- node.mass) * environment.g for",
         "- node.mass) for",
         "unit",
@@ -103,7 +103,7 @@ DEFECTS = (
     ),
     Defect(
         "friction forgotten at the anchor",
-        "network_balance",
+        "network.equations",
         "= H_anchor * direction, V_anchor",
         "= H * direction, V_anchor",
         "symbol",
@@ -112,7 +112,7 @@ DEFECTS = (
     ),
     Defect(
         "pull of the fairlead outwards",
-        "network_balance",
+        "network.equations",
         "= -H * direction, -V",
         "= -H * direction, V",
         "sign",
@@ -121,7 +121,7 @@ DEFECTS = (
     ),
     Defect(
         "tangent of an anchor that friction holds",
-        "network_balance",
+        "network.equations",
         "moved = D[resting, 0] + friction[resting, None] * D[resting, 1]",
         "moved = D[resting, 0]",
         "misprint",
@@ -131,7 +131,7 @@ DEFECTS = (
     ),
     Defect(
         "azimuth does not turn",
-        "network_balance",
+        "network.equations",
         "D[:, 4, 3], D[:, 5, 3] = self.H / g.reach, self.H_anchor / g.reach",
         "D[:, 4, 3], D[:, 5, 3] = 0 * g.reach, 0 * g.reach",
         "term",
@@ -140,7 +140,7 @@ DEFECTS = (
     ),
     Defect(
         "raised end hangs from a fixed height",
-        "network_balance",
+        "network.equations",
         "softness + a * a * K11",
         "softness",
         "term",
@@ -149,7 +149,7 @@ DEFECTS = (
     ),
     Defect(
         "across to the other side",
-        "network_balance",
+        "network.equations",
         "along, across = np.array([c, s]), np.array([-s, c])",
         "along, across = np.array([c, s]), np.array([s, c])",
         "sign",
@@ -158,7 +158,7 @@ DEFECTS = (
     ),
     Defect(
         "entries one unknown further",
-        "network_balance",
+        "network.equations",
         "places, self.place = np.unique(self.columns * self.size + self.rows,",
         "places, self.place = np.unique(self.columns * self.size + self.rows[::-1],",
         "index",
@@ -167,7 +167,7 @@ DEFECTS = (
     ),
     Defect(
         "pressed nodes lifted",
-        "network_balance",
+        "network.equations",
         "(r[:, 2] <= self.lowest) & (force[:, 2] <= 0)",
         "(r[:, 2] <= self.lowest) & (force[:, 2] >= 0)",
         "sign",
@@ -176,26 +176,26 @@ DEFECTS = (
     ),
     Defect(
         "friction of hanging ends",
-        "network_balance",
+        "network.equations",
         "np.where(self.clearance > 0, 0.0, balance.friction)",
         "balance.friction",
         "regime",
         "lines with a raised anchor end have friction, which statics cannot tell",
-        "test_found_by_defects.py::test_friction_acts_only_where_the_anchor_end_lies",
+        "common/test_found_by_defects.py::test_friction_acts_only_where_the_anchor_end_lies",
     ),
     # ------------------------------------------------------------ network_few
     Defect(
         "step past the smallest force",
-        "network_few",
+        "network.scalar",
         "map(max, z[m::2], [LEAST * H for H in point.z[m::2]])",
         "z[m::2]",
         "term",
         "a step may leave H negative, and the iteration ends there",
-        "test_network.py::test_floats_take_the_steps_of_arrays",
+        "network/test_solve.py::test_floats_take_the_steps_of_arrays",
     ),
     Defect(
         "lines pull their nodes apart, in floats",
-        "network_few",
+        "network.scalar",
         "((a, H, V_anchor), (f, -H, -V))",
         "((a, -H, V_anchor), (f, H, -V))",
         "sign",
@@ -204,7 +204,7 @@ DEFECTS = (
     ),
     Defect(
         "rubbing lines taken for smooth ones",
-        "network_few",
+        "network.scalar",
         "touching and (clearance > 0 or friction > 0)",
         "touching and clearance > 0",
         "regime",
@@ -214,7 +214,7 @@ DEFECTS = (
     # ------------------------------------------------------------ network_jacobian
     Defect(
         "columns of the next element",
-        "network_jacobian",
+        "network.jacobian",
         "own = [n + 2 * i, n + 2 * i + 1]",
         "own = [n + 2 * i, n + 2 * i]",
         "misprint",
@@ -224,7 +224,7 @@ DEFECTS = (
     ),
     Defect(
         "positions pull the gaps the wrong way",
-        "network_jacobian",
+        "network.jacobian",
         "J[np.ix_(own, ends)] -= G[i] @ motion[i, :3]",
         "J[np.ix_(own, ends)] += G[i] @ motion[i, :3]",
         "sign",
@@ -233,7 +233,7 @@ DEFECTS = (
     ),
     Defect(
         "half the differences",
-        "network_jacobian",
+        "network.jacobian",
         "columns.append(difference / step * units[i])",
         "columns.append(difference / (2 * step) * units[i])",
         "factor",
@@ -242,17 +242,17 @@ DEFECTS = (
     ),
     Defect(
         "trust region that grows after failures",
-        "network_jacobian",
+        "network.jacobian",
         "new, radius if gained > 0.25 else SHRINK * np.linalg.norm(p)",
         "new, GROW * radius if gained > 0.25 else GROW * np.linalg.norm(p)",
         "factor",
         "the radius grows whatever the model was worth",
-        "test_found_by_defects.py::test_the_trust_region_shrinks_where_its_model_fails",
+        "common/test_found_by_defects.py::test_the_trust_region_shrinks_where_its_model_fails",
     ),
     # ------------------------------------------------------------ network_model
     Defect(
         "joint below the seabed let in",
-        "network_model",
+        "network.model",
         "if depth is not None and node.r[2] < -depth:",
         "if depth is not None and node.r[2] < -2 * depth:",
         "input",
@@ -261,7 +261,7 @@ DEFECTS = (
     ),
     Defect(
         "last node is one too many",
-        "network_model",
+        "network.model",
         "all(0 <= end < n for end in element.ends)",
         "all(0 <= end <= n for end in element.ends)",
         "index",
@@ -270,7 +270,7 @@ DEFECTS = (
     ),
     Defect(
         "islands are held",
-        "network_model",
+        "network.model",
         "reached[other] = True\n                    front.append(other)",
         "reached[other] = True\n                    front.append(other)\n        return [True] * len(reached)",
         "input",
@@ -279,17 +279,17 @@ DEFECTS = (
     ),
     Defect(
         "equations of the old place",
-        "network_model",
+        "network.model",
         'moved.__dict__["balance"] = self.balance.moved(positions)',
         'moved.__dict__["balance"] = self.balance',
         "stale",
         "a network moved with its vessel keeps the places of before in its equations",
-        "test_network.py::test_warm_start_of_a_moved_body",
+        "network/test_solve.py::test_warm_start_of_a_moved_body",
     ),
     # ------------------------------------------------------------ network_monolithic
     Defect(
         "gap the wrong way",
-        "network_monolithic",
+        "network.monolithic",
         "closing = K @ -other.gap[:, :, None]",
         "closing = K @ other.gap[:, :, None]",
         "sign",
@@ -298,7 +298,7 @@ DEFECTS = (
     ),
     Defect(
         "forces do not follow the gap",
-        "network_monolithic",
+        "network.monolithic",
         "@ motion + closing)[:, :, 0]",
         "@ motion)[:, :, 0]",
         "term",
@@ -307,7 +307,7 @@ DEFECTS = (
     ),
     Defect(
         "inverse transposed",
-        "network_monolithic",
+        "network.monolithic",
         "K = (np.array([d, -b, -c, a])",
         "K = (np.array([d, b, c, a])",
         "sign",
@@ -316,16 +316,16 @@ DEFECTS = (
     ),
     Defect(
         "satisfied with a percent",
-        "network_monolithic",
+        "network.monolithic",
         "bound = now.monolith.balance, tolerance * largest_force(now.elements)",
         "bound = now.monolith.balance, 1e-2 * largest_force(now.elements)",
         "tolerance",
         "the monolithic method stops at one per cent of the largest force",
-        "test_found_by_defects.py::test_each_method_reaches_its_tolerance_by_itself",
+        "common/test_found_by_defects.py::test_each_method_reaches_its_tolerance_by_itself",
     ),
     Defect(
         "row of the reach for that of the height",
-        "network_monolithic",
+        "network.monolithic",
         "np.array([x.l - g.l, x.h - g.rise]).T",
         "np.array([x.h - g.rise, x.l - g.l]).T",
         "symbol",
@@ -335,7 +335,7 @@ DEFECTS = (
     # ------------------------------------------------------------ network_nested
     Defect(
         "free nodes do not follow",
-        "network_nested",
+        "network.nested",
         "- dense(K[held][:, follow]) @ inner",
         "- 0 * dense(K[held][:, follow]) @ inner",
         "term",
@@ -344,35 +344,35 @@ DEFECTS = (
     ),
     Defect(
         "balanced to a percent",
-        "network_nested",
+        "network.nested",
         "return tolerance * largest_force(elements)",
         "return 1e-2 * largest_force(elements)",
         "tolerance",
         "the nested method stops at one per cent, and the monolithic one has to mend it",
-        "test_found_by_defects.py::test_each_method_reaches_its_tolerance_by_itself",
+        "common/test_found_by_defects.py::test_each_method_reaches_its_tolerance_by_itself",
     ),
     Defect(
         "difference backwards",
-        "network_nested",
+        "network.nested",
         "columns.append((base - force[free].ravel()) / step)",
         "columns.append((force[free].ravel() - base) / step)",
         "sign",
         "the tangent from differences has the sign of dF/dr, not of -dF/dr",
-        "test_found_by_defects.py::test_each_method_reaches_its_tolerance_by_itself",
+        "common/test_found_by_defects.py::test_each_method_reaches_its_tolerance_by_itself",
     ),
     Defect(
         "work counted half",
-        "network_nested",
+        "network.nested",
         "count.operations += 2 / 3 * n**3",
         "count.operations += 1 / 3 * n**3",
         "factor",
         "(5.6): operations of a factorisation",
-        "test_found_by_defects.py::test_operations_are_those_of_5_6",
+        "common/test_found_by_defects.py::test_operations_are_those_of_5_6",
     ),
     # ------------------------------------------------------------ network_rounding
     Defect(
         "slack for taut",
-        "network_rounding",
+        "network.rounding",
         "np.where(lengthens[:, None, None], taut, slack)",
         "np.where(lengthens[:, None, None], slack, taut)",
         "regime",
@@ -381,7 +381,7 @@ DEFECTS = (
     ),
     Defect(
         "one side for all",
-        "network_rounding",
+        "network.rounding",
         "SIDES = 8",
         "SIDES = 1",
         "regime",
@@ -390,7 +390,7 @@ DEFECTS = (
     ),
     Defect(
         "any step is a rounding",
-        "network_rounding",
+        "network.rounding",
         "if rounded.all() and balanced else None",
         "if balanced else None",
         "tolerance",
@@ -399,7 +399,7 @@ DEFECTS = (
     ),
     Defect(
         "forces of the old places",
-        "network_rounding",
+        "network.rounding",
         "foreseen = Q + (here.D @ motion)[:, :, 0].T",
         "foreseen = Q",
         "term",
@@ -409,7 +409,7 @@ DEFECTS = (
     # ------------------------------------------------------------ network
     Defect(
         "reaction that acts on the support",
-        "network",
+        "network.solve",
         "return force - unbalanced,",
         "return unbalanced - force,",
         "sign",
@@ -418,7 +418,7 @@ DEFECTS = (
     ),
     Defect(
         "vertical forces of the other line",
-        "network",
+        "network.solve",
         '**{name: getattr(found, name) for name in ("H", "V", "H_anchor", "V_anchor")}',
         '**{name: getattr(found, name)[:: -1 if name == "V" else 1] for name in ("H", "V", "H_anchor", "V_anchor")}',
         "misprint",
@@ -428,7 +428,7 @@ DEFECTS = (
     ),
     Defect(
         "moment of the turned body",
-        "network",
+        "network.solve",
         "K[3:, 3:] -= _cross(force) @ _cross(arm)",
         "K[3:, 3:] += _cross(force) @ _cross(arm)",
         "sign",
@@ -437,7 +437,7 @@ DEFECTS = (
     ),
     Defect(
         "cross product the other way round",
-        "network",
+        "network.solve",
         "[[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]]",
         "[[0.0, a[2], -a[1]], [-a[2], 0.0, a[0]], [a[1], -a[0], 0.0]]",
         "sign",
@@ -446,17 +446,17 @@ DEFECTS = (
     ),
     Defect(
         "whatever comes out is a success",
-        "network",
+        "network.solve",
         "Status.SUCCESS if residual <= tolerance else Status.NOT_CONVERGED",
         "Status.SUCCESS if residual <= tolerance else Status.SUCCESS",
         "tolerance",
         "a network that is out of balance is a success",
-        "test_network.py::test_stopping_short_is_a_status",
+        "network/test_solve.py::test_stopping_short_is_a_status",
     ),
     # ------------------------------------------------------------ network_scene
     Defect(
         "friction of a line lost",
-        "network_scene",
+        "io.network_scene",
         'table.get("friction", 0.0))',
         "0.0)",
         "input",
@@ -465,7 +465,7 @@ DEFECTS = (
     ),
     Defect(
         "anchor and fairlead exchanged in the file",
-        "network_scene",
+        "io.network_scene",
         'for end in ("anchor", "fairlead"))\n    if',
         'for end in ("fairlead", "anchor"))\n    if',
         "symbol",
@@ -474,44 +474,44 @@ DEFECTS = (
     ),
     Defect(
         "weights of another sea",
-        "network_scene",
+        "io.network_scene",
         "return Element(cable.weight_in(environment), cable.EA",
         "return Element(cable.weight_in(Environment()), cable.EA",
         "stale",
         "weights follow the default density and gravity, not those of the file",
-        "test_network_scene.py::test_weights_follow_the_environment_of_the_file",
+        "io/test_network_scene.py::test_weights_follow_the_environment_of_the_file",
     ),
     # ------------------------------------------------------------ map_file
     Defect(
         "copies turned the other way",
-        "map_file",
+        "io.map_file",
         "r=(c * x + s * y, c * y - s * x, z)",
         "r=(c * x - s * y, c * y + s * x, z)",
         "sign",
         "repeat turns nodes counter-clockwise",
-        "test_map_file.py::test_repeat_turns_clockwise_from_above",
+        "io/test_map_file.py::test_repeat_turns_clockwise_from_above",
     ),
     Defect(
         "forces stay where they were",
-        "map_file",
+        "io.map_file",
         "force=(c * fx + s * fy, c * fy - s * fx, fz)",
         "force=(fx, fy, fz)",
         "term",
         "repeat turns the nodes and not the forces on them",
-        "test_map_file.py::test_repeat_turns_clockwise_from_above",
+        "io/test_map_file.py::test_repeat_turns_clockwise_from_above",
     ),
     Defect(
         "degrees for radians",
-        "map_file",
+        "io.map_file",
         "math.cos(math.radians(degrees)), math.sin(math.radians(degrees))",
         "math.cos(degrees), math.sin(degrees)",
         "unit",
         "angles of repeat are taken for radians",
-        "test_map_file.py::test_repeat_turns_clockwise_from_above",
+        "io/test_map_file.py::test_repeat_turns_clockwise_from_above",
     ),
     Defect(
         "nodes counted from one",
-        "map_file",
+        "io.map_file",
         'ends = int(row["NodeAnch"]) - 1, int(row["NodeFair"]) - 1',
         'ends = int(row["NodeAnch"]) - 1, int(row["NodeFair"])',
         "index",
@@ -520,25 +520,25 @@ DEFECTS = (
     ),
     Defect(
         "mass and volume exchanged",
-        "map_file",
+        "io.map_file",
         'row.number("M"), row.number("B")',
         'row.number("B"), row.number("M")',
         "symbol",
         "columns M and B of a node",
-        "test_map_file.py::test_loads_of_nodes",
+        "io/test_map_file.py::test_loads_of_nodes",
     ),
     Defect(
         "guessed reactions are loads",
-        "map_file",
+        "io.map_file",
         "0.0 if row[f].startswith",
         "0.0 if False and row[f].startswith",
         "input",
         "a guess of an unknown reaction acts as a force",
-        "test_map_file.py::test_a_guessed_reaction_is_no_load",
+        "io/test_map_file.py::test_a_guessed_reaction_is_no_load",
     ),
     Defect(
         "friction from the column of damping",
-        "map_file",
+        "io.map_file",
         "diameter, mass, EA, friction, *_ =",
         "diameter, mass, EA, _, friction, *_ =",
         "index",
@@ -548,7 +548,7 @@ DEFECTS = (
     # ------------------------------------------------------------ declared blind spot
     Defect(
         "softer first stage",
-        "network_nested",
+        "network.nested",
         "SOFTEST, HARDEST = 1.0, 1e-3",
         "SOFTEST, HARDEST = 2.0, 1e-3",
         "factor",

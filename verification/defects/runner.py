@@ -29,7 +29,7 @@ from .interpreter import Interpreter, Stopped
 
 ROOT = Path(__file__).parents[2]
 COPIED = ("solvers", "verification", "benchmarks", "reference_data", "conftest.py", "pyproject.toml")
-SKIPPED = ("verification/defects", "verification/test_defects.py", "benchmarks")
+SKIPPED = ("verification/defects", "verification/suite/test_defects.py", "benchmarks")
 """What no check of a solver depends on: results stay valid when it changes."""
 
 _OPTIONS = ("-x", "--tb=no", "--no-header", "-p", "no:cacheprovider", "-p", "no:faulthandler")

@@ -1,0 +1,1 @@
+"""Measurements of the moving cable: cases, orders, error against run time."""

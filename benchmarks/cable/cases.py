@@ -1,0 +1,184 @@
+"""The moving cables that are measured: the four cases of the HB paper and its large surge; their converged tension.
+
+Errors are those of the fairlead tension over one period, relative to its range (greatest less least): the root of the
+mean square (``rms``) and the greatest (``error``).
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from dataclasses import dataclass
+from functools import cache
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from solvers import Scene
+from solvers.cable.system import cable_system
+from solvers.harmonic_balance.solve import solve_periodic
+
+from ..run import results
+
+ROOT = Path(__file__).parents[2]
+SCENES = ROOT / "reference_data" / "scenes" / "dynamics"
+CASES = {
+    "case_1": "Case 1: surge 5 m",
+    "case_2": "Case 2: heave 5 m",
+    "case_3": "Case 3: sway 5 m",
+    "case_4": "Case 4: surge and sway",
+    "case_1_large": "Surge 9 m",
+}
+"""Scene hb_<name>.toml -> title; the first four are the cases of HB Table 2."""
+PAPER_CASES = tuple(CASES)[:4]
+
+NODES, HARMONICS, SAMPLES, DT, PERIODS = 50, 9, 32, 0.1, 3
+"""The settings of HB section 4.3."""
+
+TIMES = 1000  # instants of a period at which waveforms are compared
+
+
+def scene(name: str) -> Scene:
+    """One of CASES."""
+    return Scene.load(SCENES / f"hb_{name}.toml")
+
+
+@cache
+def system(name: str, nodes: int = NODES, fields: str = "auto"):
+    """The cable of a case, with its equilibrium found: its cost is in no timing but where a benchmark says so."""
+    found = cable_system(scene(name), nodes, fields=fields)
+    found.rest()
+    return found
+
+
+def warm_up():
+    """Load or compile what is compiled, in both precisions: it would be in the first timings of a process."""
+    solve_periodic(system("case_1", 25), harmonics=HARMONICS)
+
+
+def axial_ratio(name: str) -> float:
+    """First axial frequency of the stretched line as a straight bar between held ends, over that of the motion."""
+    case = scene(name)
+    wave_speed = math.sqrt(case.cable.EA / case.cable.mass_per_length)
+    return wave_speed / (2 * case.length) / case.motion.frequency
+
+
+def instants(period: float, count: int = TIMES) -> np.ndarray:
+    """(count,) s in [0, period)."""
+    return period * np.arange(count) / count
+
+
+@dataclass(frozen=True)
+class Reference:
+    """Converged fairlead tension (TIMES,) in N at ``instants`` of the period in s; uncertainty: its rms,
+    estimated; levels: nodes of the meshes that it is extrapolated from."""
+
+    period: float
+    tension: np.ndarray
+    uncertainty: float
+    levels: tuple[int, ...] = ()
+
+    @property
+    def range(self) -> float:
+        """Greatest less least tension, N."""
+        return float(np.ptp(self.tension))
+
+    def harmonics(self, k: int) -> np.ndarray:
+        """Mean and amplitudes of harmonics 1..k, (k + 1,), N."""
+        spectrum = np.fft.rfft(self.tension) / self.tension.size
+        return np.concatenate([[spectrum[0].real], 2 * abs(spectrum[1 : k + 1])])
+
+    def errors(self, tension) -> dict:
+        """rms and error of a waveform at equal times of the period: a multiple of TIMES, or a divisor."""
+        given = np.asarray(tension)[:: max(1, len(tension) // TIMES)]
+        difference = (given - self.tension[:: TIMES // len(given)]) / self.range
+        return {"rms": float(np.sqrt(np.mean(difference**2))), "error": float(abs(difference).max())}
+
+    def of(self, response) -> dict:
+        """rms and error of the last period of a TimeHistory or PeriodicResponse."""
+        first, period = response.last_period
+        return self.errors(response.fairlead_tension(first + instants(period)))
+
+
+LEVELS, FINE, FINEST = (50, 100, 200, 400), 30, 60
+QUICK_LEVELS, QUICK_FINE = (25, 50, 100), 20
+
+
+def converged(name: str, levels=LEVELS, harmonics=FINE, finest=FINEST) -> Reference:
+    """HB extrapolated to infinitely many nodes, and corrected at the coarsest mesh to ``finest`` harmonics.
+
+    The error is of second order in the cell. Uncertainty: what the finest mesh moves the extrapolated value by, and
+    what the additional harmonics do; relative to the range.
+    """
+    responses = [None]
+    for nodes in levels:
+        chain = system(name, nodes)
+        responses.append(solve_periodic(chain, harmonics=harmonics, start=on_mesh(responses[-1], chain)))
+    coarsest, waves = responses[1], [wave(response) for response in responses[1:]]
+    more = wave(solve_periodic(coarsest.system, harmonics=finest, start=coarsest)) - waves[0]
+    meshes = list(zip(levels, waves, strict=True))[-3:]
+    before, last = (
+        fine + (fine - rough) / (((m - 1) / (n - 1)) ** 2 - 1) for (n, rough), (m, fine) in pairwise(meshes)
+    )
+    tension = last + more
+    spread = float(np.ptp(tension))
+    uncertainty = (rms(last - before) + rms(more)) / spread
+    return Reference(chain.period, tension, uncertainty, levels)
+
+
+def rms(values) -> float:
+    """Root of the mean square."""
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+def wave(response) -> np.ndarray:
+    """Fairlead tension at TIMES instants of the last period, N."""
+    first, period = response.last_period
+    return response.fairlead_tension(first + instants(period))
+
+
+def on_mesh(response, chain):
+    """Coefficients of a response on another mesh of the same cable, as a start; None for none."""
+    return None if response is None else CubicSpline(response.system.s, response.z, axis=1)(chain.s)
+
+
+class References:
+    """Converged tensions, kept in ``folder``/cache by the content of what they are made with."""
+
+    def __init__(self, folder: Path, quick: bool):
+        self.settings = (QUICK_LEVELS, QUICK_FINE, FINE) if quick else (LEVELS, FINE, FINEST)
+        self.folder = folder / "cache"
+        self.folder.mkdir(parents=True, exist_ok=True)
+
+    def of(self, name: str) -> Reference:
+        """Reference of a case: kept, or computed; a finer one that is kept serves too."""
+        for settings in ((LEVELS, FINE, FINEST), self.settings):
+            path = self._path(name, settings)
+            if path.exists():
+                kept = json.loads(path.read_text(encoding="utf-8"))
+                return Reference(**kept | {"tension": np.array(kept["tension"])})
+        found = converged(name, *self.settings)
+        results.write(path, vars(found))
+        return found
+
+    def _path(self, name, settings) -> Path:
+        made = hashlib.sha256(json.dumps([sources(), settings]).encode())
+        made.update((SCENES / f"hb_{name}.toml").read_bytes())
+        return self.folder / f"tension-{name}-{made.hexdigest()[:16]}.json"
+
+
+_SOLVERS = ("cable", "cable_planar", "cable_spatial", "chain", "loads", "fourier", "harmonic_balance", "harmonic_rows",
+            "harmonic_krylov", "harmonic_blocks", "compiled", "block_chain", "newton", "statics", "motion",
+            "properties", "scene", "periodic_response", "stencils")  # fmt: skip
+
+
+@cache
+def sources() -> str:
+    """Digest of the solver modules that a reference depends on, and of this one."""
+    total = hashlib.sha256(Path(__file__).read_bytes())
+    for name in _SOLVERS:
+        total.update((ROOT / "solvers" / f"{name}.py").read_bytes())
+    return total.hexdigest()

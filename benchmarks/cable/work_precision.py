@@ -1,0 +1,170 @@
+"""Error against run time of the moving cables: harmonic balance, time domain, and other codes that solve them."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from solvers.common.motion import Ramped
+from solvers.harmonic_balance.solve import solve_periodic
+from solvers.numerics.threads import one_blas_thread
+from solvers.time_domain.solve import solve_time_domain
+
+from .. import peers
+from ..run import harness
+from ..run.harness import clock
+from .cases import PERIODS, system, wave
+
+SETTINGS = {
+    "harmonic balance": ((10, 3), (13, 3), (17, 5), (25, 5), (25, 9), (35, 9), (50, 9), (50, 15), (100, 15), (200, 24)),
+    "harmonic balance, corrected": ((7, 3), (8, 4), (9, 5), (9, 7), (13, 7), (13, 9), (15, 6), (17, 9), (17, 12),
+                                    (17, 15), (21, 12), (25, 9), (25, 12), (25, 15), (25, 18), (29, 18), (41, 12),
+                                    (35, 24), (50, 30)),
+    "time domain": ((17, 0.8, 2), (25, 0.8, 2), (25, 0.4, 2), (50, 0.4, 2), (50, 0.2, 2), (70, 0.2, 2), (100, 0.2, 2),
+                    (100, 0.2), (100, 0.1, 2), (140, 0.1, 2), (140, 0.2), (200, 0.1), (200, 0.05)),
+    "time domain, extrapolated": ((13, 0.8, 2), (13, 0.4), (25, 0.4), (25, 0.2)),
+}  # fmt: skip
+"""(nodes, harmonics), the same with a deferred correction, (nodes, dt in s), (nodes and dt of the coarser of two runs):
+pairs that grow together, for of two errors the larger hides the other. Two periods, where they are given, are enough
+for the errors of large steps; finer ones need PERIODS. Other codes have their own settings, (cells, steps in a period).
+"""
+QUICK = {
+    "harmonic balance": ((13, 3), (25, 5), (50, 9), (50, 15)),
+    "harmonic balance, corrected": ((9, 5), (13, 9), (17, 15), (25, 24)),
+    "time domain": ((25, 0.4, 2), (50, 0.2, 2), (100, 0.2)),
+    "time domain, extrapolated": ((13, 0.4),),
+}
+QUICK_PEER = slice(1, None, 2)  # of the settings of another code
+BESIDE = (49, 1000)  # (cells, steps in a period) of another code beside the paper's settings
+
+ERRORS = (3e-2, 1e-2, 3e-3, 1e-3, 3e-4)  # rms of the tension over its range, at which methods are set side by side
+
+LONG, ENOUGH, REPEATS = 1.0, 0.2, 3  # s: of a call that is timed once; of all repeats of a shorter one; at most so many
+
+
+def others() -> dict[str, peers.Adapter]:
+    """Label -> other code that solves moving cables."""
+    return {adapter.label: adapter for adapter in peers.solving("cable").values()}
+
+
+@dataclass(frozen=True)
+class Told:
+    """Fairlead tension (n,) in N of another code over the last period, from its beginning; None: it gave none.
+
+    kind "refused" or "unsupported", message why.
+    """
+
+    tension: np.ndarray | None
+    kind: str = ""
+    message: str = ""
+
+
+def ask(adapter: peers.Adapter, scene, motion, period: float, setting, periods=PERIODS) -> Told:
+    """The last of some periods (s) of a motion from rest, at (cells, steps in a period); it never raises."""
+    cells, steps = setting
+    time = np.linspace(0.0, periods * period, periods * steps + 1)
+    fairlead = np.array(scene.fairlead) + motion.displacement(time).T
+    limit = adapter.limit("cable") * max(1.0, periods / PERIODS)
+    who = f"{adapter.name}, cables"
+    found, kind, message = harness.attempt(lambda: adapter.cable(scene, time, fairlead, cells), limit, who)
+    if not kind:
+        found, kind, message = harness.checked(found, time.shape)
+    if kind:
+        return Told(None, kind, message)
+    return Told(found[-1 - steps : -1])
+
+
+def call(name: str, method: str, size: int, other, periods=PERIODS):
+    """A function of no argument that solves the case from rest; what it returns is for ``errors``."""
+    if method in others():
+        return _theirs(others()[method], system(name), size, other)
+    chain = system(name, size)
+    if method == "time domain":
+        return lambda: solve_time_domain(chain, dt=other, periods=periods, throw=False)
+    if method.startswith("harmonic balance"):
+        corrected = method.endswith(", corrected")
+        return lambda: solve_periodic(chain, harmonics=other, deferred_correction=corrected, throw=False)
+    finer = system(name, 2 * size - 1)
+    return lambda: extrapolated(chain, finer, other, periods)
+
+
+def beside(name: str) -> dict:
+    """Label -> call of every other code on a case, as finely as the paper's settings."""
+    return {label: call(name, label, *BESIDE) for label in others()}
+
+
+def extrapolated(chain, finer, dt: float, periods) -> np.ndarray:
+    """Tension of two time histories, cells and steps of the finer one half as long: the error of second order out."""
+    coarse, fine = (
+        wave(solve_time_domain(of, dt=step, periods=periods)) for of, step in ((chain, dt), (finer, dt / 2))
+    )
+    return fine + (fine - coarse) / 3
+
+
+def _theirs(adapter, chain, cells, steps):
+    moved = Ramped(chain.scene.motion, chain.period / 2)  # as solve_time_domain starts by default
+    return lambda: ask(adapter, chain.scene, moved, chain.period, (cells, steps))
+
+
+def errors(reference, found) -> dict:
+    """rms, error and status of what ``call`` returned; of another code that gave no tension, why."""
+    if isinstance(found, Told) and found.tension is None:
+        return {"rms": None, "error": None, "status": found.kind.upper(), "message": found.message[:200]}
+    if isinstance(found, (np.ndarray, Told)):
+        return reference.errors(getattr(found, "tension", found)) | {"status": "SUCCESS"}
+    return reference.of(found) | {"status": found.status.name}
+
+
+def least_seconds(run) -> tuple[float, object]:
+    """Least time of a few calls, and what the first returned."""
+    start = time.perf_counter()
+    found = run()
+    seconds, spent = [time.perf_counter() - start], 0.0
+    while seconds[0] < LONG and spent < ENOUGH and len(seconds) < REPEATS:
+        seconds.append(clock(run, 1))
+        spent += seconds[-1]
+    return min(seconds), found
+
+
+def points(name: str, reference, quick: bool):
+    """Yield each point of a case; of a code whose model does not include it, none."""
+    period = reference.period
+    for method, settings in (QUICK if quick else SETTINGS).items():
+        second = "harmonics" if method.startswith("harmonic") else "dt"
+        for size, other, *periods in settings:
+            run = call(name, method, size, other, *periods)
+            with one_blas_thread():  # also around what is made of a response: threads wait for each other
+                seconds, found = least_seconds(run)
+            point = {"case": name, "method": method, "size": size, second: other, "seconds": seconds}
+            yield point | ({"periods": periods[0]} if periods else {}) | errors(reference, found)
+    for method, adapter in others().items():
+        for cells, steps in adapter.settings[QUICK_PEER if quick else slice(None)]:
+            with one_blas_thread():
+                seconds, found = least_seconds(call(name, method, cells, steps))
+            if found.kind == "unsupported":
+                break
+            point = {"case": name, "method": method, "size": cells, "dt": period / steps, "seconds": seconds}
+            point["code"] = f"{method} {adapter.version}".strip()
+            yield point | errors(reference, found)
+            if found.message.startswith(harness.OVERTIME):
+                break
+
+
+def at_errors(points) -> list[dict]:
+    """Of each case and each of ERRORS that a method reaches: the least time (s) of every method that does, and how.
+
+    Names that begin with the same words before a comma are one method: each has its best settings.
+    """
+    rows = []
+    for case in dict.fromkeys(point["case"] for point in points):
+        for level in ERRORS:
+            best = {}
+            for point in points:
+                if point["case"] == case and point["rms"] is not None and point["rms"] <= level:
+                    method = point["method"].partition(",")[0]
+                    best[method] = min(best.get(method, point), point, key=lambda one: one["seconds"])
+            if best:
+                rows.append({"case": case, "level": level, "best": best})
+    return rows

@@ -1,0 +1,1 @@
+"""Measurements of networks of lines at rest."""

@@ -1,0 +1,1 @@
+"""What every measurement shares: command line, harness, result files, machine, kept oracle answers."""

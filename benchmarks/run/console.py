@@ -1,0 +1,66 @@
+"""What every program shares on the command line: the output folder, the progress bar, one BLAS thread, bad endings."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from concurrent.futures.process import BrokenProcessPool
+from pathlib import Path
+
+from threadpoolctl import threadpool_limits
+from tqdm import tqdm
+
+PROGRESS = "MOORING_PROGRESS"
+"""Environment variable; "lines" asks for `progress <done> <total>` on stdout, from which a parent draws its own bar."""
+
+DEFAULT_OUT = Path(__file__).parents[2] / "reports" / "out" / "results"
+
+
+def parser(program: str, doc: str) -> argparse.ArgumentParser:
+    """Parser with ``--out``; the first line of the module's docstring is its description."""
+    made = argparse.ArgumentParser(prog=f"python -m benchmarks.{program}", description=doc.splitlines()[0])
+    made.add_argument("--out", type=Path, default=DEFAULT_OUT, metavar="DIR", help="folder of the result files")
+    return made
+
+
+def whole_number(least: int, what: str):
+    """argparse type: an integer >= least."""
+
+    def parse(text: str) -> int:
+        try:
+            value = int(text)
+        except ValueError:
+            value = least - 1
+        if value < least:
+            raise argparse.ArgumentTypeError(f"{text!r} is not {what} (an integer >= {least})")
+        return value
+
+    return parse
+
+
+def add_jobs(parser):
+    """``--jobs``: all cores by default."""
+    number = whole_number(1, "a number of processes")
+    parser.add_argument("--jobs", type=number, default=os.cpu_count() or 1, metavar="J", help="processes")
+
+
+def progress(items, total: int, label: str):
+    """Yield from ``items`` under a bar on stderr, or with one line on stdout a step where a parent asks for lines."""
+    if os.environ.get(PROGRESS) != "lines":
+        yield from tqdm(items, total=total, desc=label, file=sys.stderr)
+        return
+    for done, item in enumerate(items, start=1):
+        yield item
+        print(f"progress {done} {total}", flush=True)
+
+
+def run(main) -> None:
+    """``main()`` with the BLAS pinned to one thread; interruptions, files and broken peers end without a traceback."""
+    try:
+        with threadpool_limits(1):
+            sys.exit(main())
+    except KeyboardInterrupt:
+        sys.exit("interrupted; exact results that were finished are kept for the next run")
+    except (OSError, ImportError, BrokenProcessPool) as error:
+        sys.exit(f"{type(error).__name__}: {error}")

@@ -1,0 +1,1 @@
+"""Stability maps: where solvers break, and whether they say so."""

@@ -1,0 +1,142 @@
+"""What a stability map is: two axes pushed to where a solver breaks, and a verdict at every point.
+
+Verdicts: solved (a success whose claims hold), warned (a success that warns of its error itself), refused (InputError
+before any work), not converged (a status that says so, or ConvergenceError), invalid (a status that says that no
+cable is like this: in compression, or stretched beyond breaking), too coarse (a success that keeps its claims, where
+a finer run has no answer or is invalid), wrong (a success that does not keep its own claims), crashed (any other
+exception, a floating-point error or a warning among them).
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import time
+import warnings
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from solvers import ConvergenceError, InputError, Status
+
+INVALID = (Status.COMPRESSION, Status.OVERSTRETCHED)
+VERDICTS = ("solved", "warned", "refused", "not converged", "invalid", "too coarse", "wrong", "crashed")
+ROOT = Path(__file__).parents[2]
+
+
+@dataclass(frozen=True)
+class Axis:
+    """label with its unit, and the values that a map takes."""
+
+    label: str
+    values: tuple
+
+    def thinned(self, step: int) -> Axis:
+        """Every ``step``-th value, and the last."""
+        kept = self.values[::step]
+        return Axis(self.label, kept if kept[-1] == self.values[-1] else (*kept, self.values[-1]))
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a solver made of a point: its status, the error that the map draws, and the claims that do not hold.
+
+    finer : status of the finer run that was to give the error, where that is no success
+    warned : the warnings of the result itself
+    """
+
+    status: Status
+    error: float = math.nan
+    lost: Sequence[str] = ()
+    finer: Status | None = None
+    warned: Sequence[str] = ()
+    values: dict = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Map:
+    """solve(x, y) -> Found; title, what the error is (quantity) and what a success claims, as sentences.
+
+    explained : why there are points without an answer, said where there are any
+    brief : values of x and of y in the quick run, every third where not given
+    skip(x, y) : points left out, left_out why; nodes : of the mesh, where the map has one
+    """
+
+    name: str
+    solver: str
+    title: str
+    x: Axis
+    y: Axis
+    quantity: str
+    claim: str
+    solve: Callable
+    explained: str = ""
+    brief: tuple = ()
+    skip: Callable = lambda x, y: False
+    left_out: str = ""
+    nodes: int | None = None
+
+    def quick(self) -> Map:
+        """The same on fewer points."""
+        x, y = self.x.thinned(3), self.y.thinned(3)
+        if self.brief:
+            x, y = (Axis(axis.label, values) for axis, values in zip((x, y), self.brief, strict=True))
+        return replace(self, x=x, y=y)
+
+    def places(self, j: int) -> list[int]:
+        """Indices of x in row j that are not left out."""
+        return [i for i, x in enumerate(self.x.values) if not self.skip(x, self.y.values[j])]
+
+    def row(self, j: int) -> list[dict]:
+        """The points of row j."""
+        y = self.y.values[j]
+        return [{"x": i, "y": j} | judged(self.solve, self.x.values[i], y) for i in self.places(j)]
+
+    def entry(self, points: list[dict]) -> dict:
+        """The map in the result file."""
+        words = ("name", "solver", "title", "quantity", "claim", "explained", "left_out", "nodes")
+        counts = {verdict: sum(point["verdict"] == verdict for point in points) for verdict in VERDICTS}
+        axes = {key: {"label": axis.label, "values": list(axis.values)} for key, axis in (("x", self.x), ("y", self.y))}
+        return {word: getattr(self, word) for word in words} | axes | {"counts": counts, "points": points}
+
+
+def judged(solve, *at) -> dict:
+    """Verdict, status, error and message of solve(*at), with floating-point errors and warnings raised."""
+    start = time.process_time()
+    try:
+        with warnings.catch_warnings(), np.errstate(divide="raise", over="raise", invalid="raise"):
+            warnings.simplefilter("error")
+            found = solve(*at)
+    except InputError as error:
+        row = {"verdict": "refused", "status": "InputError", "message": str(error)}
+    except ConvergenceError as error:
+        row = {"verdict": "not converged", "status": "ConvergenceError", "message": str(error)}
+    except Exception as error:
+        row = {"verdict": "crashed", "status": type(error).__name__, "message": str(error)}
+    else:
+        message = "; ".join([*found.lost, *found.warned])
+        row = {"verdict": _verdict(found), "status": found.status.name, "message": message}
+        row |= {"error": found.error} | ({"finer": found.finer.name} if found.finer else {}) | found.values
+    return row | {"seconds": time.process_time() - start}
+
+
+def _verdict(found: Found) -> str:
+    if found.status is Status.SUCCESS:
+        unknown = found.finer is None and math.isnan(found.error)
+        if found.lost or unknown:
+            return "wrong"
+        return "warned" if found.warned else "too coarse" if found.finer else "solved"
+    return "invalid" if found.status in INVALID else "not converged"
+
+
+@cache
+def sources() -> str:
+    """Digest of what the maps are made with: solvers, the oracles, these programs."""
+    files = [*ROOT.glob("solvers/*.py"), *ROOT.glob("verification/exact/*.py"), *ROOT.glob("benchmarks/stability/measure*.py")]
+    digest = hashlib.sha256()
+    for path in sorted(files):
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]

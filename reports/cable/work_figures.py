@@ -1,0 +1,96 @@
+"""Error against run time of the moving cables, all methods, and what they cost at equal error."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from statistics import median
+
+from matplotlib import pyplot as plt
+
+from ..drawing import style
+from ..page.formatting import number, times
+from .figures import CASES, METHODS, decades, legend, metres, save
+
+
+def work(data: dict, folder: Path) -> style.Group:
+    """Error against run time, a panel a case."""
+    figures, said = [], []
+    for case in dict.fromkeys(point["case"] for point in data["points"]):
+        points = [p for p in data["points"] if p["case"] == case and p["rms"]]
+        figure, axes = plt.subplots(figsize=(style.PANEL[0], 3.9))
+        looks = style.completed(METHODS, dict.fromkeys(p["method"] for p in data["points"]))
+        for method in (name for name in looks if any(p["method"] == name for p in points)):
+            mine = [p for p in points if p["method"] == method]
+            axes.plot(
+                [p["seconds"] for p in mine],
+                [p["rms"] for p in mine],
+                linestyle="none",
+                label=method,
+                **looks[method],
+            )
+        front = pareto(points)
+        axes.plot([p["seconds"] for p in front], [p["rms"] for p in front], "o", markersize=11, markerfacecolor="none",
+                  markeredgecolor=style.INK, linestyle="-", color=style.PALE, linewidth=0.8, zorder=1)  # fmt: skip
+        axes.axhspan(axes.get_ylim()[0], data["uncertainty"][case], color=style.PALE, alpha=0.25, linewidth=0)
+        axes.set(title=CASES[case], xscale="log", yscale="log", xlabel="run time, s", ylabel="rms error over the range")
+        decades(axes)
+        legend(figure, axes)
+        alt = f"Error of the fairlead tension against run time, both logarithmic: {CASES[case]}."
+        figures.append(save(figure, folder, f"work_{case}", CASES[case], alt))
+        others = sum(not p["method"].startswith("harmonic") for p in front)
+        said.append(f"{metres(case)}: {len(front) - others} of {len(front)} points of the front")
+    caption = (
+        "Each point is one setting; lower and further left is better; rings: the Pareto front. Of harmonic balance "
+        "are, "
+        f"{'; '.join(said)}. {' '.join(_equal_error(data['points']))} "
+        "The grey band is the uncertainty of the reference. "
+        "“Extrapolated” solves in time on two meshes with two steps and takes the error of second order out. "
+        "“Corrected” adds to harmonic balance up to three steps with the last Jacobian to equations of fourth order."
+    )
+    return style.Group(caption, figures)
+
+
+def pareto(points: list[dict]) -> list[dict]:
+    """The points that no other beats in both seconds and rms, the fastest first."""
+    front = []
+    for point in sorted(points, key=lambda p: (p["seconds"], p["rms"])):
+        if not front or point["rms"] < front[-1]["rms"]:
+            front.append(point)
+    return front
+
+
+def at_equal_error(points: list[dict], method: str, family: str = "harmonic") -> list[float]:
+    """Of the points of a method's own Pareto front: the time over the least of harmonic balance with at most the error.
+
+    Names that begin with ``method`` are one method, so are those of the family: each side has its best settings.
+    """
+    ratios = []
+    for case in dict.fromkeys(p["case"] for p in points):
+        mine = [p for p in points if p["case"] == case and p["rms"] is not None]
+        ours = [p for p in mine if p["method"].startswith(family)]
+        for point in pareto([p for p in mine if p["method"].startswith(method)]):
+            good = [p["seconds"] for p in ours if p["rms"] <= point["rms"]]
+            if good:
+                ratios.append(point["seconds"] / min(good))
+    return ratios
+
+
+def _equal_error(points) -> list[str]:
+    said = []
+    for method in dict.fromkeys(p["method"].split(",")[0] for p in points if not p["method"].startswith("harmonic")):
+        ratios = at_equal_error(points, method)
+        if ratios:
+            faster = sum(r < 1 for r in ratios)
+            end = f"; in {faster} of them it is the faster one" if faster else ""
+            said.append(
+                f"At the error of each of its best settings (its own Pareto front), {method} takes "
+                f"{times(median(ratios))} as long as harmonic balance "
+                f"(median of {len(ratios)}, {number(min(ratios), 2)} to {number(max(ratios), 2)}{end})."
+            )
+    return said
+
+
+def ratios_at(rows: list[dict], level: float, method: str, family: str = "harmonic balance") -> list[float]:
+    """Least time of a method to an error, over that of the family: of the cases in which both get there."""
+    pairs = [(row["best"].get(method), row["best"].get(family)) for row in rows if row["level"] == level]
+    return [theirs["seconds"] / ours["seconds"] for theirs, ours in pairs if theirs and ours]

@@ -1,0 +1,269 @@
+"""The figures about all solvers: error against time, error map, cost. Captions are computed from the same data."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+from matplotlib import pyplot as plt
+from matplotlib.colors import ListedColormap
+from matplotlib.ticker import LogLocator, NullFormatter
+
+from ..drawing import style
+from ..page import analysis
+from ..page.formatting import MINUS, across, number, ratio, slug, times
+
+EXACT, HOPELESS = 1e-17, 10.0
+"""Where errors of exactly zero and above any use are drawn: below what doubles can show, and ten times the force."""
+
+MAP_RANGE = (-1, 13)  # log10 of the error in units of the limit: one colour a decade
+LEGEND_LINE = 40  # letters of all labels that fit beside each other above a panel
+MAP_LINES = 12  # tick labels of the slackness at most
+
+
+def work_precision(data: dict, looks: dict, folder: Path) -> style.Group:
+    """Error against time: all cases together, then one panel per case."""
+    points = data["points"]
+    total, common, left = analysis.over_cases(points)
+    limits = _limits(analysis.usable(points))
+    figures = []
+    if total:
+        title = f"All {len(common)} cases: greatest error, total time"
+        figures.append(_panel(total, title, "work_precision_all", looks, folder, (None, limits[1])))
+    for case in dict.fromkeys(p["case"] for p in points):
+        mine = [p for p in analysis.usable(points) if p["case"] == case]
+        if mine:
+            title = case if analysis.single(mine[0]) else f"{case}: median error, time per line"
+            figures.append(_panel(mine, title, f"work_precision_{slug(case)}", looks, folder, limits))
+    return style.Group(_work_caption(points, total, common, left), figures)
+
+
+def _limits(points):
+    seconds = [p["seconds"] for p in points] or [1e-6, 1]
+    errors = [drawn(p) for p in points] or [1e-16, 1]
+    return (1e6 * min(seconds) / 1.6, 1e6 * max(seconds) * 1.6), (min(errors) / 4, min(max(errors), HOPELESS) * 4)
+
+
+def _panel(points, title: str, name: str, looks: dict, folder: Path, limits) -> style.Figure:
+    figure, axes = plt.subplots(figsize=style.PANEL)
+    draw_points(axes, points, looks)
+    axes.set_title(title)
+    if limits[0]:
+        axes.set_xlim(limits[0])
+    axes.set_ylim(limits[1])
+    time_ticks(axes)
+    labels = {p["label"] for p in points}
+    alt = f"Error against run time, both logarithmic, {title}: {', '.join(sorted(labels))}."
+    return style.save(figure, folder, name, title, alt)
+
+
+def draw_points(axes, points, looks: dict):
+    """Points of each solver joined in the order of the tolerance; failed ones crossed; the Pareto front ringed."""
+    good = analysis.usable(points)
+    for name in analysis.sort_solvers({p["solver"] for p in good}):
+        mine = [p for p in good if p["solver"] == name]
+        mine.sort(key=lambda p: -(p["tolerance"] or 0))
+        xy = [1e6 * p["seconds"] for p in mine], [drawn(p) for p in mine]
+        axes.plot(*xy, label=mine[0]["label"], alpha=0.95, linewidth=1, zorder=3, **looks[name])
+        wrong = [(s, e) for s, e, p in zip(*xy, mine, strict=True) if analysis.off_the_mark(p)]
+        if wrong:
+            axes.plot(*zip(*wrong, strict=True), "x", color=style.WRONG, markersize=10, markeredgewidth=2, zorder=5)
+    front = analysis.pareto([p for p in good if not analysis.off_the_mark(p)])
+    axes.plot([1e6 * p["seconds"] for p in front], [drawn(p) for p in front], "o", markersize=11,
+              markerfacecolor="none", markeredgecolor=style.INK, markeredgewidth=1, zorder=4)  # fmt: skip
+    axes.set(
+        xscale="log", yscale="log", xlabel="run time of one call, µs", ylabel="relative error of the fairlead force"
+    )
+    axes.yaxis.set_major_locator(LogLocator(numticks=7))
+    axes.yaxis.set_minor_formatter(NullFormatter())
+    labels = axes.get_legend_handles_labels()[1]
+    axes.figure.legend(loc="outside upper center", ncols=len(labels) if sum(map(len, labels)) < LEGEND_LINE else 2)
+
+
+def drawn(point: dict) -> float:
+    """The error, kept within the panel."""
+    return min(max(point["error"], EXACT), HOPELESS)
+
+
+def time_ticks(axes):
+    """Decades; where there are fewer than two of them, numbers between them as well."""
+    low, high = axes.get_xlim()
+    close = high / low < 100
+    axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if close else (1,), numticks=9))
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    if close:
+        axes.xaxis.set_major_formatter("{x:g}")
+
+
+def _work_caption(points, total, common, left) -> str:
+    said = []
+    labels = {p["solver"]: p["label"] for p in points}
+    for peer in [name for name in analysis.sort_solvers(labels) if not name.startswith(analysis.OURS)]:
+        cases = dict.fromkeys(p["case"] for p in points)
+        factors = [analysis.factor_at_equal_error([p for p in points if p["case"] == c], peer) for c in cases]
+        factors = [found["factor"] for found in factors if found]
+        if factors:
+            said.append(
+                f"At the smallest error that {labels[peer]} reaches, it takes {times(np.median(factors))} as long "
+                f"as this project (median of {len(factors)} cases, {ratio(min(factors))} to {ratio(max(factors))})."
+            )
+    said.append(_front(total))
+    if left:
+        said.append(
+            f"Not in the sum, because they answer fewer than half of the cases: {', '.join(labels[n] for n in left)}."
+        )
+    said.append(
+        "Each point is one tolerance, joined from the loosest to the tightest. Rings: the Pareto front, points that no "
+        "other beats in both time and error. Red crosses: an error above the bound of a wrong answer although a "
+        "tolerance ten times smaller was asked for. "
+        f"Errors above {HOPELESS:g} are drawn at {HOPELESS:g}; refused settings have no point."
+    )
+    return " ".join(filter(None, said))
+
+
+def _front(total) -> str:
+    front = analysis.pareto(total)
+    if not front:
+        return ""
+    ours = sum(p["solver"].startswith(analysis.OURS) for p in front)
+    return f"Over all cases together, {ours} of the {len(front)} points of the Pareto front belong to this project."
+
+
+# --- the error map ---------------------------------------------------------------------------------------------------
+
+
+def error_map(accuracy: dict, looks: dict, folder: Path) -> style.Group | None:
+    """Slackness by stiffness, one panel per solver that supports the map."""
+    rows = [row for row in accuracy["rows"] if row["set"] == "map"]
+    figures, said = [], []
+    for name in analysis.sort_solvers(accuracy["solvers"]):
+        label = accuracy["solvers"][name]["label"]
+        found = analysis.summarise(rows, name)
+        if found["unsupported"] == found["cases"]:
+            said.append(f"{label} has no panel: it does not model these lines.")
+            continue
+        figures.append(_map_panel(rows, name, label, folder))
+        said.append(_map_sentence(label, found))
+    said.append(
+        "Colour: the error in units of the condition limit, cut off at "
+        f"{10.0 ** MAP_RANGE[0]:g} and {number(10.0 ** MAP_RANGE[1], 1)}; red cross: returned as success with an error "
+        "above the bound of a wrong answer; black dot: refused. Rows are evenly spaced, dense near L = chord."
+    )
+    return style.Group(" ".join(said), figures) if figures else None
+
+
+def _map_sentence(label: str, found: dict) -> str:
+    counts = f"{label}: {found['wrong']} wrong and {found['refused']} refused of {found['cases']}"
+    if not found["worst"]:
+        return counts + "."
+    row = found["worst"]
+    return (
+        f"{counts}; worst point L/chord = {row['slackness']:.9g}, EA/wL = {number(row['stiffness'])}, "
+        f"{number(found['max'])} limits."
+    )
+
+
+def _map_panel(rows, name: str, label: str, folder: Path) -> style.Figure:
+    slackness = sorted({row["slackness"] for row in rows})
+    columns = {(i, j): row for i, j, row in _grid(rows, slackness)}
+    width = 1 + max(j for _, j in columns)
+    image = np.full((len(slackness), width), np.nan)
+    marks = {"wrong": [], "refused": []}
+    for (i, j), row in columns.items():
+        answer = row["answers"][name]
+        if answer["verdict"] in ("right", "wrong") and answer["in_limits"] is not None:
+            image[i, j] = math.log10(max(answer["in_limits"], 10.0 ** MAP_RANGE[0]))
+        if answer["verdict"] in marks:
+            marks[answer["verdict"]].append((j + 0.5, i + 0.5))
+    figure, axes = plt.subplots(figsize=(style.PANEL[0], 4.4))
+    colours = ListedColormap(plt.get_cmap("viridis")(np.linspace(0, 1, MAP_RANGE[1] - MAP_RANGE[0])))
+    mesh = axes.pcolormesh(image, cmap=colours, vmin=MAP_RANGE[0], vmax=MAP_RANGE[1], rasterized=True)
+    for points, look in ((marks["wrong"], {"marker": "x", "c": style.WRONG, "s": 14, "linewidths": 1.1}),
+                         (marks["refused"], {"marker": "o", "c": style.REFUSED, "s": 9})):  # fmt: skip
+        if points:
+            axes.scatter(*zip(*points, strict=True), **look)
+    _map_axes(axes, slackness, [columns[0, j]["stiffness"] for j in range(width)], label)
+    bar = figure.colorbar(mesh, ax=axes, location="bottom", shrink=0.9, pad=0.02, extend="both", aspect=30)
+    bar.set_label("log10 (error / condition limit)")
+    counts = ", ".join(f"{len(points)} {verdict}" for verdict, points in marks.items())
+    alt = f"Map of the error of {label} over slackness and stiffness: {counts}."
+    return style.save(figure, folder, f"error_map_{slug(name)}", label, alt, [_map_row(row, name) for row in rows])
+
+
+def _map_row(row: dict, name: str) -> dict:
+    """A cell of the map as it stands in the CSV: its own slackness and stiffness, not its place."""
+    answer = row["answers"][name]
+    kept = {key: answer[key] for key in ("verdict", "error", "in_limits")}
+    return {"slackness L/chord": row["slackness"], "stiffness EA/(w L)": row["stiffness"]} | kept
+
+
+def _grid(rows, slackness):
+    """(row, column, case): rows by slackness, columns by rank of the stiffness among the cases of that slackness."""
+    for i, value in enumerate(slackness):
+        mine = sorted((row for row in rows if row["slackness"] == value), key=lambda row: row["stiffness"])
+        yield from ((i, j, row) for j, row in enumerate(mine))
+
+
+def _map_axes(axes, slackness, stiffness, label: str):
+    decades = [k for k in range(0, 30) if stiffness[0] * 0.99 <= 10.0**k <= stiffness[-1] * 1.01]
+    place = np.interp(decades, np.log10(stiffness), np.arange(len(stiffness)) + 0.5)
+    axes.set_xticks(place, [f"$10^{{{k}}}$" for k in decades])
+    step = max(1, math.ceil(len(slackness) / MAP_LINES))
+    one = min(range(len(slackness)), key=lambda i: abs(slackness[i] - 1))
+    shown = sorted({0, len(slackness) - 1, *range(one % step, len(slackness), step)})
+    shown = [i for i in shown if i in (0, len(slackness) - 1) or 1 < i < len(slackness) - 2]
+    axes.set_yticks([i + 0.5 for i in shown], [_near_one(slackness[i]) for i in shown])
+    axes.set(title=label, xlabel="stiffness EA/(w L)", ylabel="slackness L/chord")
+    axes.grid(False)
+
+
+def _near_one(value: float) -> str:
+    """1 + 2.3e-7 rather than 1.00000023."""
+    gap = value - 1
+    if gap == 0 or abs(gap) >= 0.009:
+        return f"{value:.3g}"
+    return f"1 {'+' if gap > 0 else MINUS} {abs(gap):.0e}".replace("e-0", "e-")
+
+
+# --- cost ------------------------------------------------------------------------------------------------------------
+
+
+def cold_times(rows: list[dict], looks: dict, folder: Path) -> style.Group | None:
+    """Dots: seconds of one cold solve per case and solver, with the quartiles; from pytest-benchmark."""
+    rows = [row for row in rows if row["group"].startswith("span-cold")]
+    cases = list(dict.fromkeys(row["case"] for row in rows))
+    if not cases:
+        return None
+    figure, axes = plt.subplots(figsize=(style.WIDE[0], 1.4 + 0.42 * len(cases)))
+    names = analysis.sort_solvers({row["solver"] for row in rows})
+    for rank, name in enumerate(names):
+        mine = [row for row in rows if row["solver"] == name]
+        y = [len(cases) - cases.index(row["case"]) + 0.22 * ((len(names) - 1) / 2 - rank) for row in mine]
+        middle = np.array([row["median"] for row in mine]) * 1e6
+        low, high = (np.array([row[q] for row in mine]) * 1e6 for q in ("q1", "q3"))
+        spread = [np.maximum(middle - low, 0), np.maximum(high - middle, 0)]
+        axes.errorbar(middle, y, xerr=spread, linestyle="none", label=mine[0]["label"], capsize=2, **looks[name])
+    axes.set_yticks(range(len(cases), 0, -1), cases)
+    axes.set(
+        ylabel="case", xscale="log", xlabel="one cold solve, µs (median; bars: quartiles)", ylim=(0.4, len(cases) + 0.6)
+    )
+    figure.legend(loc="outside upper center", ncols=len(names))
+    alt = "Time of one cold solve for each case and solver, logarithmic."
+    columns = ("case", "label", "median", "q1", "q3", "rounds")  # s
+    kept = [{key: row[key] for key in columns} for row in rows]
+    drawn = style.save(figure, folder, "cold_solve", "One cold solve", alt, kept)
+    return style.Group(_cold_caption(rows, names), [drawn])
+
+
+def _cold_caption(rows, names) -> str:
+    ours = {row["case"]: row["median"] for row in rows if row["solver"] == analysis.OURS}
+    said = ["One solve from the inputs alone, nothing kept from an earlier call."]
+    if ours:
+        said.append(f"This project takes {across(1e6 * v for v in ours.values())} µs.")
+    for name in names:
+        mine = [row for row in rows if row["solver"] == name and row["case"] in ours]
+        if name != analysis.OURS and mine:
+            factors = [row["median"] / ours[row["case"]] for row in mine]
+            said.append(f"{mine[0]['label']}: {ratio(np.median(factors))} times that (median of {len(mine)} cases).")
+    return " ".join(said)

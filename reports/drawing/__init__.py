@@ -1,0 +1,1 @@
+"""What every figure shares: style, data behind it, drawing in forked processes."""

@@ -1,0 +1,123 @@
+"""One look for every figure: sizes, one colour and marker per solver, and SVG that follows the page's theme."""
+
+from __future__ import annotations
+
+import io
+import re
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")
+from matplotlib import pyplot as plt
+
+from ..page.analysis import sort_solvers
+from ..pipeline.ledger import write_atomically
+from . import background, figure_data
+
+INK, PALE, GRID = "#1c1d20", "#8b8f98", "#d5d7db"
+THEME = {INK: "var(--ink)", PALE: "var(--pale)", GRID: "var(--grid)"}
+"""Colours of the files, and what the page puts in their place so that its dark theme reaches into the figures."""
+
+PALETTE = ("#2a7fb8", "#d9701a", "#1a9a72", "#b35aa0", "#a3851a", "#6f6fc0")
+"""Colour-blind safe (after Okabe and Ito), dark enough for white paper and light enough for a dark page."""
+MARKERS = "osD^vP"
+WRONG, REFUSED = "#cc2936", "#1c1d20"
+
+PANEL = (4.7, 3.5)  # inches: one of two columns on the page, and the width of a telephone
+WIDE = (9.6, 3.6)
+
+plt.rcParams.update(
+    {
+        "font.family": "DejaVu Sans", "font.size": 10, "axes.titlesize": 10.5,
+        "axes.labelsize": 10, "xtick.labelsize": 9, "ytick.labelsize": 9, "legend.fontsize": 9,
+        "text.color": INK, "axes.labelcolor": INK, "axes.edgecolor": PALE, "xtick.color": INK, "ytick.color": INK,
+        "axes.titleweight": "bold", "axes.titlelocation": "left", "axes.spines.top": False, "axes.spines.right": False,
+        "axes.grid": True, "grid.color": GRID, "grid.linewidth": 0.6, "axes.axisbelow": True,
+        "legend.frameon": False, "legend.handletextpad": 0.4, "legend.columnspacing": 1.2,
+        "lines.linewidth": 1.6, "lines.markersize": 5.5, "svg.fonttype": "none", "figure.dpi": 100,
+        "figure.constrained_layout.use": True,
+    }
+)  # fmt: skip
+
+
+@dataclass
+class Figure:
+    """A figure of the page: files, the SVG to embed, what is seen (alt) and what the data say (caption)."""
+
+    name: str
+    title: str
+    alt: str
+    svg: str
+    wide: bool = False
+
+
+@dataclass
+class Group:
+    """Figures under one caption; anchor: id on the page, where something links to it."""
+
+    caption: str
+    figures: list[Figure] = field(default_factory=list)
+    anchor: str = ""
+
+
+def looks(names) -> dict[str, dict]:
+    """Colour and marker of every solver; the batch call of this project shares its colour."""
+    found = {}
+    for name in sort_solvers(names):
+        base = name.removesuffix("-batch")
+        kept = {key: found[base][key] for key in ("color",)} if base in found else {}
+        rank = len({value["color"] for value in found.values()}) % len(PALETTE)
+        found[name] = {"color": PALETTE[rank], "marker": MARKERS[len(found) % len(MARKERS)]} | kept
+    return found
+
+
+def completed(known: dict, names) -> dict[str, dict]:
+    """``known`` looks, and one for each of the names that has none: a code that was brought along."""
+    new = [name for name in names if name not in known]
+    return known | {
+        name: {"color": PALETTE[-1 - k % len(PALETTE)], "marker": "*<>hX"[k % 5]} for k, name in enumerate(new)
+    }
+
+
+def save(figure, folder: Path, name: str, title: str, alt: str, rows: list[dict] | None = None) -> Figure:
+    """Write name.svg, name.png and name.csv to ``folder`` and return the figure for the page.
+
+    rows : the data where they are more than what is drawn, such as a map over numbered cells; else read off the figure.
+    Raises ValueError where an axis does not say what it shows.
+    """
+    if missing := figure_data.unlabelled(figure):
+        raise ValueError(f"figure {name!r}: axes without a label: {', '.join(missing)}")
+    write_atomically(folder / f"{name}.csv", figure_data.text(figure_data.rows(figure) if rows is None else rows))
+    width = figure.get_size_inches()[0]
+    drawn = io.StringIO()
+    nothing = dict.fromkeys(("Creator", "Date", "Format", "Type"))
+    with plt.rc_context({"svg.hashsalt": name}):
+        figure.savefig(drawn, format="svg", metadata=nothing, transparent=True)
+        write_atomically(folder / f"{name}.svg", _white(drawn.getvalue()))
+    figure.set_layout_engine("none")  # it has found its places
+    background.start(lambda: figure.savefig(folder / f"{name}.png", dpi=200, facecolor="white"))
+    plt.close(figure)
+    return Figure(name, title, alt, _embedded(drawn.getvalue(), name, alt, width), width > 6)
+
+
+def _white(svg: str) -> str:
+    """The same picture on white paper, for a file of its own."""
+    return re.sub(r"(<svg [^>]*>)", r'\1<rect width="100%" height="100%" fill="#ffffff"/>', svg, count=1)
+
+
+def _embedded(svg: str, name: str, alt: str, width: float) -> str:
+    """The <svg> element for the page: theme colours as variables, ids of its own, described in words."""
+    svg = svg[svg.index("<svg") :]
+    svg = re.sub(r"<metadata>.*?</metadata>\s*", "", svg, flags=re.DOTALL)
+    svg = re.sub(r'\bid="([^"]+)"', rf'id="{name}-\1"', svg)
+    svg = re.sub(r"url\(#([^)]+)\)", rf"url(#{name}-\1)", svg)
+    svg = re.sub(r'href="#([^"]+)"', rf'href="#{name}-\1"', svg)
+    svg = svg.replace("'DejaVu Sans'", "'DejaVu Sans', Verdana, sans-serif")  # Verdana is as wide
+    for colour, variable in THEME.items():
+        svg = svg.replace(colour, variable)
+    svg = re.sub(r'(<svg [^>]*?)\s+width="[^"]*"', r"\1", svg, count=1)
+    svg = re.sub(r'(<svg [^>]*?)\s+height="[^"]*"', r"\1", svg, count=1)
+    alt = alt.replace("&", "&amp;").replace('"', "&quot;").replace("<", "&lt;")
+    return svg.replace("<svg ", f'<svg role="img" aria-label="{alt}" style="max-width:{96 * width:.0f}px" ', 1)

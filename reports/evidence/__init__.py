@@ -1,0 +1,1 @@
+"""The sections on papers, published values, other codes and seeded defects."""

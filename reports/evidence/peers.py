@@ -1,0 +1,89 @@
+"""The section on other codes: one row per code and problem, from the results of every problem type."""
+
+from __future__ import annotations
+
+from statistics import median
+
+from ..cable.figures import CASES
+from ..cable.work_figures import at_equal_error
+from ..page import analysis
+from ..page import pareto as fronts
+from ..page.formatting import plural, ratio
+from ..page.tables import Table, short
+
+FASTER = "where it is the faster one"
+
+
+def table(
+    accuracy: dict | None, work: dict | None, networks: dict | None, harmonic: dict | None, versions: dict
+) -> Table:
+    """Wrong and refused answers, and the time over that of this project at equal error, of every code measured."""
+    rows = [*_lines(accuracy, work), *_networks(networks, versions), *_moving(harmonic)]
+    columns = {"code": "code", "problem": "problem", "cases": "cases", "right": "right", "wrong": "wrong",
+               "refused": "refused", "unsupported": "not modelled", "median": "median error, limits",
+               "ratio": "time over this project", "of": "at", "faster": FASTER}  # fmt: skip
+    return Table("peers", "Other codes", columns, rows, {"median": short, "ratio": short})
+
+
+def _lines(accuracy, work):
+    """Lines at rest, at the default setting; the time at the smallest error that the code reaches."""
+    for name in analysis.sort_solvers((accuracy or {}).get("solvers", ())):
+        if name.startswith(analysis.OURS):
+            continue
+        chosen = accuracy["solvers"][name]
+        counts = analysis.summarise([row for row in accuracy["rows"] if row["set"] != "map"], name)
+        points = (work or {}).get("points", [])
+        factors = [analysis.factor_at_equal_error([p for p in points if p["case"] == case], name)
+                   for case in dict.fromkeys(p["case"] for p in points)]  # fmt: skip
+        factors = [found["factor"] for found in factors if found]
+        found = [front for front in fronts.static(points) if any(b.label == chosen["label"] for b in front.behind)]
+        yield counts | {
+            "code": f"{chosen['label']} {chosen['version']}", "problem": "lines at rest",
+            "ratio": median(factors) if factors else None,
+            "of": f"its smallest error, median of {plural(len(factors), 'case')}" if factors else "",
+            "faster": "; ".join(front.case for front in found) or "nowhere",
+        }  # fmt: skip
+
+
+def _networks(data, versions):
+    """Warm re-solves beside MoorPy; every code at the tightest tolerance that it answers, a system a case."""
+    rows = (data or {}).get("peers") or []
+    if rows:
+        both = [row[key] for row in rows for key in ("ratio", "ratio_back")]
+        slower = [row["system"] for row in rows if max(row["ratio"], row["ratio_back"]) < 1]
+        yield {
+            "code": f"MoorPy {versions.get('MoorPy') or ''}".strip(), "problem": "networks, moved", "cases": len(rows),
+            "ratio": median(both), "of": f"warm re-solves, {ratio(min(both))} to {ratio(max(both))}",
+            "faster": "; ".join(dict.fromkeys(slower)).replace("_", " ") or "nowhere",
+        }  # fmt: skip
+    points = (data or {}).get("work") or []
+    for code in dict.fromkeys(p["code"] for p in points if p.get("code")):
+        mine = [p for p in points if p.get("code") == code]
+        last = {p["case"]: p for p in mine if p["verdict"] in ("right", "wrong")}
+        cases = dict.fromkeys(p["case"] for p in mine)
+        verdicts = [last.get(case, {"verdict": "refused"})["verdict"] for case in cases]
+        verdicts = ["unsupported"] * len(verdicts) if {p["verdict"] for p in mine} == {"unsupported"} else verdicts
+        yield {"code": code, "problem": "networks", "cases": len(verdicts)} | {v: verdicts.count(v) for v in
+              analysis.VERDICTS}  # fmt: skip
+
+
+def _moving(data):
+    """Every code at the errors of its own settings."""
+    points = ((data or {}).get("work") or {}).get("points") or []
+    for code, method in dict.fromkeys((p["code"], p["method"]) for p in points if p.get("code")):
+        mine, ratios = [p for p in points if p["method"] == method], at_equal_error(points, method)
+        found = [front for front in fronts.moving(points, CASES) if any(b.label == method for b in front.behind)]
+        last = {p["case"]: p for p in mine if p["rms"] is not None}
+        verdicts = [_moved(last.get(case)) for case in dict.fromkeys(p["case"] for p in mine)]
+        row = {"code": code, "problem": "moving cable", "cases": len(verdicts)}
+        row |= {verdict: verdicts.count(verdict) for verdict in analysis.VERDICTS}
+        if ratios:
+            of = f"the error of each of its {plural(len(ratios), 'best setting')}, {ratio(min(ratios))} to "
+            row |= {"ratio": median(ratios), "of": of + ratio(max(ratios)),
+                    "faster": "; ".join(front.case for front in found) or "nowhere"}  # fmt: skip
+        yield row
+
+
+def _moved(point: dict | None) -> str:
+    """The verdict on the finest setting of a case; None where it gave no tension."""
+    return "refused" if point is None else "wrong" if point["error"] > fronts.MOVING_WRONG else "right"

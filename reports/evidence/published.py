@@ -1,0 +1,156 @@
+"""Published values against what comes out: scene files made from the published inputs, and the comparison."""
+
+from __future__ import annotations
+
+import csv
+import json
+import tomllib
+from functools import cache
+from pathlib import Path
+
+from ..pipeline.ledger import write_atomically
+from ..pipeline.sources import ROOT
+
+DATA = ROOT / "reference_data"
+SETS = ("openfast_r_test", "msqs_two_line")
+
+
+@cache
+def read(name: str) -> tuple[dict, list[dict]]:
+    """(source.toml, rows of data.csv) of a published set; empty where the set is not there."""
+    try:
+        source = tomllib.loads((DATA / name / "source.toml").read_text(encoding="utf-8"))
+        with (DATA / name / "data.csv").open(encoding="utf-8", newline="") as file:
+            return source, list(csv.DictReader(file))
+    except OSError:
+        return {}, []
+
+
+def values(name: str) -> dict[tuple[str, str], float]:
+    """(name, quantity) -> value of a set in long form: hb_paper, msqs_paper, oc3_dynamics."""
+    return {(row["name"], row["quantity"]): float(row["value"]) for row in read(name)[1]}
+
+
+def stated(quantity: str) -> str:
+    """A number that the text of the HB paper gives, as it would be written."""
+    return f"{values('hb_paper')['statement', quantity]:g}"
+
+
+def msqs_table2() -> list[dict]:
+    """Table 2 of MSQS: method, jacobian and globalisation (absent for nested), and its counts and norms as printed."""
+    found = {}
+    for (name, quantity), value in values("msqs_paper").items():
+        method, *rest = name.split(", ")
+        if method in ("nested", "monolithic"):
+            row = found.setdefault(
+                name, {"method": method} | dict(zip(("jacobian", "globalisation"), rest, strict=False))
+            )
+            whole = quantity.endswith(("iterations", "operations"))
+            row[quantity.replace(" ", "_")] = int(value) if whole else value
+    return list(found.values())
+
+
+def hb_table2(case: str, method: str) -> float | None:
+    """Seconds that HB Table 2 prints for case_1 to case_4; None for what it does not have."""
+    return values("hb_paper").get((case.replace("_", " "), method))
+
+
+def independent(name: str) -> dict[str, float]:
+    """Quantity -> fairlead tension, kN, of a set of oc3_dynamics, by programs that share nothing with this project."""
+    return {quantity: value for (found, quantity), value in values("oc3_dynamics").items() if found == name}
+
+
+def other_times(name: str) -> dict[str, float]:
+    """Code or quantity -> time of a set of other_codes, in the unit of its rows; none where the code was given up."""
+    rows = read("other_codes")[1]
+    return {row["quantity"]: float(row["value"]) for row in rows if row["name"] == name and not row["bound"]}
+
+
+def write_scenes(folder: Path) -> list[Path]:
+    """One scene file per published line, from its printed inputs; returns the paths."""
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = []
+    for name in SETS:
+        source, rows = read(name)
+        for row in rows:
+            path = folder / f"{name}-{row['name']}.toml"
+            text = _scene(name, source, row)
+            if not path.exists() or path.read_text(encoding="utf-8") != text:
+                write_atomically(path, text)
+            paths.append(path)
+    return paths
+
+
+def _scene(name: str, source: dict, row: dict) -> str:
+    write = {"openfast_r_test": _openfast, "msqs_two_line": _msqs}[name]
+    environment, line, ends = write(source, row)
+    tables = {"environment": environment, "line": line, "ends": ends}
+    lines = [f"name = {json.dumps(row['name'] + ' of ' + name)}", f"description = {json.dumps(source['title'])}"]
+    for table, values in tables.items():
+        lines += ["", f"[{table}]", *(f"{key} = {value}" for key, value in values.items())]
+    return "\n".join(lines) + "\n"
+
+
+def _point(row: dict, end: str) -> list[float]:
+    return [float(row.get(f"{axis}_{end}") or 0) for axis in "xyz"]
+
+
+def _openfast(source, row):
+    anchor, fairlead = _point(row, "anchor"), _point(row, "fairlead")
+    environment = {"rho": float(row["rho"]), "g": float(row["g"]), "depth": -anchor[2]}
+    pi = source["inferred"]["pi_in_code"]  # the digits of the code that printed the values; they show in its last ones
+    buoyancy = float(row["rho"]) * pi * float(row["diameter"]) ** 2 / 4
+    weight = float(row["g"]) * (float(row["mass_density"]) - buoyancy)
+    line = {"length": float(row["L"]), "EA": float(row["EA"]), "submerged_weight": weight,
+            "friction": float(row["friction"])}  # fmt: skip
+    return environment, line, {"anchor": anchor, "fairlead": fairlead}
+
+
+def _msqs(source, row):
+    line = {"length": float(row["L"]), "EA": 1e3 * float(row["EA_kN"]), "submerged_weight": source["inferred"]["w"]}
+    return {}, line, {"anchor": _point(row, "anchor"), "fairlead": _point(row, "fairlead")}
+
+
+def compare(name: str, scenes: dict[str, dict]) -> list[dict]:
+    """Rows quantity by quantity: printed, computed, their difference, and what the printed digits leave open.
+
+    scenes : stem of the scene file -> its result.
+    """
+    source, rows = read(name)
+    found = []
+    for row in rows:
+        scene = scenes.get(f"{name}-{row['name']}")
+        if scene:
+            line = scene["lines"][0]
+            values = (
+                _openfast_values(source, row) if name == "openfast_r_test" else _msqs_values(source, row, rows, line)
+            )
+            found += [_compared(row["name"], *value, line) for value in values]
+    return found
+
+
+def _openfast_values(source, row):
+    """(symbol, printed, key of the result, scale, what the printed digits leave open)."""
+    half = source["half_unit"]
+    keys = {"H": "H", "V": "V", "T": "tension", "HAnch": "H_anchor", "VAnch": "V_anchor", "Lb": "grounded_length"}
+    for symbol, key in keys.items():
+        yield symbol, float(row[symbol]), key, 1.0, half[symbol]
+
+
+def _msqs_values(source, row, rows, line):
+    """Forces in kN; the end is printed with few digits, which the stiffness turns into force. V as corrected."""
+    half, vertical = source["half_unit"], row
+    if source["inferred"].get("V_swapped"):
+        vertical = next(other for other in rows if other["name"] != row["name"])
+    for i, (symbol, printed) in enumerate((("H_kN", row["H_kN"]), ("V_kN", vertical["V_kN"]))):
+        ends = sum(abs(k) * half[f"{axis}_fairlead"] for k, axis in zip(line["stiffness"][i], "xz", strict=True))
+        yield symbol, float(printed), symbol[0], 1e-3, half[symbol] + 1e-3 * ends
+
+
+def _compared(name, symbol, printed, key, scale, open_digits, line) -> dict:
+    computed = scale * line[key]
+    difference = computed - printed
+    return {
+        "line": name, "quantity": symbol, "printed": printed, "computed": computed, "difference": difference,
+        "open": open_digits, "within": abs(difference) <= open_digits,
+    }  # fmt: skip

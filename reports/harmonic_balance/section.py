@@ -1,0 +1,285 @@
+"""The section on harmonic balance: tables and words from harmonic_balance.json."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+from statistics import median
+
+from ..cable import work_figures as dynamics_work_figures
+from ..cable.figures import CASES, KN, metres
+from ..cable.tables import Shown, condition, long, written
+from ..cable.verdicts import FIELDS_GAIN, fields_gain
+from ..evidence import published
+from ..evidence.published import stated
+from ..page.formatting import MINUS, number, seconds, times
+from ..page.tables import Table, short
+from . import figures
+
+
+def parts(data: dict, folder: Path, tables: Path) -> dict:
+    made = {name: _SHOWN[name](data[name], folder, tables) for name in _SHOWN if data.get(name)}
+    if "constant" in made:
+        made["constant"] = _constant(data["constant"], data.get("cases"), folder, tables)
+    return dict.fromkeys(_SHOWN) | made
+
+
+def _newton(rows, folder, tables) -> dict:
+    points = [
+        {"case": row["case"], "variant": row["variant"], "harmonics": row["harmonics"], "samples": row["samples"],
+         "step": i, "error": error}
+        for row in rows for i, error in enumerate(row["errors"], 1)
+    ]  # fmt: skip
+    waves = [
+        {"case": row["case"], "variant": row["variant"], "harmonics": row["harmonics"], "samples": row["samples"],
+         "instant": i, "tension": value}
+        for row in rows for i, value in enumerate(row["tension"])
+    ]  # fmt: skip
+    return {
+        "steps": Shown(figures.newton(rows, folder), written(tables, "newton", "Newton steps", points)),
+        "tension": Shown(figures.tension(rows, folder), written(tables, "tension", "Tension over a period", waves)),
+    }
+
+
+def _cases(data, folder, tables) -> dict:
+    rows = [row for row in data["rows"] if "seconds" in row]
+    shown = [
+        {"case": CASES[row["case"]], "method": row["method"], "seconds": min(row["seconds"]),
+         "median": median(row["seconds"]), "printed": published.hb_table2(row["case"], row["method"]),
+         "iterations": row["iterations"],
+         "rms": row["rms"], "error": row["error"], "uncertainty": row["uncertainty"]}
+        for row in rows
+    ]  # fmt: skip
+    columns = {"case": "case", "method": "method", "seconds": "least time", "median": "median time",
+               "printed": "printed (C++)", "iterations": "Newton iterations", "rms": "rms error", "error": "greatest "
+               "error",
+               "uncertainty": "uncertainty of the reference"}  # fmt: skip
+    formats = dict.fromkeys(("seconds", "median", "printed"), seconds) | dict.fromkeys(
+        ("rms", "error", "uncertainty"), short
+    )
+    waves = [
+        {"case": row["case"], "method": row["method"], "instant": i, "tension": value}
+        for row in data["rows"]
+        for i, value in enumerate(row["tension"])
+    ]
+    states = [
+        {"case": row["case"], "method": row["method"], "instant": i, "field": field, "value": value}
+        for row in rows
+        for field, values in row.get("fields", {}).items()
+        for i, value in enumerate(values)
+    ]
+    return {
+        "table": written(tables, "table2", "HB Table 2 remade", shown, columns, formats=formats),
+        "words": _table2_words(rows),
+        "states": figures.states(data, folder),
+        "waves": written(tables, "waves", "Tension of the cases", waves),
+        "fields": written(tables, "states", f"State at node {data['node']}", states),
+        "independent": _independent(data, tables),
+        "levels": data["levels"],
+    }
+
+
+def _table2_words(rows) -> str:
+    gains, paper = [], []
+    for stepped, balanced in pairwise(rows):
+        if (stepped["method"], balanced["method"]) == ("time domain", "harmonic balance"):
+            gains.append(min(stepped["seconds"]) / min(balanced["seconds"]))
+            paper.append(published.hb_table2(balanced["case"], balanced["method"]) / min(balanced["seconds"]))
+    return (
+        f"The paper's settings: {stated('nodes')} nodes, {stated('harmonics sufficient')} harmonics and "
+        f"{stated('samples sufficient')} samples, dt = {stated('time step')} s and {stated('periods simulated')} "
+        "periods. "
+        "Errors are those "
+        "of the fairlead tension over a period against the converged one, over its range. Harmonic balance is "
+        f"{number(min(gains), 2)} to {number(max(gains), 2)} times as fast as time stepping here, and "
+        f"{number(min(paper), 2)} to {number(max(paper), 2)} times as fast as the paper prints for its C++ on an older "
+        "machine."
+    )
+
+
+def _independent(data, tables) -> Table:
+    """The converged tension of case 1 beside that of independent programs."""
+    ours, theirs = data["converged"], published.independent("reference")
+    within = max(float(row["uncertainty"]) for row in published.read("oc3_dynamics")[1] if row["name"] == "reference")
+    computed = {"maximum": ours["max"], "minimum": ours["min"], "mean": ours["harmonics"][0]}
+    computed |= {f"harmonic {k}": value for k, value in enumerate(ours["harmonics"][1:], 1)}
+    rows = [
+        {"what": what, "ours": a, "theirs": theirs[what], "difference": a - theirs[what],
+         "within": abs(a - theirs[what]) <= within}
+        for what, a in computed.items()
+    ]  # fmt: skip
+    columns = {"what": "fairlead tension of case 1", "ours": "this project, kN", "theirs": "two other programs, kN",
+               "difference": "difference", "within": f"within {within:g} kN"}  # fmt: skip
+    formats = {"ours": "{:.3f}".format, "theirs": "{:.2f}".format, "difference": short,
+               "within": lambda v: "yes" if v else "no"}  # fmt: skip
+    return written(tables, "independent", "Converged tension of case 1", rows, columns, formats=formats)
+
+
+def _constant(rows, cases, folder, tables) -> dict:
+    shown = [
+        {"case": metres(row["case"]), "harmonics": row["harmonics"],
+         "mean": "kept" if row["mean"] else "dropped", "max": row["max"] * KN, "min": row["min"] * KN,
+         "average": row["average"] * KN,
+         **{f"h{k}": value * KN for k, value in enumerate(row["amplitudes"], 1)}, "least": row["least"] * KN,
+         "iterations": row["iterations"], "rms": row["rms"], "status": condition(row["status"]),
+         "apart": _apart(row)}
+        for row in rows
+    ]  # fmt: skip
+    columns = {"case": "case", "harmonics": "Nh", "mean": "constant", "max": "greatest", "min": "least",
+               "average": "mean",
+               **{f"h{k}": f"{k}" for k in range(1, 6)}, "least": "least on the line", "iterations": "steps",
+               "apart": "apart from other programs", "rms": "rms error", "status": "status"}  # fmt: skip
+    fixed = dict.fromkeys(("max", "min", "average", "least", *(f"h{k}" for k in range(1, 6))), _kN)
+    fixed |= {"rms": short, "apart": short}
+    groups = (("", 3), ("fairlead tension, kN", 3), ("harmonics, kN", 5), ("", 5))
+    table = written(
+        tables, "constant", "With and without the constant term", shown, columns, formats=fixed, groups=groups
+    )
+    return {"figures": figures.constant(rows, cases, folder), "table": table}
+
+
+def _apart(row) -> float | None:
+    """Greatest difference of greatest, least and mean tension from those of independent programs, kN."""
+    if not row["independent"]:
+        return None
+    known = published.independent(row["independent"])
+    pairs = (("max", "maximum"), ("min", "minimum"), ("average", "mean"))
+    return max(abs(row[key] * KN - known[quantity]) for key, quantity in pairs)
+
+
+def _kN(value) -> str:
+    return f"{value:.2f}".replace("-", MINUS)
+
+
+def _work(data, folder, tables) -> dict:
+    keys = ("case", "method", "size", "harmonics", "dt", "seconds", "rms", "error", "status", "message")
+    columns = {key: key for key in keys}
+    table = written(tables, "work", "Error against run time", data["points"], columns)
+    return {"points": Shown(dynamics_work_figures.work(data, folder), table), "levels": _levels(data, tables)}
+
+
+def _levels(data, tables) -> Table:
+    """Every method's least time to an error, and the setting of harmonic balance."""
+    family, rows = "harmonic balance", []
+    others = dict.fromkeys(method for row in data["at_errors"] for method in row["best"] if method != family)
+    for found in data["at_errors"]:
+        best, row = found["best"], {"case": CASES[found["case"]], "level": found["level"]}
+        if ours := best.get(family):
+            corrected = ", corrected" if ours["method"] != family else ""
+            row |= {"ours": ours["seconds"], "setting": f"{ours['size']}, {ours['harmonics']}{corrected}"}
+        for method in (name for name in others if name in best):
+            row[method] = best[method]["seconds"]
+            row[f"{method} ratio"] = best[method]["seconds"] / ours["seconds"] if ours else None
+        rows.append(row)
+    columns = {"case": "case", "level": "rms error at most", "ours": family, "setting": "with (nodes, harmonics)"}
+    for method in others:
+        columns |= {method: method, f"{method} ratio": "over harmonic balance"}
+    formats = dict.fromkeys(("ours", *others), seconds) | {f"{method} ratio": _times for method in others}
+    formats["level"] = "{:g}".format
+    return written(tables, "equal_errors", "Least times to an error", rows, columns, formats=formats)
+
+
+def _times(value) -> str:
+    return number(value, 2)
+
+
+def _needed(data, folder, tables) -> Shown:
+    levels = [key for key in data["summary"][0] if key not in ("case", "rate")]
+    rows = [row | {"case": CASES[row["case"]]} for row in data["summary"]]
+    columns = {"case": "case", **{level: f"Nh for {level}" for level in levels}, "rate": "exponent of the decay"}
+    written(tables, "needed_points", "Error by harmonics", data["rows"])
+    table = written(tables, "needed", "Harmonics that are needed", rows, columns, formats={"rate": short})
+    return Shown(figures.needed(data, folder), table)
+
+
+def _spectra(rows, folder, tables) -> dict:
+    lines = [
+        {"case": row["case"], "harmonic": k, "amplitude": value}
+        for row in rows
+        for k, value in enumerate(row["amplitudes"])
+    ]
+    along = [
+        point
+        for row in rows
+        for point in long({key: row[key] for key in ("s", "rest", "min", "mean", "max")}, case=row["case"])
+    ]
+    return {
+        "spectra": Shown(figures.spectra(rows, folder), written(tables, "spectra", "Harmonics of the tension", lines)),
+        "envelope": Shown(figures.envelope(rows, folder), written(tables, "envelope", "Tension along the line", along)),
+    }
+
+
+def _limit(data, folder, tables) -> Shown:
+    rows = [
+        row | {"least": row["least"] * KN, "fairlead": row["fairlead"] * KN,
+               "status": condition(row["status"])}
+        for row in data["rows"]
+    ]  # fmt: skip
+    columns = {"amplitude": "amplitude, m", "least": "least tension, kN", "node": "node", "s": "s, m", "at": "time, s",
+               "fairlead": "least at the fairlead, kN", "iterations": "steps", "reached": "share reached",
+               "status": "status"}  # fmt: skip
+    formats = {"amplitude": "{:g}".format, "least": _kN, "fairlead": _kN}
+    table = written(tables, "limit", "Amplitude raised", rows, columns, formats=formats)
+    return Shown(figures.limit(data, folder), table)
+
+
+def _growth(data, folder, tables) -> Shown:
+    return Shown(figures.growth(data, folder), written(tables, "growth", "Growth of harmonic balance", data["rows"]))
+
+
+def _fields(data, folder, tables) -> str:
+    gain = fields_gain(data)
+    return (
+        f"The planar case 1 in six fields instead of four takes {times(gain)} as long (median of "
+        f"{len(data['seconds']['planar'])} turns, {_wanted(gain, FIELDS_GAIN)}), and its tension differs by "
+        f"{number(data['difference'], 1)}."
+    )
+
+
+def _wanted(value: float, bound: float) -> str:
+    return f"wanted at least {bound:g}: {'reached' if value >= bound else 'not reached'}"
+
+
+def _oscillators(rows, folder, tables) -> dict:
+    shown = []
+    for row in rows:
+        ours = {
+            "ours": 1e3 * row["seconds"],
+            "full": 1e3 * row["seconds_full"],
+            "unknowns": row["masses"] * (2 * row["harmonics"] + 1),
+        }
+        shown.append(row | ours | published.other_times(row["set"]))
+    columns = {"masses": "masses", "harmonics": "harmonics", "unknowns": "unknowns", "ours": "with symmetry",
+               "full": "without", "iterations": "steps", "dense LU": "dense LU", "pyHarm": "pyHarm", "mousai": "mousai",
+               "harmonicbalance": "harmonicbalance"}  # fmt: skip
+    groups = (("", 3), ("this project, ms, measured now", 3), ("measured on another day, CPU ms", 4))
+    table = written(tables, "oscillators", "Chains of masses with cubic springs", shown, columns, groups=groups)
+    libraries = ("pyHarm", "mousai", "harmonicbalance")
+    ahead = [
+        row["full"] < min(row[name] for name in libraries if row.get(name))
+        for row in shown
+        if any(row.get(n) for n in libraries)
+    ]
+    words = (
+        "Chains of masses with cubic springs, solved from zero. Without using the symmetry this project is "
+        "the fastest "
+        f"of the libraries in {sum(ahead)} of the {len(ahead)} sizes that one of them solved. A dash: given up, or "
+        "not tried. "
+        f"Each mass has {rows[0]['fields']} fields here (place, velocity, force of the spring) and one in the "
+        "libraries."
+    )
+    return {"words": words, "table": table}
+
+
+_SHOWN = {
+    "cases": _cases,
+    "work": _work,
+    "newton": _newton,
+    "constant": lambda *_: None,
+    "needed": _needed,
+    "spectra": _spectra,
+    "limit": _limit,
+    "growth": _growth,
+    "fields": _fields,
+    "oscillators": _oscillators,
+}

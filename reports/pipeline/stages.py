@@ -1,0 +1,217 @@
+"""What the report runs: one stage per result file, and the command that writes it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from .sources import ROOT, program
+
+SCENES = ROOT / "reference_data" / "scenes"
+MOVING_SCENE = SCENES / "dynamics" / "taut_polyester_current.toml"
+"""The example that moves: out of its plane, in a current, unlike the cases of the HB paper; it takes longest of all."""
+TESTS = ROOT / "verification"
+
+RANDOM, QUICK_RANDOM = 400, 60
+"""Random lines judged against 50 digits: enough to see one wrong answer in a hundred, the whole report within ten
+minutes on two cores; a look in two minutes. `python -m benchmarks.catenary.accuracy --random N` judges more."""
+
+CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+JOBS = max(1, CORES // 2)
+"""Processes of a stage that can use several: with half of the cores there is always another stage beside it, so that
+no core waits for the end of the longest one."""
+
+
+@dataclass(frozen=True)
+class Stage:
+    """One child process and the file it writes.
+
+    name : unique; group : what --only takes; title : for the progress bar and the page
+    arguments : after ``python -m``; {results} is the folder of the results, {part} a file that becomes ``output`` when
+        the child succeeds (for programs that do not write atomically themselves), {jobs} the number of its processes
+    output : file in the folder of the results
+    programs : files whose own text and imports the result depends on; sources : files and folders beside those
+    timed : a timing, which belongs to one machine and runs alone, pinned to a core
+    seconds : expected time before the first run; jobs : cores that it keeps busy
+    codes : exit statuses with a result (pytest: 1 = some tests fail)
+    better : arguments of a longer run whose result serves as well
+    """
+
+    name: str
+    group: str
+    title: str
+    arguments: tuple[str, ...]
+    output: str
+    programs: tuple[str, ...] = ()
+    sources: tuple[str, ...] = ()
+    timed: bool = False
+    seconds: float = 3.0
+    jobs: int = 1
+    codes: tuple[int, ...] = (0,)
+    better: tuple[str, ...] = ()
+
+    def shown(self, results: Path) -> str:
+        """The command as a reader would type it, its results in that folder."""
+        return self.filled(" ".join(["python -m", *map(_typed, self.arguments)]), _typed(results), self.output)
+
+    def filled(self, text: str, results, part) -> str:
+        """``text`` with the places of folder, file and number of processes filled in."""
+        filling = {"{results}": results, "{part}": part, "{jobs}": self.jobs}
+        for place, value in filling.items():
+            text = text.replace(place, str(value))
+        return text
+
+
+def _typed(word: str | Path) -> str:
+    """A path in the project as seen from its root; anything else as it is."""
+    path = Path(word)
+    return path.relative_to(ROOT).as_posix() if path.is_relative_to(ROOT) else str(word)
+
+
+# ---------------------------------------------------------------- tests
+LONG_TESTS = {"test_exact": 50, "test_network": 20, "test_harmonic_balance": 15, "test_stability": 13,
+              "test_failures": 14, "test_invariants": 13, "test_time_domain": 12, "test_exact_dynamics": 12,
+              "test_network_properties": 12,
+              "test_cable_order": 11, "test_network_checks": 11, "test_checks": 9, "test_cable_invariants": 8,
+              "test_oscillators": 8, "test_references": 7, "test_cable_failures": 6, "test_harmonic_levels": 6,
+              "test_cable_statics": 5, "test_found_by_defects": 5, "test_fuzz": 5}  # fmt: skip
+"""Test files that take long -> expected seconds."""
+IN_QUICK = {"test_exact": "not 50_digits and not random_lines"}
+"""Files among them that the quick run takes in part: what pytest -k chooses."""
+WHOLE_TREE = {"test_architecture": ("solvers", "verification", "benchmarks", "reference_data", "reports")}
+"""Tests that read sources which they do not name one by one."""
+
+ELSEWHERE = ("test_report", "test_report_runs", "test_dynamics_report", "test_page", "test_defects")
+"""Tests of what makes a report, which show nothing in one that it does not show itself; `pytest` runs them."""
+
+
+def _tests(quick: bool) -> list[Stage]:
+    """A stage for each long file; the others together, for to start costs more than most of them."""
+    stems = [path.stem for path in sorted(TESTS.glob("test_*.py")) if path.stem not in ELSEWHERE]
+    alone = [stem for stem in stems if stem in WHOLE_TREE or (stem in LONG_TESTS and (not quick or stem in IN_QUICK))]
+    short = tuple(f"verification/{stem}.py" for stem in stems if stem not in LONG_TESTS and stem not in WHOLE_TREE)
+    together = Stage("test_short", "tests", "tests: short files", ("pytest", *short, "--junitxml={part}"),
+                     "tests/test_short.xml", (*short, "verification/conftest.py"), ("pyproject.toml", "conftest.py"),
+                     seconds=13, codes=(0, 1))  # fmt: skip
+    return [*(_test(stem, quick) for stem in alone), together]
+
+
+def _test(stem: str, quick: bool) -> Stage:
+    file = f"verification/{stem}.py"
+    whole = ("pytest", file, "--junitxml={part}")
+    fewer = ("-k", IN_QUICK[stem]) if quick and stem in IN_QUICK else ()
+    return Stage(
+        stem, "tests", f"tests: {stem.removeprefix('test_').replace('_', ' ')}", (*whole, *fewer), f"tests/{stem}.xml",
+        (file, "verification/conftest.py"), ("pyproject.toml", "conftest.py", *WHOLE_TREE.get(stem, ())),
+        seconds=8 if fewer else LONG_TESTS.get(stem, 3), codes=(0, 1), better=whole if fewer else (),
+    )  # fmt: skip
+
+
+# ---------------------------------------------------------------- measurements
+def _measured(name: str, title: str, arguments: tuple[str, ...], seconds: float, group: str = "", **more) -> Stage:
+    """The stage of a program of ours whose file is named as the stage."""
+    arguments = (arguments[0], "--out", "{results}", *arguments[1:])
+    file = f"{name}.json"
+    return Stage(name, group or name, title, arguments, file, (program(arguments[0]),), seconds=seconds, **more)
+
+
+def _machine() -> Stage:
+    everything = ("solvers", "verification", "benchmarks", "reference_data", "reports", "pyproject.toml")
+    return _measured("machine", "machine", ("benchmarks.run.machine",), 1, sources=everything)
+
+
+def _sized(name: str, title: str, words: tuple[str, ...], seconds: tuple[float, float], quick: bool, **more) -> Stage:
+    """A program with --quick, whose whole run serves the quick report as well; seconds of the whole and the quick."""
+    if not quick:
+        return _measured(name, title, words, seconds[0], **more)
+    whole = (words[0], "--out", "{results}", *words[1:])
+    return _measured(name, title, (*words, "--quick"), seconds[1], better=whole, **more)
+
+
+def _accuracy(quick: bool) -> Stage:
+    words = ("benchmarks.catenary.accuracy", "--jobs", "{jobs}", "--random")
+    better = (words[0], "--out", "{results}", *words[1:], str(RANDOM)) if quick else ()
+    words += (str(QUICK_RANDOM), "--coarse") if quick else (str(RANDOM),)
+    return _measured("accuracy", "error of every solver", words, 25 if quick else 50, jobs=JOBS, better=better)
+
+
+def _benchmarks() -> Stage:
+    files = tuple(f"benchmarks/{path.name}" for path in sorted((ROOT / "benchmarks").glob("bench_*.py")))
+    arguments = ("pytest", *files, "--benchmark-enable", "--benchmark-only", "--benchmark-json={part}")
+    return Stage("benchmarks", "benchmarks", "timings", (*arguments, "--benchmark-max-time=0.5"), "benchmark.json",
+                 files, ("pyproject.toml",), timed=True, seconds=16)  # fmt: skip
+
+
+MOVING = {"dynamics": ("moving cable", "benchmarks.cable.measure", (21, 6), (10, 4)),
+          "harmonic_balance": ("harmonic balance", "benchmarks.harmonic_balance.measure", (24, 10), (60, 10))}  # fmt: skip
+"""Group -> title, program, expected seconds of the whole and of the quick run: of what is not timed, and what is."""
+
+DYNAMICS = (*MOVING, "stability")
+"""Groups whose results the page shows in its sections on moving cables and on limits."""
+
+
+def _dynamics(quick: bool) -> Iterator[Stage]:
+    """Two stages for each program: most of what it does is no timing and runs beside other work, references first."""
+    for group, (title, module, untimed, timed) in MOVING.items():
+        yield _sized(f"{group}_untimed", title, (module, "--kind", "untimed"), untimed, quick, group=group)
+        yield _sized(group, f"{title}, timings", (module, "--kind", "timed"), timed, quick, group=group, timed=True)
+
+
+def _stability(quick: bool) -> Stage:
+    words = ("benchmarks.stability.measure", "--jobs", "{jobs}")
+    return _sized("stability", "stability maps", words, (125, 12), quick, jobs=JOBS)
+
+
+def _defects() -> Stage:
+    """Every seeded defect and the check named for it, or all of its module; status 1: some promise is broken."""
+    named = ("verification.defects", "--out", "{results}", "--jobs", "{jobs}")
+    sources = ("solvers", "verification", "reference_data", "pyproject.toml")
+    return Stage("defects", "defects", "seeded defects", named, "defects.json", (), sources, seconds=115, jobs=JOBS,
+                 codes=(0, 1), better=(*named, "--all"))  # fmt: skip
+
+
+SCENE_SECONDS = {"published": 1, "scenes": 2, "moving_scene": 9}
+
+
+def scene_stage(path: Path, group: str = "scenes") -> Stage:
+    """The stage of one scene file, its result named after the stem; of a published line the forces only, no times."""
+    published = group == "published"
+    title = f"{'published value' if published else 'scene'} {path.stem}"
+    arguments = ("benchmarks.scenes.measure", str(path.resolve()), "--out", "{results}", *(("--forces",) if published else ()))
+    return Stage(f"scene_{path.stem}", group, title, arguments, f"scene_{path.stem}.json",
+                 (program("benchmarks.scenes.measure"),), (str(path.resolve()),), timed=not published,
+                 seconds=SCENE_SECONDS[group])  # fmt: skip
+
+
+# ---------------------------------------------------------------- the whole
+SLOW = ("work_precision", "defects", "benchmarks", "speed", "moving_scene")
+"""Groups left out by --quick; results of an earlier whole run are still shown."""
+
+GROUPS = ("tests", "machine", "accuracy", "benchmarks", "work_precision", "speed", "networks", *DYNAMICS, "defects",
+          "scenes", "moving_scene", "published")  # fmt: skip
+
+
+def plan(quick: bool, published: list[Path]) -> list[Stage]:
+    """The stages of the whole report; ``published`` are scene files made from published tables."""
+    return [
+        *_tests(quick),
+        _machine(),
+        _accuracy(quick),
+        _benchmarks(),
+        _measured("work_precision", "error against time", ("benchmarks.catenary.work_precision",), 33, timed=True),
+        _measured("speed", "speed side by side", ("benchmarks.catenary.speed",), 14, timed=True),
+        _sized("networks", "networks of lines", ("benchmarks.network.measure",), (40, 20), quick, timed=True),
+        *_dynamics(quick),
+        _stability(quick),
+        _defects(),
+        *(scene_stage(path) for path in sorted(SCENES.glob("*.toml"))),
+        scene_stage(MOVING_SCENE, "moving_scene"),
+        *(scene_stage(path, "published") for path in published),
+    ]  # fmt: skip
+
+
+def scene_plan(paths: list[Path]) -> list[Stage]:
+    """The stages of a page about somebody's own lines."""
+    return [_machine(), *(scene_stage(path) for path in paths)]

@@ -1,0 +1,67 @@
+"""The tables of one scene: forces, stiffness, sensitivity, expected error and cost."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+from ..page import analysis
+from ..page.formatting import DASH, number, seconds
+from ..page.tables import Table, short
+
+FORCES = {
+    "label": "line", "regime": "state", "tension": "T, N", "H": "H, N", "V": "V, N", "angle_deg": "angle, °",
+    "H_anchor": "H anchor, N", "V_anchor": "V anchor, N", "grounded_length": "on seabed, m",
+}  # fmt: skip
+ACCURACY = {
+    "label": "line", "condition": "condition number", "limit": "condition limit", "error": "error against 50 digits",
+    "in_limits": "error / limit", "cost": "cost, this project",
+}  # fmt: skip
+WORDS = {"unsupported": "not modelled"}
+SIX = dict.fromkeys(("K11", "K12", "K21", "K22"), lambda v: number(v, 6))
+
+
+def _percent(value) -> str:
+    return DASH if value is None else f"{number(value)} %"
+
+
+def scene_tables(scene: dict, stem: str, folder: Path) -> list[Table]:
+    """Forces, stiffness, sensitivity and expected error of every line of a scene."""
+    lines = [line | {"angle_deg": math.degrees(line["angle"])} for line in scene["lines"]]
+    long = dict.fromkeys(("tension", "H", "V", "H_anchor", "V_anchor", "grounded_length"), lambda v: number(v, 7))
+    forces = Table(f"scene_{stem}_forces", "Forces at the fairlead and at the anchor", FORCES, lines, long)
+    rows = [
+        {"label": line["label"], **{f"K{i + 1}{j + 1}": line["stiffness"][i][j] for i in (0, 1) for j in (0, 1)}}
+        for line in lines
+    ]
+    heads = {"label": "line", "K11": "dH/dx, N/m", "K12": "dH/dz, N/m", "K21": "dV/dx, N/m", "K22": "dV/dz, N/m"}
+    stiffness = Table(f"scene_{stem}_stiffness", "Stiffness of the fairlead, anchor held", heads, rows, SIX)
+    heads = {"label": "line"} | {key: f"per 1 % of {key}" for key in scene["lines"][0]["sensitivity"]}
+    rows = [{"label": line["label"], **line["sensitivity"]} for line in lines]
+    percent = dict.fromkeys(scene["lines"][0]["sensitivity"], _percent)
+    changes = Table(f"scene_{stem}_sensitivity", "Change of the fairlead tension", heads, rows, percent)
+    made = (forces, stiffness, changes, _expected(lines, scene, stem), _solvers(lines, stem))
+    return [table.write(folder) for table in made]
+
+
+def _solvers(lines, stem) -> Table:
+    """Every solver on every line, as it comes."""
+    rows = [point | {"line": line["label"], "words": WORDS.get(point["verdict"], point["verdict"])}
+            for line in lines for point in line["ladder"] if point["tolerance"] is None]  # fmt: skip
+    heads = {"line": "line", "label": "solver", "words": "answer", "error": "error", "seconds": "run time",
+             "message": "why not"}  # fmt: skip
+    shown = {"error": short, "seconds": seconds}
+    return Table(f"scene_{stem}_solvers", "Every solver, as it comes", heads, rows, shown)
+
+
+def _expected(lines, scene, stem) -> Table:
+    """The condition limit, the error against 50 digits and the cost of the cheapest setting within the tolerance."""
+    rows = []
+    for line in lines:
+        best = analysis.cheapest([p for p in line["ladder"] if p["solver"] == analysis.OURS], scene["tolerance"])
+        finite = line["error"] is not None and line["limit"]
+        rows.append(
+            line | {"in_limits": line["error"] / line["limit"] if finite else None, "cost": best and best["seconds"]}
+        )
+    return Table(f"scene_{stem}_expected_error", "Expected error and cost", ACCURACY, rows,
+                 {"cost": seconds, "limit": short, "error": short, "in_limits": short})  # fmt: skip

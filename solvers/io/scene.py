@@ -1,0 +1,202 @@
+"""A scene: one TOML file with a cable, its surroundings, its ends and the tolerance its owner wants.
+
+name = "OC3 Hywind"                  optional: description
+tolerance = 1e-6                     relative error wanted of the fairlead tension
+[environment]                        rho = 1025 kg/m^3, g = 9.80665 m/s^2; depth (m): a flat seabed at z = -depth
+current = [0.5, 0.0, 0.0]            m/s, of the water; seabed_stiffness (N/m^2): for dynamics over a seabed
+[line]                               length (m), EA (N), then submerged_weight (N/m) or diameter (m) + mass_per_length
+friction = 0.001                     (kg/m); friction of the seabed: one value, or a list to compare
+Cdn = 1.6                            dynamics: drag Cdn, Cdb, Cdt, added mass Ca, damping (s), see CableProperties
+[ends]
+anchor = [-853.87, 0.0, -320.0]      m, z up from still water
+fairlead = [-5.2, 0.0, -70.0]
+[motion]                             of the fairlead about that place; optional, and takes diameter and mass_per_length
+frequency = 0.05                     Hz, or period (s)
+amplitude = [5.0, 0.0, 0.0]          m in x, y, z, of sin(2 pi f t + phase); phase (rad) is 0 where it is not given;
+                                     both may be lists of rows [x, y, z], one for each harmonic of the frequency
+"""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+
+import numpy as np
+
+from ..catenary.span import Span
+from ..common.motion import Motion
+from ..common.outcome import InputError
+from ..common.properties import CableProperties, Environment, positive_number, real_number, vector
+
+_SECTION = ("diameter", "mass_per_length", "submerged_weight", "Cdn", "Cdb", "Cdt", "Ca", "damping")
+_KEYS = {
+    "": {"name", "description", "tolerance", "environment", "line", "ends", "motion"},
+    "environment": {"rho", "g", "depth", "current", "seabed_stiffness"},
+    "line": {"length", "EA", "friction", *_SECTION},
+    "ends": {"anchor", "fairlead"},
+    "motion": {"frequency", "period", "amplitude", "phase"},
+}
+_REQUIRED = {
+    "": ("line", "ends"),
+    "environment": (),
+    "line": ("length", "EA"),
+    "ends": ("anchor", "fairlead"),
+    "motion": ("amplitude",),
+}
+
+
+@dataclass(frozen=True)
+class Scene:
+    """One line with its surroundings: length in m, friction a tuple of coefficients, anchor and fairlead (3,) in m.
+
+    motion: of the fairlead about that place, or None. Raises InputError naming the key, its value and its unit.
+    """
+
+    name: str
+    cable: CableProperties
+    length: float
+    anchor: tuple[float, float, float]
+    fairlead: tuple[float, float, float]
+    environment: Environment = Environment()  # noqa: RUF009 (frozen)
+    friction: tuple[float, ...] = (0.0,)
+    tolerance: float = 1e-6
+    description: str = ""
+    motion: Motion | None = None
+
+    @classmethod
+    def load(cls, path) -> Scene:
+        """Read a scene file. Raises InputError naming file and key for anything missing, unknown or out of range."""
+        return read_tables(path, cls._from_tables)
+
+    @classmethod
+    def _from_tables(cls, data: dict, stem: str) -> Scene:
+        tables = {"environment": {}, "line": {}, "ends": {}} | {k: data[k] for k in _KEYS if k in data}
+        for name, table in {"": data, **tables}.items():
+            _check_keys(name, table)
+        for key in ("name", "description"):
+            if not isinstance(data.get(key, ""), str):
+                raise InputError(f"{key}: {data[key]!r} must be a text")
+        line, ends = tables["line"], tables["ends"]
+        friction = line.get("friction", 0.0)
+        section = {key: line[key] for key in _SECTION if key in line}
+        scene = cls(
+            name=data.get("name", stem),
+            description=data.get("description", ""),
+            tolerance=_tolerance(data.get("tolerance", 1e-6)),
+            environment=Environment(**tables["environment"]),
+            cable=CableProperties(line["EA"], **section),
+            length=positive_number("line.length", line["length"], "m"),
+            friction=tuple(friction) if isinstance(friction, list) else (friction,),
+            anchor=_point("ends.anchor", ends["anchor"]),
+            fairlead=_point("ends.fairlead", ends["fairlead"]),
+            motion=_motion(tables["motion"]) if "motion" in tables else None,
+        )
+        if not scene.friction:
+            raise InputError("line.friction: the list is empty; give one coefficient or several")
+        scene.spans()
+        if scene.motion is not None:
+            scene._check_dynamics()
+        return scene
+
+    def _check_dynamics(self):
+        """What the motion takes beside a line at rest."""
+        for key, unit in (("diameter", "m"), ("mass_per_length", "kg/m")):
+            if getattr(self.cable, key) is None:
+                raise InputError(f"line.{key}: not given ({unit}), and [motion] takes it")
+        depth = self.environment.depth
+        if depth is None:
+            return
+        if self.environment.seabed_stiffness is None:
+            raise InputError("environment.seabed_stiffness: not given (N/m^2), and [motion] over a seabed takes it")
+        period = np.linspace(0.0, self.motion.period, 64 * self.motion.harmonics + 1)
+        lowest = self.fairlead[2] + self.motion.displacement(period)[2].min()
+        if lowest < -depth:
+            raise InputError(
+                f"motion.amplitude: takes the fairlead down to z = {lowest:g} m, below the seabed, {-depth:g} m"
+            )
+
+    def spans(self) -> tuple[Span, ...]:
+        """The line as solvers.Span in its vertical plane, one for each friction coefficient."""
+        (x0, y0, z0), (x1, y1, z1) = self.anchor, self.fairlead
+        depth = self.environment.depth
+        shape = {
+            "w": self.cable.weight_in(self.environment),
+            "EA": self.cable.EA,
+            "L": self.length,
+            "x": math.hypot(x1 - x0, y1 - y0),
+            "z": z1 - z0,
+            "seabed": depth is not None,
+            "clearance": 0.0 if depth is None else z0 + depth,
+        }
+        return tuple(Span(**shape, friction=friction) for friction in self.friction)
+
+
+def read_tables(path, build):
+    """build(tables, stem) of a TOML file. Raises InputError naming the file, for what it is and for what is in it."""
+    try:
+        path = Path(path)
+        data = tomllib.loads(path.read_text(encoding="utf-8"))
+    except TypeError:
+        raise InputError(f"path: {path!r} is not the path of a scene file") from None
+    except FileNotFoundError:
+        raise InputError(f"{path}: there is no such scene file") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: cannot be read as a text file: {error}") from None
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{path}: is not a TOML file: {error}") from None
+    except ValueError:
+        raise InputError(f"path: {str(path)!r} is not the path of a scene file") from None
+    try:
+        return build(data, path.stem)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
+
+
+def _check_keys(name: str, table):
+    where = f"[{name}]" if name else "the top level"
+    if not isinstance(table, dict):
+        raise InputError(f"{name}: {table!r} must be a table, [{name}]")
+    for key in table:
+        if key not in _KEYS[name]:
+            near = [k for k in _KEYS[name] if k.lower() == key.lower()] or get_close_matches(key, _KEYS[name], n=1)
+            hint = f"did you mean {near[0]!r}?" if near else f"known keys are {', '.join(sorted(_KEYS[name]))}"
+            raise InputError(f"unknown key {key!r} in {where}; {hint}")
+    for key in _REQUIRED[name]:
+        if key not in table:
+            raise InputError(f"missing key {key!r} in {where}")
+
+
+def _tolerance(value) -> float:
+    tolerance = positive_number("tolerance", value, "(dimensionless)")
+    if tolerance >= 1:
+        raise InputError(f"tolerance: {tolerance:g} (dimensionless) must be < 1, a relative error")
+    return tolerance
+
+
+def _motion(table: dict) -> Motion:
+    given = [key for key in ("frequency", "period") if key in table]
+    if len(given) != 1:
+        raise InputError(f"[motion] takes either frequency (Hz) or period (s); given: {' and '.join(given) or 'none'}")
+    frequency = positive_number(f"motion.{given[0]}", table[given[0]], "Hz" if given[0] == "frequency" else "s")
+    amplitude = _rows("motion.amplitude", table["amplitude"], "m")
+    phase = _rows("motion.phase", table["phase"], "rad") if "phase" in table else np.zeros_like(amplitude)
+    if phase.shape != amplitude.shape:
+        raise InputError(f"motion.phase: {len(phase)} rows [x, y, z] (rad) do not fit {len(amplitude)} of amplitude")
+    if given[0] == "period":
+        frequency = 1 / frequency
+    return Motion(frequency, amplitude * np.cos(phase), amplitude * np.sin(phase))
+
+
+def _rows(name: str, value, unit: str) -> np.ndarray:
+    """[x, y, z] of the first harmonic, or a list of such rows, as an array (K, 3)."""
+    rows = value if isinstance(value, list) and value and isinstance(value[0], list) else [value]
+    return np.array([vector(f"{name}[{k}]" if rows is value else name, row, unit) for k, row in enumerate(rows)])
+
+
+def _point(name: str, value) -> tuple[float, float, float]:
+    if not isinstance(value, list) or len(value) != 3:
+        raise InputError(f"{name}: {value!r} must be three coordinates [x, y, z] (m)")
+    return tuple(real_number(f"{name}[{i}]", v, "m") for i, v in enumerate(value))

@@ -1,0 +1,159 @@
+"""What a network is: nodes and the elements between them (MSQS sections 3.1, 3.2), validated when built.
+
+Lengths in m, forces in N, z up; the seabed is at z = -environment.depth.
+"""
+
+from __future__ import annotations
+
+from copy import copy
+from dataclasses import dataclass, field
+from functools import cached_property
+from operator import index
+
+import numpy as np
+
+from ..catenary.span import Span
+from ..common.outcome import InputError
+from ..common.properties import Environment, non_negative_number, one_of, real_array, vector
+from .equations import Balance
+
+KINDS = ("fixed", "free", "coupled")
+
+
+@dataclass(frozen=True)
+class Node:
+    """A point where elements meet.
+
+    kind : "fixed" (an anchor), "free" (its position is solved for) or "coupled" (moved by a body)
+    r : (3,) position, m; of a free node the user's guess
+    mass : point mass, kg, and volume : displaced volume, m^3, both >= 0
+    force : (3,) external force, N
+    """
+
+    kind: str
+    r: tuple[float, float, float]
+    mass: float = 0.0
+    volume: float = 0.0
+    force: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def __post_init__(self):
+        one_of("kind", self.kind, KINDS)
+        for name, unit in (("r", "m"), ("force", "N")):
+            object.__setattr__(self, name, vector(name, getattr(self, name), unit, "numbers"))
+        for name, unit in (("mass", "kg"), ("volume", "m^3")):
+            object.__setattr__(self, name, non_negative_number(name, getattr(self, name), unit))
+
+
+@dataclass(frozen=True)
+class Element:
+    """A cable between two nodes: w N/m, EA N, L m as in Span; ends = (anchor node, fairlead node), indices.
+
+    w < 0: buoyant; such a line never touches the seabed, and hangs as if there were none, below it too.
+    friction : coefficient of the seabed where the anchor end lies on it (MSQS 2.15); a raised anchor end has none.
+    """
+
+    w: float
+    EA: float
+    L: float
+    ends: tuple[int, int]
+    friction: float = 0.0
+
+    def __post_init__(self):
+        line = Span(self.w, self.EA, self.L, 0.0, 0.0, seabed=False, friction=self.friction)
+        for name in ("w", "EA", "L", "friction"):
+            object.__setattr__(self, name, getattr(line, name))
+        try:
+            first, last = (index(end) for end in self.ends if not isinstance(end, (bool, np.bool_)))
+        except (TypeError, ValueError):
+            raise InputError(f"ends: {self.ends!r} must be two node indices") from None
+        object.__setattr__(self, "ends", (first, last))
+
+
+@dataclass(frozen=True)
+class Network:
+    """Nodes, elements and environment. Raises InputError naming the node or element, its value and its unit."""
+
+    nodes: tuple[Node, ...]
+    elements: tuple[Element, ...]
+    environment: Environment = field(default_factory=Environment)
+
+    def __post_init__(self):
+        for name, kind in (("nodes", Node), ("elements", Element)):
+            object.__setattr__(self, name, _all_of(name, getattr(self, name), kind))
+        if not isinstance(self.environment, Environment):
+            raise InputError(f"environment: {self.environment!r} is not a solvers.Environment")
+        if not self.elements:
+            raise InputError("elements: a network needs at least one element")
+        n, depth = len(self.nodes), self.environment.depth
+        for e, element in enumerate(self.elements):
+            if not all(0 <= end < n for end in element.ends):
+                raise InputError(f"element {e}: ends {element.ends} must be node indices from 0 to {n - 1}")
+            if element.ends[0] == element.ends[1]:
+                raise InputError(f"element {e}: both ends are node {element.ends[0]}")
+        for i, node in enumerate(self.nodes):
+            if depth is not None and node.r[2] < -depth:
+                raise InputError(f"node {i} ({node.kind}): z = {node.r[2]:g} m lies below the seabed at {-depth:g} m")
+        held, carrying = self._held(), {end for element in self.elements for end in element.ends}
+        for i, node in enumerate(self.nodes):
+            if i not in carrying:
+                raise InputError(f"node {i} ({node.kind}): carries no element")
+            if not held[i]:
+                raise InputError(f"node {i} ({node.kind}): no chain of elements ties it to a fixed or coupled node")
+
+    def _held(self) -> list[bool]:
+        """Nodes that are tied to a fixed or coupled node; one that carries no element is not."""
+        neighbours = [[] for _ in self.nodes]
+        for first, last in (element.ends for element in self.elements):
+            neighbours[first].append(last)
+            neighbours[last].append(first)
+        reached = [node.kind != "free" and bool(neighbours[i]) for i, node in enumerate(self.nodes)]
+        front = [i for i, yes in enumerate(reached) if yes]
+        while front:
+            for other in neighbours[front.pop()]:
+                if not reached[other]:
+                    reached[other] = True
+                    front.append(other)
+        return reached
+
+    def moved(self, positions) -> Network:
+        """The same network, its coupled nodes at positions (c, 3), m, in their order: the inputs u of section 1.3.
+
+        Raises InputError for another shape, for what is not finite, and for a place below the seabed.
+        """
+        coupled = np.flatnonzero(self.balance.coupled)
+        try:
+            positions = real_array(positions)
+        except (TypeError, ValueError):
+            raise InputError(f"positions: {positions!r} must be ({coupled.size}, 3) real numbers (m)") from None
+        if positions.shape != (coupled.size, 3):
+            raise InputError(f"positions: shape {positions.shape} must be ({coupled.size}, 3), one row a coupled node")
+        if not np.isfinite(positions).all():
+            raise InputError(f"positions: {positions.tolist()} m must be finite")
+        if (positions[:, 2] < self.balance.floor).any():
+            raise InputError(
+                f"positions: z = {positions[:, 2].min():g} m lies below the seabed at {self.balance.floor:g} m"
+            )
+        nodes, moved = list(self.nodes), copy(self)
+        for i, r in zip(coupled.tolist(), positions.tolist(), strict=True):
+            nodes[i] = copy(nodes[i])
+            object.__setattr__(nodes[i], "r", tuple(r))
+        object.__setattr__(moved, "nodes", tuple(nodes))
+        moved.__dict__["balance"] = self.balance.moved(positions)  # the assembly pattern is found once
+        return moved
+
+    @cached_property
+    def balance(self) -> Balance:
+        """The equations, assembled when first needed."""
+        return Balance(self)
+
+
+def _all_of(name: str, given, kind: type) -> tuple:
+    """What is given as a tuple; raises InputError naming the first that is not of the kind."""
+    try:
+        given = tuple(given)
+    except TypeError:
+        raise InputError(f"{name}: {given!r} must be a list of solvers.{kind.__name__}") from None
+    for i, one in enumerate(given):
+        if not isinstance(one, kind):
+            raise InputError(f"{name}[{i}]: {one!r} is not a solvers.{kind.__name__}")
+    return given

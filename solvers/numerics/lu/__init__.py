@@ -1,0 +1,1 @@
+"""LU of chains: banded for one instant, bordered block-bidiagonal for Fourier coefficients."""

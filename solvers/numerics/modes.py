@@ -1,0 +1,94 @@
+"""Small motions of a ChainSystem about rest: natural frequencies, damping and shapes; knows nothing of cables."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigs
+
+from ..common.outcome import ConvergenceError, InputError, Status
+from ..common.properties import non_negative_number
+from .chain import BandedJacobian, ChainSystem, product
+
+_RIGID = 1e-5  # share of the shift below which an eigenvalue is zero: the end rows see velocities, not places
+_FAR = 10.0  # ratio of the shift to the lowest frequency at which another shift pays
+_LOST = 1e8  # ratio of a shift to the lowest frequency at which a frequency loses eight of its digits
+_ACCURACY = 1e-13  # of the eigenvalues of the operator, relative
+
+
+@dataclass(frozen=True)
+class Modes:
+    """frequencies (k,) in Hz, rising; damping (k,): share of the critical; shapes (n_f, N, k), complex, of norm 1.
+
+    A mode is shape exp(lambda t), lambda = 2 pi f (i sqrt(1 - damping^2) - damping).
+    """
+
+    frequencies: np.ndarray
+    damping: np.ndarray
+    shapes: np.ndarray
+
+
+def natural_modes(system: ChainSystem, count: int = 6, near: float = 0.0) -> Modes:
+    """The ``count`` oscillations about rest of the lowest frequencies, or of those nearest to ``near`` in Hz.
+
+    Eigenvalues of (A + lambda B) x = 0 with A = dF/dy and B = dF/d(ydot) at rest: Arnoldi's method on
+    (A + sigma B)^-1 B. A real sigma orders undamped modes by their frequency, whatever its size.
+    Raises InputError for a count that the chain does not have, or a ``near`` so far above its lowest frequency that
+    rounding hides the modes, ConvergenceError when Arnoldi's method fails.
+    """
+    n_f, nodes = len(system.fields), system.nodes
+    if isinstance(count, bool) or not isinstance(count, (int, np.integer)) or count < 1:
+        raise InputError(f"count: {count!r} must be a whole number >= 1")
+    if 2 * count > n_f * nodes:  # eigenvalues come in pairs
+        raise InputError(f"count: {count} modes asked, a chain of {nodes} nodes has at most {n_f * nodes // 2}")
+    near = non_negative_number("near", near, "Hz")
+    if near:
+        lowest = float(natural_modes(system, 1).frequencies[0])
+        if near > _LOST * lowest:
+            raise InputError(f"near: {near:g} Hz must not exceed {_LOST:g} of the lowest frequency, {lowest:.3g} Hz")
+        near *= near > lowest / _FAR  # the modes nearest to a number far below all are the lowest
+    rest = system.rest()
+    rows = [f(rest, np.zeros_like(rest), 0.0) for f in (system.start, system.between, system.end)]
+    rates = [part.ydot for part in rows]
+    size = n_f * nodes
+
+    def nearest(sigma, k):
+        """k or more eigenvalues nearest to sigma: the oscillations among them, and their vectors."""
+        jacobian = BandedJacobian(n_f, nodes, system.start_rows, type(sigma))
+        if not jacobian.factorise(*(part.y + sigma * part.ydot for part in rows)):
+            raise ConvergenceError(f"the shift {sigma:g} rad/s meets an eigenvalue: give another ``near``")
+        step = lambda x: jacobian.solve(product(rates, x.reshape(nodes, n_f).T))
+        if k >= size - 1:
+            mu, vectors = np.linalg.eig(np.column_stack([step(column) for column in np.eye(size)]))
+        else:
+            operator = LinearOperator((size, size), matvec=step, dtype=type(sigma))
+            start = step(np.random.default_rng(0).normal(size=size).astype(type(sigma)))
+            try:
+                mu, vectors = eigs(operator, k=k, v0=start, tol=_ACCURACY, ncv=min(size, 3 * k + 20))
+            except ArpackNoConvergence as error:
+                found = f"{len(error.eigenvalues)} of {k} eigenvalues near {near:g} Hz"
+                raise ConvergenceError(f"{Status.NOT_CONVERGED.value} (given {found})") from None
+        with np.errstate(divide="ignore", invalid="ignore"):
+            eigenvalues = sigma - 1 / mu
+        good = np.isfinite(eigenvalues) & (eigenvalues.imag > _RIGID * abs(sigma))
+        order = np.argsort(abs(eigenvalues[good] - 1j * sigma.imag))
+        return eigenvalues[good][order], vectors[:, good][:, order]
+
+    k, sigma = 2 * count + 2 * n_f, 2j * math.pi * near if near else 1.0
+    while True:
+        eigenvalues, vectors = nearest(sigma, min(k, size))
+        if not near and eigenvalues.size and not 1 / _FAR < abs(eigenvalues[0]) / sigma < _FAR:
+            sigma = float(abs(eigenvalues[0]))
+            continue
+        if eigenvalues.size >= count:
+            break
+        if k >= size:
+            where = f" at near = {near:g} Hz" if near else ""
+            raise InputError(f"count: {count} modes asked, {eigenvalues.size} found on {nodes} nodes{where}")
+        k *= 2
+    chosen = np.argsort(abs(eigenvalues[:count]))
+    eigenvalues, shapes = eigenvalues[chosen], vectors[:, chosen].reshape(nodes, n_f, count).swapaxes(0, 1)
+    omega = abs(eigenvalues)
+    return Modes(omega / (2 * math.pi), -eigenvalues.real / omega, shapes)

@@ -1,0 +1,197 @@
+"""One step of the generalized-alpha method for F(y, ydot, t) = 0 on a chain of nodes.
+
+F(y at n + alpha_f, ydot at n + alpha_m) = 0, y(n+1) = y(n) + h ((1 - gamma) ydot(n) + gamma ydot(n+1)): Jansen, Whiting
+and Hulbert, Comput. Methods Appl. Mech. Engrg. 190 (2000) 305; on cables Gobat and Grosenbaugh, HB reference [50]. End
+rows without rates are constraints and hold at n + 1.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..common.outcome import InputError
+from ..common.properties import real_number
+from ..numerics.chain import BandedJacobian, stack
+from ..numerics.newton import adapted_relaxation
+
+MAX_ITERATIONS = 30  # of one step; three or four with a new Jacobian, some more with an old one
+_STALE = 0.03  # contraction above which a new factorisation is cheaper than more iterations with the old one
+_RETURN = 2  # steps (or periods) in which an offset is taken back: the loop's spectral radius is then 1/2
+
+
+@dataclass(frozen=True)
+class Scheme:
+    """Weights of the generalized-alpha family; of second order when gamma = 1/2 + alpha_m - alpha_f."""
+
+    alpha_m: float
+    alpha_f: float
+    gamma: float
+
+    @classmethod
+    def from_spectral_radius(cls, rho_inf) -> Scheme:
+        """Second order, with this spectral radius at infinite frequency: 1 is the box method, 0 damps in one step."""
+        rho = real_number("rho_inf", rho_inf, "(dimensionless)")
+        if not 0 <= rho <= 1:
+            raise InputError(f"rho_inf: {rho:g} (dimensionless) must be between 0 and 1")
+        alpha_m, alpha_f = (3 - rho) / (2 + 2 * rho), 1 / (1 + rho)
+        return cls(alpha_m, alpha_f, 0.5 + alpha_m - alpha_f)
+
+    @classmethod
+    def trapezoid(cls) -> Scheme:
+        """The trapezoidal rule: spectral radius 1 at every step."""
+        return cls(1.0, 1.0, 0.5)
+
+    @classmethod
+    def backward_euler(cls) -> Scheme:
+        """First order; damps everything."""
+        return cls(1.0, 1.0, 1.0)
+
+    def amplification(self, z) -> np.ndarray:
+        """Eigenvalues (2,) of a step (y, h ydot) -> (y, h ydot) on ydot = (z / h) y."""
+        m, f, g = self.alpha_m, self.alpha_f, self.gamma
+        new = np.array([[-z * f, m], [1.0, -g]])
+        old = np.array([[z * (1 - f), m - 1], [1.0, 1 - g]])
+        return np.linalg.eigvals(np.linalg.solve(new, old))
+
+    def error_constant(self) -> float:
+        """C of the local error C h^3 y''' (1/12 for the trapezoid), from the principal root at a small step."""
+        z = 1e-2  # C to 1 %, and the difference of two numbers near 1 keeps eight digits
+        roots = self.amplification(z)
+        return float(roots[np.argmin(abs(roots - math.exp(z)))].real - math.exp(z)) / z**3
+
+
+class PositionHold:
+    """Velocity that keeps the last node where it is prescribed: it undoes the offset and the rate at which it grows.
+
+    The rows of the end see velocities only; what space and time discretisation make of their integral is the drift.
+    dt: the longest step, s. The velocity grows evenly from what it was to what the last offset asks for, over an
+    interval no shorter than the chain takes to answer: a jump would shake what it corrects. A coarse chain follows so
+    badly that a full correction would feed its waves: gain is the share that is safe.
+    """
+
+    def __init__(self, system, dt):
+        self.system, self.interval, self.gain = system, max(dt, system.answer()), system.hold_gain()
+        self.t, self.offset, self.rate = 0.0, None, 0.0
+        self.correction = self.before = 0.0  # at the end and at the start of the interval last passed
+
+    def __call__(self, y, t, h) -> np.ndarray:
+        """Correction (n_d,) of the velocity at t + h, m/s; the same when a step is tried again from t."""
+        if t >= self.t + self.interval - 0.5 * h or self.offset is None:
+            self.correction = self._grown(t)  # an interval may end a little early or late
+            self.learn(self.system.drift(y, t), t - self.t)
+            self.t = t
+        return self._grown(t + h)
+
+    def _grown(self, t):
+        return self.before + min(1.0, (t - self.t) / self.interval) * (self.correction - self.before)
+
+    def learn(self, offset, elapsed):
+        """Find the rate at which the offset grows by itself from its change over the time elapsed, and correct both."""
+        if self.offset is not None:
+            rate = (offset - self.offset) / elapsed - (self.correction + self.before) / 2
+            self.rate = self.rate + self.gain * (rate - self.rate)
+        self.before, self.offset = self.correction, offset
+        self.correction = -self.rate - self.gain * (offset / (_RETURN * self.interval))
+
+
+class MeanHold(PositionHold):
+    """The same for the mean over a period, as ``solve_periodic`` closes it: the velocity changes once a period.
+
+    Within a period the end moves as the rows of the chain say, so this is the time integration of the same equations.
+    """
+
+    def __init__(self, system, dt):
+        super().__init__(system, system.period)
+        self.gain = 1.0  # the mean over a period does not see waves
+        self.sum, self.ends = 0.0, system.period
+
+    def __call__(self, y, t, h) -> np.ndarray:
+        """As PositionHold."""
+        if t > self.t:
+            self.sum, self.t = self.sum + (t - self.t) * self.system.drift(y, t), t
+        if t >= self.ends - 0.5 * h:
+            self.learn(self.sum / self.interval, self.interval)
+            self.sum, self.ends = 0.0, self.ends + self.interval
+        return self.correction
+
+
+HOLDS = {"position": PositionHold, "mean": MeanHold, None: None}
+
+
+class Stepper:
+    """Steps of a chain; keeps the factorised Jacobian from step to step and counts the work.
+
+    iterations, factorisations: in total; error: mean |dy| of the last Newton step, HB (76); worst: node of the largest.
+    """
+
+    def __init__(self, system, scheme: Scheme, tolerance: float, hold: str | None, dt: float):
+        self.system, self.scheme, self.tolerance = system, scheme, tolerance
+        self.jacobian = BandedJacobian(len(system.fields), system.nodes, system.start_rows)
+        self.iterations = self.factorisations = self.worst = 0
+        self.error, self._size = 0.0, np.zeros((len(system.fields), system.nodes))
+        y, t = system.rest(), 0.0
+        self.constraints = tuple(not rows(y, 0 * y, t).ydot.any() for rows in (system.start, system.end))
+        self.hold = HOLDS[hold](system, dt) if hold and system.drift(y, t) is not None else None
+        self._factorised_for = None
+
+    def step(self, y, ydot, t, h, predicted):
+        """(y, ydot) at t + h, or None when Newton's method fails; predicted: a guess of the new ydot."""
+        m, f, g = self.scheme.alpha_m, self.scheme.alpha_f, self.scheme.gamma
+        held = {"correction": self.hold(y, t, h)} if self.hold else {}
+        rate, carried = 1 / (g * h), (1 - g) / g * ydot
+        new = y + h * ((1 - g) * ydot + g * predicted)
+        last, relaxation = math.inf, 1.0
+        for _ in range(MAX_ITERATIONS):
+            new_dot = rate * (new - y) - carried
+            tangents = self._factorised_for != h
+            ahead = (new, new_dot, t + h)
+            between = (y + f * (new - y), ydot + m * (new_dot - ydot), t + f * h)
+            first, final = (ahead if constraint else between for constraint in self.constraints)
+            rows = (
+                self.system.start(*first, tangents),
+                self.system.between(*between, tangents),
+                self.system.end(*final, tangents, **held),
+            )
+            F = stack(*rows)
+            self.iterations += 1
+            if tangents and not self._factorise(rows, h, rate):
+                return self._failed()
+            dy = self.jacobian.solve(F).reshape(y.T.shape).T
+            size = abs(dy)
+            error = float(np.add.reduce(size, axis=None)) / size.size
+            if not math.isfinite(error):
+                return self._failed(F.reshape(y.T.shape).T)
+            new = new - relaxation * dy
+            self.error = error
+            if error <= self.tolerance and relaxation == 1.0:
+                return new, rate * (new - y) - carried
+            self._size = size
+            if error > _STALE * last:
+                if tangents:
+                    relaxation = adapted_relaxation(relaxation, error, last)
+                self._factorised_for = None
+            last = error
+        return self._failed()
+
+    def _factorise(self, rows, h, rate) -> bool:
+        f, m = self.scheme.alpha_f, self.scheme.alpha_m
+        ends = [(1.0, rate) if constraint else (f, m * rate) for constraint in self.constraints]
+        weights = (ends[0], (f, m * rate), ends[1])
+        self.factorisations += 1
+        self._factorised_for = h
+        return self.jacobian.factorise(*(a * r.y + b * r.ydot for r, (a, b) in zip(rows, weights, strict=True)))
+
+    def _failed(self, F=None):
+        """None; the next step starts with a Jacobian of its own."""
+        self._factorised_for = None
+        self.worst = int((self._size.max(axis=0) if F is None else ~np.isfinite(F).all(axis=0)).argmax())
+        return None
+
+    def initial_rate(self, y, h):
+        """ydot of a state that starts to move: one step of backward Euler, so short (h, s) that y stays."""
+        euler = Stepper(self.system, Scheme.backward_euler(), self.tolerance, None, h)
+        found = euler.step(y, np.zeros_like(y), 0.0, h, np.zeros_like(y))
+        return None if found is None else found[1]

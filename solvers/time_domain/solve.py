@@ -1,0 +1,286 @@
+"""Time integration of a ChainSystem by the generalized-alpha method; knows nothing of cables."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from ..common import diagnostics as invariants
+from ..common.outcome import InputError, Outcome, Status
+from ..common.properties import flags, one_of, positive_number, real_array, real_number
+from ..common.response import Response
+from ..numerics.chain import ChainSystem
+from .generalized_alpha import HOLDS, Scheme, Stepper
+
+_GROWTH, _SHRINK, _SAFETY = 2.0, 0.2, 0.9  # of an error-controlled step
+_FIRST_STEP = 2.0**-10  # share of dt with which the step control starts, for the first step has no error estimate
+_SMALLEST_STEP = 1e-6  # share of dt below which the step control gives up
+_LAST = 1e-12  # share of the duration that rounding may leave
+_MOST_STEPS = 1e9  # a day of work for the shortest chain
+
+
+@dataclass(frozen=True)
+class TimeHistory(Response, Outcome):
+    """Motion over time: time (K,) s; y, ydot (n_f, N, K); Newton iterations and factorisations in total.
+
+    residual_norm: mean |dy| of the last Newton step, HB (76). steps taken, and rejected by the step control.
+    event: (time in s, node from 0) where the status arose, None on success. moved: the system with its ramp.
+    hold: what kept the last node from drifting, as given.
+    """
+
+    system: ChainSystem = field(repr=False)
+    moved: ChainSystem = field(repr=False)
+    time: np.ndarray = field(repr=False)
+    y: np.ndarray = field(repr=False)
+    ydot: np.ndarray = field(repr=False)
+    status: Status
+    iterations: int
+    factorisations: int
+    residual_norm: float
+    steps: int
+    rejected: int
+    event: tuple[float, int] | None = None
+    hold: str | None = None
+
+    @property
+    def last_period(self) -> tuple[float, float]:
+        """Start of the last whole period that is stored, and the period, s. Raises InputError without one."""
+        period = self.system.period
+        if period is None or self.time[-1] - self.time[0] < period * (1 - _LAST):
+            raise InputError(f"time: {self.time[-1] - self.time[0]:g} s are stored, no whole period ({period} s)")
+        return max(self.time[0], self.time[-1] - period), period
+
+    def at(self, t) -> np.ndarray:
+        """State at times t (S,) in s, (n_f, N, S): cubic between the stored times. Raises InputError outside them."""
+        return self._cubic(t, 0)
+
+    def rate_at(self, t) -> np.ndarray:
+        """Rate of the state at times t (S,) in s, (n_f, N, S)."""
+        return self._cubic(t, 1)
+
+    @cached_property
+    def warnings(self) -> tuple[str, ...]:
+        """What a cable's history has lost: drift, compression between steps, steps too long, not periodic yet."""
+        return tuple(invariants.of_history(self))
+
+    def drift(self) -> np.ndarray:
+        """Distance of the last node from its prescribed place at the stored times, (K,), m."""
+        return np.linalg.norm(self.moved.drift(self.y, self.time), axis=0)
+
+    def _cubic(self, t, order):
+        """Hermite's cubic through y and ydot, or its first derivative."""
+        t, time = np.asarray(t, dtype=float), self.time
+        slack = _LAST * time[-1]
+        inside = (t >= time[0] - slack) & (t <= time[-1] + slack)
+        if not np.all(inside):
+            raise InputError(f"t: {t[~inside].flat[0]:g} s is outside the history, {time[0]:g} to {time[-1]:g} s")
+        i = np.clip(np.searchsorted(time, t, side="right") - 1, 0, time.size - 2)
+        h = time[i + 1] - time[i]
+        x = (t - time[i]) / h
+        if order == 0:
+            weights = (1 - x) ** 2 * (1 + 2 * x), x * x * (3 - 2 * x), h * x * (1 - x) ** 2, h * x * x * (x - 1)
+        else:
+            weights = -6 * x * (1 - x) / h, 6 * x * (1 - x) / h, (1 - x) * (1 - 3 * x), x * (3 * x - 2)
+        parts = self.y[..., i], self.y[..., i + 1], self.ydot[..., i], self.ydot[..., i + 1]
+        return sum(weight * part for weight, part in zip(weights, parts, strict=True))
+
+
+def solve_time_domain(
+    system: ChainSystem,
+    *,
+    dt,
+    periods=None,
+    duration=None,
+    rho_inf=0.5,
+    scheme=None,
+    tolerance=1e-10,
+    step_tolerance=None,
+    ramp=None,
+    start=None,
+    hold="position",
+    allow_invalid=False,
+    every=1,
+    progress=None,
+    throw=True,
+) -> TimeHistory:
+    """Integrate the chain from rest, or from ``start`` = (y, ydot or None), over ``periods`` or a ``duration`` in s.
+
+    dt: step in s, made to divide the duration; with step_tolerance (error of a step relative to the largest value of
+    each field, or the chain's scale) the longest step.
+    rho_inf: spectral radius at infinite frequency (near 1 the shortest waves are not damped, and a motion may feed
+    them); or scheme, a Scheme.
+    tolerance: mean |dy| of the last Newton step, HB (76).
+    ramp: time in s over which the motion grows from rest (default half a period, HB 4.3; none from a ``start``).
+    hold: what keeps the last node from drifting, for the rows of the end see velocities only. "position": a velocity
+    that leads it back at every step; "mean": one that takes back the mean drift once a period, so that the response
+    is that of ``solve_periodic``; None: nothing, the paper's scheme.
+    allow_invalid: go on where a state leaves what the chain is valid for (a cable in compression, which is ill-posed)
+    and say so in the status; otherwise the history ends there.
+    every: keep each n-th step, the first and the last. progress: called with the time reached in s after each step.
+    Raises InputError for bad input, ConvergenceError when a step fails or a state is invalid (``throw=False``, and an
+    invalid state that is allowed: the history up to there with its status).
+    """
+    end = _duration(system, periods, duration)
+    dt, tolerance = positive_number("dt", dt, "s"), positive_number("tolerance", tolerance, "(mean change of a state)")
+    if dt > end:
+        raise InputError(f"dt: {dt:g} s must not exceed the duration (or periods), {end:g} s")
+    if end / _MOST_STEPS > dt:
+        raise InputError(f"dt: {dt:g} s makes more than {_MOST_STEPS:g} steps of the duration (or periods), {end:g} s")
+    if step_tolerance is not None:
+        step_tolerance = positive_number("step_tolerance", step_tolerance, "(dimensionless)")
+    if isinstance(every, bool) or not isinstance(every, (int, np.integer)) or every < 1:
+        raise InputError(f"every: {every!r} must be a whole number >= 1")
+    flags(allow_invalid=allow_invalid, throw=throw)
+    scheme = _scheme(scheme, rho_inf)
+    if not (progress is None or callable(progress)):
+        raise InputError(f"progress: {progress!r} must be a function of time (s), or None")
+    ramp = _ramp(system, ramp, start)
+    moving = system.ramped(ramp) if ramp else system
+    stepper = Stepper(moving, scheme, tolerance, _hold(system, hold), dt)
+    y, ydot = _start(system, start)
+    with np.errstate(all="ignore"):  # a Newton step that diverges is found by its size
+        if ydot is None:
+            ydot = stepper.initial_rate(y, 1e-3 * dt)
+        run = _Run(stepper, y, ydot, end, dt, step_tolerance, every)
+        while run.go_on(allow_invalid):
+            run.step()
+            if progress is not None:
+                progress(run.t)
+    history = run.history(system, hold)
+    if not throw or (allow_invalid and history.status is not Status.STEP_FAILED):
+        return history
+    where = "" if run.event is None else f" at t = {run.event[0]:.6g} s, node {run.event[1] + 1} of {system.nodes}"
+    return history.or_throw(f"dt = {dt:g} s; stopped{where}" if where else f"dt = {dt:g} s")
+
+
+class _Run:
+    """The state of an integration: step by step, with a fixed or an error-controlled step."""
+
+    def __init__(self, stepper, y, ydot, end, dt, step_tolerance, every):
+        self.stepper, self.end, self.every, self.step_tolerance = stepper, end, every, step_tolerance
+        self.count = math.ceil(end / dt * (1 - _LAST))  # of fixed steps
+        self.dt = end / self.count if step_tolerance is None else dt
+        self.t, self.y, self.ydot = 0.0, y, ydot
+        self.h = self.dt if step_tolerance is None else _FIRST_STEP * self.dt
+        self.before = None  # (step, ydot at its start)
+        self.size = stepper.system.scale()[:, None] if step_tolerance is not None else None  # largest values so far
+        self.record, self.steps, self.rejected = [(0.0, y, ydot)], 0, 0
+        self.status, self.event = Status.SUCCESS, None
+        self.constant = stepper.scheme.error_constant()
+        if ydot is None:
+            self.ydot, self.record = np.zeros_like(y), [(0.0, y, np.zeros_like(y))]
+            self.status, self.event = Status.STEP_FAILED, (0.0, stepper.worst)
+
+    def go_on(self, allow_invalid) -> bool:
+        ended = self.status is Status.STEP_FAILED or (self.event is not None and not allow_invalid)
+        return not ended and self.t < self.end * (1 - _LAST)
+
+    def step(self):
+        h = self.h if self.step_tolerance is None else min(self.h, self.end - self.t)
+        predicted = self.ydot
+        if self.before is not None:
+            predicted = self.ydot + h / self.before[0] * (self.ydot - self.before[1])
+        found = self.stepper.step(self.y, self.ydot, self.t, h, predicted)
+        if found is None and self.before is not None:  # the prediction may be what failed
+            found = self.stepper.step(self.y, self.ydot, self.t, h, self.ydot)
+        fixed = self.step_tolerance is None
+        if not (found is not None if fixed else self._control(found, h, predicted)):
+            self.rejected += 1
+            if fixed or self.h < _SMALLEST_STEP * self.dt:
+                self.status, self.event = Status.STEP_FAILED, (self.t + h, self.stepper.worst)
+            return
+        self.before = (h, self.ydot)
+        self.steps += 1
+        self.t = self.end * self.steps / self.count if fixed else self.t + h
+        self.y, self.ydot = found
+        if self.steps % self.every == 0:
+            self.record.append((self.t, *found))
+        invalid = None if self.event is not None else self.stepper.system.invalid(self.y)
+        if invalid is not None:
+            self.status, self.event = invalid[0], (self.t, invalid[1])
+
+    def _control(self, found, h, predicted) -> bool:
+        """Whether the step is accurate enough, by Milne's device with Adams-Bashforth 2; sets the next step."""
+        if found is None:
+            self.h = _SHRINK * h
+            return False
+        size = np.maximum(self.size, abs(found[0]).max(axis=1, keepdims=True))
+        if self.before is None:
+            share = 1.0  # nothing to compare with: keep the step
+        else:
+            explicit = self.y + h / 2 * (self.ydot + predicted)
+            ahead = (2 + 3 * self.before[0] / h) / 12 + self.constant
+            error = abs(self.constant / ahead * (found[0] - explicit)) / size
+            share = float(np.sqrt((error**2).mean(axis=1)).max()) / self.step_tolerance
+        factor = min(max(_SAFETY * share ** (-1 / 3), _SHRINK), _GROWTH) if share > 0 else _GROWTH
+        if not 0.8 < factor < 1.2:  # a new step costs a factorisation
+            self.h = min(factor * h, self.dt)
+        if share > 1:
+            self.h = min(self.h, _SAFETY * h)
+            return False
+        self.size = size
+        return True
+
+    def history(self, system, hold) -> TimeHistory:
+        if self.record[-1][0] != self.t:
+            self.record.append((self.t, self.y, self.ydot))
+        time, y, ydot = zip(*self.record, strict=True)
+        s = self.stepper
+        counts = s.iterations, s.factorisations, s.error, self.steps, self.rejected
+        series = np.array(time), np.stack(y, axis=-1), np.stack(ydot, axis=-1)
+        return TimeHistory(system, s.system, *series, self.status, *counts, self.event, hold)
+
+
+def _duration(system, periods, duration) -> float:
+    if (periods is None) == (duration is None):
+        raise InputError("periods: give either periods (a number of them) or duration (s)")
+    if duration is not None:
+        return positive_number("duration", duration, "s")
+    periods = positive_number("periods", periods, "(a number of periods)")
+    if system.period is None:
+        raise InputError("periods: the motion has no period; give duration (s)")
+    return periods * system.period
+
+
+def _ramp(system, ramp, start) -> float:
+    if ramp is None:
+        return 0.0 if start is not None or system.period is None else system.period / 2
+    ramp = real_number("ramp", ramp, "s")
+    if ramp < 0:
+        raise InputError(f"ramp: {ramp:g} s must be >= 0")
+    return ramp
+
+
+def _scheme(scheme, rho_inf) -> Scheme:
+    if not (scheme is None or isinstance(scheme, Scheme)):
+        raise InputError(f"scheme: {scheme!r} is not a solvers.time_domain.generalized_alpha.Scheme")
+    return Scheme.from_spectral_radius(rho_inf) if scheme is None else scheme
+
+
+def _hold(system, hold):
+    one_of("hold", hold, HOLDS)
+    if hold == "mean" and system.period is None:
+        raise InputError("hold: 'mean' takes a motion with a period; use 'position'")
+    return hold
+
+
+def _start(system, start):
+    """(y, ydot) from which to go on; ydot None: to be found."""
+    shape = (len(system.fields), system.nodes)
+    if start is None:
+        y = system.rest()
+        return y, np.zeros_like(y)
+    try:
+        y, ydot = start
+        y, ydot = (None if part is None else real_array(part) for part in (y, ydot))
+    except (TypeError, ValueError):
+        raise InputError("start: must be (y, ydot), two arrays of numbers, ydot may be None") from None
+    for name, part in (("y", y), ("ydot", ydot)):
+        if part is not None and (part.shape != shape or not np.isfinite(part).all()):
+            raise InputError(f"start: {name} of shape {part.shape} must be {shape}, all finite")
+    if y is None:
+        raise InputError(f"start: y is None; it must be an array of shape {shape}")
+    return y, ydot

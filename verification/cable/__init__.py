@@ -1,0 +1,1 @@
+"""Tests of the moving cable of the HB paper and of its equilibrium."""

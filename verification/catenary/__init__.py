@@ -1,0 +1,1 @@
+"""Tests of one elastic line at rest."""

@@ -1,0 +1,464 @@
+"""Are the derivatives of networks right? Blocks of an element, pattern, assembled Jacobian, step, stiffness."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scipy.sparse as sparse
+
+from solvers import solve_network
+from solvers.catenary.excursion import excursion
+from solvers.network import equations as network_balance
+from solvers.network import jacobian as network_jacobian
+from solvers.network import scalar as network_few
+from solvers.network.equations import Balance
+from solvers.network.jacobian import _dogleg
+from solvers.network.monolithic import Monolith
+from solvers.network.nested import Count
+
+from ..cases.networks import (
+    NAMED,
+    PAPER_START,
+    TWO_LINE_W_PRINTED,
+    ElementCase,
+    EnvironmentCase,
+    NetworkCase,
+    NodeCase,
+    bridle,
+    bridle_system,
+    chain,
+    chain_wire_chain,
+    hanging_mass,
+    spring_net,
+    two_line,
+)
+from .test_solve import largest, network_of, solved
+
+COMPLEX_STEP = 1e-30  # no truncation, no cancellation
+BLOCK = 1e-11  # of the largest entry of the block: the closed forms are differences of nearly equal terms
+DIFFERENCE_STEP = 1e-5  # m, of positions of some 100 m: rounding and curvature cost about 1e-8 each
+DIFFERENCE = 1e-5  # of the largest entry, central differences
+FORWARD = 1e-2  # the solver's own forward differences: at a coordinate of 0 its step is 1e-10 of the unit of length
+ROUNDING = 1e-11  # of the largest entry: two ways to add the same numbers
+STEP = 1e-7  # of the step: shift 1e-9 of the softest stiffness, condition 1e4
+
+
+# ---------------------------------------------------------------- blocks of an element
+# H, V, w, EA, L, rests, friction, clearance: suspended, steep, buoyant, grounded in both regimes of friction, raised
+FORCES = {
+    "suspended": (5e4, 8e4, 100.0, 1e7, 500.0, False, 0.0, 0.0),
+    "suspended over a seabed": (5e4, 6e4, 100.0, 1e7, 500.0, True, 0.3, 0.0),
+    "anchor end pulled up": (5e4, 2e4, 100.0, 1e7, 500.0, False, 0.0, 0.0),
+    "fairlead below": (5e4, -2e4, 100.0, 1e7, 500.0, True, 0.0, 30.0),
+    "buoyant": (3e4, 1e4, -80.0, 1e7, 500.0, False, 0.0, 0.0),
+    "taut": (9e6, 1e4, 100.0, 1e9, 500.0, False, 0.0, 0.0),
+    "nearly vertical": (1e1, 7e4, 100.0, 1e7, 500.0, False, 0.0, 0.0),
+    "grounded": (4e4, 3e4, 100.0, 1e7, 500.0, True, 0.0, 0.0),
+    "grounded, friction": (4e4, 3e4, 100.0, 1e6, 500.0, True, 0.3, 0.0),
+    "grounded, friction takes all": (4e3, 3e4, 100.0, 1e6, 500.0, True, 1.0, 0.0),
+    "sagging between raised ends": (4e3, 2.5e4, 100.0, 1e6, 500.0, True, 0.0, 20.0),
+}
+
+
+def excursion_at(H, V, w, EA, L, rests, friction, clearance):
+    """Excursion of one element; if one of H, V and the clearance is complex, all are."""
+    number = np.result_type(H, V, clearance, float)
+    H, V, clearance = (np.array([v], dtype=number) for v in (H, V, clearance))
+    w, EA, L, rests, friction = (np.array([v]) for v in (w, EA, L, rests, friction))
+    return excursion(H, V, w, EA, L, rests, friction, clearance)
+
+
+def block_misses() -> list[str]:
+    """C, anchor and raised of ``excursion`` against complex step in H, V and the clearance."""
+    misses = []
+    for name, inputs in FORCES.items():
+        at = excursion_at(*inputs)
+        got = {0: (at.C[0, :, 0], at.anchor[0, :, 0]), 1: (at.C[0, :, 1], at.anchor[0, :, 1])}
+        for column, (C, anchor) in got.items():
+            moved = _complex_step(inputs, column)
+            misses += _block_miss(f"{name}: C, column {column}", C, (moved.l, moved.h), at.C)
+            misses += _block_miss(
+                f"{name}: anchor, column {column}", anchor, (moved.H_anchor, moved.V_anchor), at.anchor
+            )
+        if inputs[7] > 0:
+            moved = _complex_step(inputs, 7)
+            misses += _block_miss(f"{name}: raised", at.raised[0], (moved.l, moved.h, moved.V_anchor), at.raised)
+    return misses
+
+
+def _complex_step(inputs, i):
+    changed = list(inputs)
+    changed[i] = inputs[i] + 1j * COMPLEX_STEP * abs(inputs[i])
+    return excursion_at(*changed)
+
+
+def _block_miss(name, got, moved, block):
+    i = 7 if name.endswith("raised") else int(name[-1])
+    step = COMPLEX_STEP * abs(FORCES[name.split(":")[0]][i])
+    wanted = np.array([np.imag(np.atleast_1d(value))[0] / step for value in moved])
+    error = np.abs(got - wanted).max() / (np.abs(block).max() or 1.0)
+    return [] if error <= BLOCK else [f"{name}: got {got}, wanted {wanted}, off by {error:.3g} of the largest"]
+
+
+# ---------------------------------------------------------------- the assembled tangent of the force balance
+def tangent_misses() -> list[str]:
+    """Balance.tangent against central differences of Balance.unbalanced, away from equilibrium and from the floor."""
+    misses, rng = [], np.random.default_rng(5)
+    for case in (bridle(), bridle_system(0.4), two_line(TWO_LINE_W_PRINTED, 1.0), chain(5), spring_net(), _raised()):
+        balance = Balance(network_of(case))
+        r = solved(case).r + np.where(balance.free[:, None], rng.normal(size=(len(case.nodes), 3)), 0)
+        _every_node(balance, case)
+        got = balance.tangent(balance.spans(r))
+        got = got.toarray() if sparse.issparse(got) else got
+        wanted = -_central(lambda r, balance=balance: balance.unbalanced(balance.spans(r)).ravel(), r)
+        rows = _smooth_coordinates(case)
+        error = np.abs(got - wanted)[:, rows].max() / np.abs(wanted[:, rows]).max()
+        if not error <= DIFFERENCE:
+            misses.append(f"{case.name}: tangent off by {error:.3g} of the largest")
+    return misses
+
+
+def _raised():
+    """Two slack bights over the floor between raised ends, one end higher: their middles lie on the seabed."""
+    nodes = (
+        NodeCase("coupled", (0.0, 0.0, -30.0)),
+        NodeCase("free", (90.0, 20.0, -15.0), volume=1.0),
+        NodeCase("coupled", (190.0, 10.0, -5.0)),
+    )
+    lines = (ElementCase(120.0, 2e6, 132.0, (0, 1)), ElementCase(120.0, 2e6, 155.0, (2, 1)))
+    return NetworkCase("raised bights", nodes, lines, EnvironmentCase(depth=50.0))
+
+
+def _every_node(balance, case):
+    """Give every node unknowns, fixed ones too."""
+    balance.pattern(np.full(len(case.nodes), True))
+
+
+def _smooth_coordinates(case):
+    """Coordinates in which the forces have a derivative on both sides: not the heights of ends on the seabed."""
+    depth = case.environment.depth
+    return np.array([not (k == 2 and depth is not None and n.r[2] <= -depth) for n in case.nodes for k in range(3)])
+
+
+def _central(function, r, step=DIFFERENCE_STEP):
+    columns = []
+    for i in range(r.size):
+        ahead, behind = r.copy(), r.copy()
+        ahead.flat[i] += step
+        behind.flat[i] -= step
+        with np.errstate(invalid="ignore"):  # rows of other formulae are computed and not picked
+            columns.append(_difference(function, ahead, behind) / (2 * step))
+    return np.column_stack(columns)
+
+
+def _difference(function, ahead, behind):
+    """nan where one side lies below the seabed, in a coordinate that is not judged."""
+    return function(ahead) - function(behind)
+
+
+def pattern_misses() -> list[str]:
+    """Nodes are coupled where an element joins them: the pattern against a picture drawn by hand, dense and sparse."""
+    drawn = """
+        x.x..
+        .xx..
+        xxxx.
+        ..xxx
+        ...xx"""
+    picture = np.array([[c == "x" for c in row.strip()] for row in drawn.split()])
+    nodes = tuple(NodeCase("free", (50.0 * i, 10.0 * i * i, -5.0 * i)) for i in range(5))
+    lines = tuple(ElementCase(10.0, 1e6, 60.0, ends) for ends in ((0, 2), (1, 2), (2, 3), (4, 3)))
+    case = NetworkCase("picture", (*nodes, NodeCase("fixed", (0, 0, 50.0))), (*lines, ElementCase(1, 1e6, 60, (5, 0))))
+    balance = Balance(network_of(case))
+    entries = np.zeros((5, 5), dtype=bool)
+    entries[balance.rows // 3, balance.columns // 3] = True
+    misses = [] if (entries == picture).all() else [f"pattern {entries.astype(int).tolist()}"]
+    elements = balance.spans(balance.position)
+    dense = balance.tangent(elements)
+    previous, network_balance.DENSE = network_balance.DENSE, 0
+    balance.pattern(balance.free)
+    try:
+        error = np.abs(balance.tangent(elements).toarray() - dense).max() / np.abs(dense).max()
+    finally:
+        network_balance.DENSE = previous
+    return misses if error <= ROUNDING else [*misses, f"sparse and dense differ by {error:.3g}"]
+
+
+# ---------------------------------------------------------------- the monolithic Jacobian
+def iterates():
+    """Iterates of the monolithic method off equilibrium: the paper's start, and named networks shaken."""
+    rng, out = np.random.default_rng(3), []
+    for case in (two_line(), two_line(TWO_LINE_W_PRINTED, 1.0), bridle(), bridle_system(), chain(4), spring_net()):
+        balance, state = Balance(network_of(case)), solved(case)
+        r = state.r + np.where(balance.free[:, None], 0.1 * rng.normal(size=state.r.shape), 0.0)
+        shaken = [1 + 0.02 * rng.normal(size=f.size) for f in (state.H, state.V)]
+        for units in ("scaled", "kN"):
+            out.append((f"{case.name}, {units}", _at(balance, units, r, state.H * shaken[0], state.V * shaken[1])))
+    start = [np.array(part) for part in PAPER_START]
+    return [*out, ("paper's start", _at(Balance(network_of(two_line())), "N", *start))]
+
+
+def _at(balance, units, r, H, V):
+    with np.errstate(all="ignore"):  # as solve does: rows of other formulae are computed and not picked
+        return Monolith(balance, units, Count()).at(r, H, V)
+
+
+def jacobian_misses() -> list[str]:
+    """analytic_jacobian against central differences of the residual, and against the solver's forward differences.
+
+    Each entry over the largest of its row and of its column.
+    """
+    misses = []
+    for name, now in iterates():
+        with np.errstate(all="ignore"):  # as in ``_at``
+            got, forward = network_jacobian.analytic_jacobian(now), network_jacobian.difference_jacobian(now)
+            wanted = _central_jacobian(now)
+        scale = np.maximum(np.abs(wanted).max(axis=1, keepdims=True), np.abs(wanted).max(axis=0, keepdims=True))
+        for what, matrix, allowed in (("analytic", got, DIFFERENCE), ("differences", forward, FORWARD)):
+            error = (np.abs(matrix - wanted) / scale).max()
+            if not error <= allowed:
+                misses.append(f"{name}, {what}: off by {error:.3g}")
+    return misses
+
+
+def _central_jacobian(now):
+    """Central differences of the residual at fixed moving coordinates and open elements."""
+    n, unknown, m = np.count_nonzero(now.moving), now.unknown, now.monolith
+    forces = np.column_stack([now.elements.H, now.elements.V])[unknown]
+    units = np.concatenate([np.full(n, m.length_unit), np.full(forces.size, m.force_unit)])
+    steps = np.concatenate([np.full(n, 1e-4), 1e-5 * (np.abs(forces) + np.abs(forces).mean())])
+
+    def residual(change):
+        r, q = now.r.copy(), np.column_stack([now.elements.H, now.elements.V])
+        r[now.moving] += change[:n]
+        q[unknown] += change[n:]
+        moved = m.at(r, *q.T)
+        return np.concatenate([moved.force[now.moving] / m.force_unit, moved.gap[unknown] / m.length_unit])
+
+    columns = [(residual(step) - residual(-step)) / (2 * step[i]) * units[i] for i, step in enumerate(np.diag(steps))]
+    return np.column_stack(columns)
+
+
+def hand_misses() -> list[str]:
+    """The two-line Jacobian at the paper's start (3.7), written out for its 3 + 4 unknowns in N and m."""
+    case = two_line(TWO_LINE_W_PRINTED, 1.0)
+    r, H, V = (np.array(part) for part in PAPER_START)
+    V = np.array([1.9e5, 3.0e5])  # line 1 grounded, all of (2.23), (4.16)
+    now = _at(Balance(network_of(case)), "N", r, H, V)
+    wanted = np.zeros((7, 7))
+    for i, line in enumerate(case.elements):
+        reach = r[2] - r[i]
+        l = np.hypot(reach[0], reach[1])
+        c, s = reach[:2] / l
+        # A: F = -(H c, H s, V); the azimuth turns as the node moves across
+        wanted[:2, :2] -= H[i] / l * np.array([[s * s, -c * s], [-c * s, c * c]])
+        wanted[0, 3 + 2 * i], wanted[1, 3 + 2 * i], wanted[2, 4 + 2 * i] = -c, -s, -1.0
+        wanted[3 + 2 * i, :2], wanted[4 + 2 * i, 2] = (-c, -s), -1.0
+        wanted[3 + 2 * i : 5 + 2 * i, 3 + 2 * i : 5 + 2 * i] = _paper_C(line, H[i], V[i])
+    got = network_jacobian.analytic_jacobian(now)
+    error = np.abs(got - wanted).max() / np.abs(wanted).max()
+    return [] if error <= ROUNDING else [f"two-line: off by {error:.3g}: {got.tolist()}, wanted {wanted.tolist()}"]
+
+
+def _paper_C(line, H, V):
+    """d(l, h)/d(H, V) by (4.15), (4.16), the erratum of (4.16a) applied."""
+    w, EA, L, CB, T = line.w, line.EA, line.L, line.friction, np.hypot(H, V)
+    b = V - w * L
+    if b > 0:
+        Tb = np.hypot(H, b)
+        C11 = (np.arcsinh(V / H) - np.arcsinh(b / H)) / w - (V / T - b / Tb) / w + L / EA
+        return [[C11, H / w * (1 / T - 1 / Tb)], [H / w * (1 / T - 1 / Tb), (V / T - b / Tb) / w + L / EA]]
+    grounded = L - V / w
+    x0 = grounded - H / (CB * w)
+    C11 = (np.arcsinh(V / H) - V / T) / w + L / EA - (max(x0, 0.0)) / EA
+    C12 = (H / T - 1) / w + (H / (EA * w) if x0 > 0 else CB * grounded / EA)
+    return [[C11, C12], [(H / T - 1) / w, V / (w * T) + V / (w * EA)]]
+
+
+def step_misses() -> list[str]:
+    """The Newton step by the Schur complement against that of the dense Jacobian."""
+    misses = []
+    for name, now in iterates():
+        schur, dense = now.newton_step(), network_jacobian.dense_step(now, "analytic")
+        for what, got, wanted in zip(("dr", "dH", "dV"), schur, dense, strict=True):
+            error = np.abs(got - wanted).max(initial=0.0) / max(np.abs(wanted).max(), 1e-300)
+            if not error <= STEP:
+                misses.append(f"{name}: {what} differs by {error:.3g}")
+    return misses
+
+
+def float_misses() -> list[str]:
+    """The equations of few lines in plain floats against those in arrays; and none where they do not hold.
+
+    Residual and Jacobian, over the largest entry: two ways to round the same formulae.
+    """
+    misses = []
+    for name, now in iterates():
+        m = now.monolith
+        few = network_few.Few(m.balance, now.r, (m.force_unit, m.length_unit))
+        point = few.at([*now.r[now.moving].tolist(), *now.elements.Q[:2].T.ravel().tolist()])
+        rubs = now.geometry.friction * (now.elements.V_anchor == 0)
+        known = now.plain and not m.balance.any_massless and not rubs.any()
+        if (point is None) == known:
+            misses.append(f"{name}: {'refused' if known else 'taken for what floats know'}")
+        if point is not None:
+            pairs = (point.Z, now.residual), (few.jacobian(point), network_jacobian.analytic_jacobian(now))
+            for what, (got, wanted) in zip(("residual", "Jacobian"), pairs, strict=True):
+                error = np.abs(np.subtract(got, wanted)).max() / np.abs(wanted).max()
+                if not error <= ROUNDING:
+                    misses.append(f"{name}: {what} differs by {error:.3g} of the largest")
+    return misses
+
+
+# ---------------------------------------------------------------- stiffness of coupled nodes and of a body
+def stiffness_cases():
+    """Coupled nodes everywhere: bridles, raised bights, a joint on the seabed, an anchor that is moved."""
+    anchored = two_line(TWO_LINE_W_PRINTED, 0.05)
+    moved = (replace(anchored.nodes[0], kind="coupled"), *anchored.nodes[1:])
+    return [
+        bridle(),
+        bridle_system(),
+        bridle_system(0.5),
+        chain(3),
+        chain_wire_chain(),
+        chain_wire_chain(0.6),
+        _raised(),
+        replace(anchored, name="coupled anchor on the seabed", nodes=moved),
+    ]
+
+
+def stiffness_misses() -> list[str]:
+    """state.stiffness against central differences of solve_network; symmetric and positive without friction."""
+    misses = []
+    for case in stiffness_cases():
+        network, state = network_of(case), solved(case)
+        K, base = state.stiffness, state.r[state.coupled]
+
+        def restoring(r, network=network, state=state):
+            new = solve_network(network.moved(r), start=state, tolerance=1e-13)
+            return -new.reaction[new.coupled].ravel()
+
+        smooth = [not (k == 2 and r[2] <= -(case.environment.depth or np.inf)) for r in base for k in range(3)]
+        columns = [i for i in range(base.size) if smooth[i]]
+        wanted = np.column_stack([_one_column(restoring, base, i) for i in columns])
+        error = np.abs(K[:, columns] - wanted).max() / np.abs(wanted).max()
+        if not error <= DIFFERENCE:
+            misses.append(f"{case.name}: stiffness off by {error:.3g} of the largest")
+        if all(line.friction == 0 for line in case.elements):
+            if np.abs(K - K.T).max() > 1e-9 * np.abs(K).max():
+                misses.append(f"{case.name}: not symmetric by {np.abs(K - K.T).max():.3g} N/m")
+            if np.linalg.eigvalsh((K + K.T) / 2).min() < -1e-9 * np.abs(K).max():
+                misses.append(f"{case.name}: a displacement without work against it")
+    return misses
+
+
+def _one_column(function, r, i, step=1e-4):
+    ahead, behind = r.copy(), r.copy()
+    ahead.flat[i] += step
+    behind.flat[i] -= step
+    return (function(ahead) - function(behind)) / (2 * step)
+
+
+def body_misses() -> list[str]:
+    """body_stiffness against forces and moments of a body that is moved and turned, about two reference points."""
+    misses = []
+    for case in (bridle(), bridle_system(0.5, (5.0, 3.0, 0.0)), _raised()):
+        network, state = network_of(case), solved(case)
+        base = state.r[state.coupled]
+        for reference in (np.zeros(3), np.array([3.0, -7.0, -40.0])):
+
+            def load(motion, network=network, state=state, base=base, reference=reference):
+                """(6,) force and moment about the moved reference of the lines on the body."""
+                arms = (base - reference) @ _rotation(motion[3:]).T
+                new = solve_network(network.moved(reference + motion[:3] + arms), start=state, tolerance=1e-13)
+                forces = new.reaction[new.coupled]
+                return np.concatenate([forces.sum(axis=0), np.cross(arms, forces).sum(axis=0)])
+
+            K = state.body_stiffness(reference)
+            scale = np.repeat([1.0, np.abs(base - reference).max()], 3)
+            wanted = np.column_stack([-_one_column(load, np.zeros(6), i, 1e-4 / scale[i]) for i in range(6)])
+            error = np.abs((K - wanted) / np.outer(scale, scale)).max() / np.abs(wanted / np.outer(scale, scale)).max()
+            if not error <= DIFFERENCE:
+                misses.append(f"{case.name} about {reference}: off by {error:.3g} of the largest")
+    return misses
+
+
+def _rotation(vector):
+    """Rodrigues' formula."""
+    angle = np.linalg.norm(vector)
+    x, y, z = vector
+    A = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.eye(3) + np.sinc(angle / np.pi) * A + 0.5 * np.sinc(angle / (2 * np.pi)) ** 2 * A @ A
+
+
+CHECKS = {
+    "blocks": block_misses,
+    "tangent": tangent_misses,
+    "pattern": pattern_misses,
+    "assembled against differences": jacobian_misses,
+    "assembled by hand": hand_misses,
+    "Schur step against dense step": step_misses,
+    "floats": float_misses,
+    "stiffness of coupled nodes": stiffness_misses,
+    "stiffness of a body": body_misses,
+}
+
+
+@pytest.mark.parametrize("check", CHECKS.values(), ids=CHECKS)
+def test_network_derivatives(check):
+    assert check() == []
+
+
+@pytest.mark.parametrize(
+    "case", [chain_wire_chain(), hanging_mass(), _raised(), spring_net()], ids=lambda case: case.name
+)
+def test_floats_leave_other_lines_and_resting_nodes_to_arrays(case):
+    balance, state = Balance(network_of(case)), solved(case)
+    few = network_few.Few(balance, state.r, (1.0, 1.0))
+    z = [*state.r[balance.free].ravel().tolist(), *np.array([state.H, state.V]).T.ravel().tolist()]
+    assert few.at(z) is None
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, 1e-320, 1e200])
+def test_floats_leave_what_they_cannot_carry_to_arrays(value):
+    balance, (r, H, V) = Balance(network_of(two_line())), (np.array(part) for part in PAPER_START)
+    few = network_few.Few(balance, r, (1.0, 1.0))
+    start = [*r[2].tolist(), *np.array([H, V]).T.ravel().tolist()]
+    assert few.at(start) is not None
+    for i in range(len(start)):
+        point = few.at([*start[:i], value, *start[i + 1 :]])
+        assert point is None or np.isfinite([*point.Z, *np.ravel(few.jacobian(point)), point.gap_force]).all()
+
+
+def test_every_regime_is_among_the_blocks():
+    """Contact with both signs of x0, a hanging anchor end, an end below: as (4.15), (4.16) tell them apart."""
+    grounded = {name: excursion_at(*inputs).V_anchor[0] for name, inputs in FORCES.items()}
+    assert grounded["grounded, friction"] == 0 == excursion_at(*FORCES["grounded, friction takes all"]).H_anchor[0]
+    assert excursion_at(*FORCES["grounded, friction"]).H_anchor[0] > 0 > grounded["sagging between raised ends"]
+
+
+def test_raised_bights_lie_on_the_seabed():
+    """What the case is there for: contact in the middle, both ends pulled down, the lines taut."""
+    state, case = solved(_raised()), _raised()
+    lift = state.V - state.V_anchor
+    weight = np.array([line.w * line.L for line in case.elements])
+    assert (lift < 0.9 * weight).all() and (state.H > 0.01 * weight).all()
+    assert (state.V > 0).all() and (state.V_anchor < 0).all()
+
+
+@pytest.mark.parametrize("case", NAMED, ids=lambda case: case.name)
+def test_stiffness_has_the_size_of_its_coupled_nodes(case):
+    state = solved(case)
+    assert state.stiffness.shape == (3 * state.coupled.sum(),) * 2 and largest(state) > 0
+
+
+# ---------------------------------------------------------------- the trust region
+def test_the_dogleg_lies_on_its_path():
+    """As long as the radius: along Cauchy's step, then from its end towards Newton's; or all of Newton's."""
+    newton, cauchy = np.array([3.0, 4.0]), np.array([1.0, 0.0])
+    assert np.array_equal(_dogleg(newton, cauchy, 6.0), newton)
+    assert _dogleg(newton, cauchy, 0.25) == pytest.approx(0.25 * cauchy)
+    step = _dogleg(newton, cauchy, 2.0)
+    share = (step - cauchy) / (newton - cauchy)
+    assert np.linalg.norm(step) == pytest.approx(2.0) and share[0] == pytest.approx(share[1]) and 0 < share[0] < 1

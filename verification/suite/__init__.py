@@ -1,0 +1,1 @@
+"""Tests of the suite itself: architecture, documentation, report, published values, bad input of any kind."""

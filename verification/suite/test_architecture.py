@@ -1,0 +1,288 @@
+"""Is the house as drawn? Who imports whom, read from the source; what solvers leave out; sizes; docstrings.
+
+The table is that of the design, "Who may import whom". The standard library is open to all but where a row says
+otherwise.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).parents[2]
+OWN = ("solvers", "verification", "benchmarks", "reference_data", "reports")
+TESTING = ("pytest", "hypothesis", "mpmath")
+LONGEST_SOLVER_MODULE = 320  # lines: what one can read at a sitting
+READERS = ("scene.py", "map_file.py", "network_scene.py")  # solver modules whose job is to read an input file
+
+# Folder, most special first -> what it may import beside the standard library. A name covers all below it.
+MAY_IMPORT = {
+    "verification/exact": ("numpy", "mpmath", "verification.exact"),
+    "verification/cases": ("numpy", "solvers.numerics.chain", "verification.cases"),
+    "reference_data/generate": ("numpy", "mpmath", "verification.exact", "reference_data.generate"),
+    "reference_data": ("numpy", "mpmath", "verification.exact", "reference_data", "tqdm"),
+    "benchmarks/peers": ("numpy", "benchmarks.peers", "verification.cases", "verification.registry",
+                         "verification.reference", "moorpy", "pycatenary", "moordyn"),
+    "benchmarks": ("numpy", "scipy", "solvers", "verification.cases", "verification.registry", "verification.reference",
+                   "pytest", "threadpoolctl", "mpmath", "tqdm", "benchmarks"),
+    "reports/browser": ("pytest", "playwright", "reports.browser"),
+    "reports": ("numpy", "matplotlib", "mpl_toolkits", "jinja2", "tqdm", "reports"),
+    "solvers": ("numpy", "scipy", "threadpoolctl", "solvers"),
+    "verification": ("numpy", "scipy", "threadpoolctl", "solvers", "verification", *TESTING),
+}  # fmt: skip
+
+# Beside that, what one file alone may import.
+ALSO = {
+    "solvers/numerics/compiled.py": ("numba",),  # whose loops are worth it is measured: those of block_chain, harmonic_blocks
+    "solvers/numerics/lu/bordered.py": ("numba", "llvmlite"),  # LAPACK by address
+}
+
+# Beside that, what a row must never import, standard library included.
+NEVER = {
+    "solvers": ("logging", "subprocess", "multiprocessing", "socket", "warnings"),
+    "verification/exact": ("solvers",),
+    "reference_data/generate": ("solvers",),
+    "reports": ("solvers", "verification", "benchmarks"),
+    "benchmarks": ("verification.catenary.test_exact", "verification.conftest", "reports"),
+}
+
+
+# ---------------------------------------------------------------- reading imports
+def imports_of(path: Path, root: Path) -> Iterator[tuple[int, str]]:
+    """(line, dotted name) of everything a file imports, relative imports resolved, at any depth of the file."""
+    package = path.relative_to(root).with_suffix("").parts[:-1]
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from ((node.lineno, alias.name) for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            base = package[: len(package) - node.level + 1] if node.level else ()
+            module = ".".join([*base, *([node.module] if node.module else [])])
+            for alias in node.names:
+                yield node.lineno, f"{module}.{alias.name}"
+        elif isinstance(node, ast.Call) and getattr(node.func, "id", getattr(node.func, "attr", "")) in (
+            "__import__",
+            "import_module",
+        ):
+            first = node.args[0] if node.args else None
+            if isinstance(first, ast.Constant):
+                yield node.lineno, str(first.value)
+
+
+def covers(allowed: str, name: str) -> bool:
+    """Whether ``name`` is ``allowed`` or something below it, or the package on the way to it."""
+    return name == allowed or name.startswith(allowed + ".")
+
+
+def folder_of(path: Path, root: Path) -> str | None:
+    """The row of the table that a file belongs to."""
+    place = path.relative_to(root).as_posix()
+    return next((folder for folder in MAY_IMPORT if place.startswith(folder + "/")), None)
+
+
+def sources(root: Path) -> list[Path]:
+    """Python files of the top-level folders."""
+    return [
+        path
+        for folder in OWN
+        for path in sorted((root / folder).rglob("*.py"))
+        if "__pycache__" not in path.parts and "out" not in path.relative_to(root).parts
+    ]
+
+
+def bad_imports(root: Path = ROOT) -> list[str]:
+    """Imports that the table does not allow."""
+    bad = []
+    for path in sources(root):
+        folder, place = folder_of(path, root), path.relative_to(root).as_posix()
+        if folder is None:
+            bad.append(f"{place}: no row of the table covers this folder")
+            continue
+        allowed = MAY_IMPORT[folder] + ALSO.get(place, ())
+        for line, name in imports_of(path, root):
+            standard = name.partition(".")[0] in sys.stdlib_module_names
+            if any(covers(n, name) for n in NEVER.get(folder, ())):
+                bad.append(f"{place}:{line}: {folder} never imports {name}")
+            elif not standard and not any(covers(n, name) for n in allowed):
+                bad.append(f"{place}:{line}: {folder} may not import {name}")
+            elif folder.startswith("benchmarks") and name.startswith("verification.test_"):
+                bad.append(f"{place}:{line}: benchmarks import no test modules ({name})")
+    return bad
+
+
+# ---------------------------------------------------------------- what solvers leave out
+def forbidden_calls(root: Path = ROOT) -> list[str]:
+    """Printing, opening files (but in READERS), breakpoints and global numpy settings in solvers."""
+    bad = []
+    for path in sorted((root / "solvers").rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Call):
+                name = getattr(node.func, "id", getattr(node.func, "attr", ""))
+                if name in ("print", "breakpoint", "input", "seterr", "exec", "eval"):
+                    bad.append(f"{path.name}:{node.lineno}: {name}()")
+                if name in ("open", "read_text", "write_text", "savetxt", "loadtxt") and path.name not in READERS:
+                    bad.append(f"{path.name}:{node.lineno}: {name}()")
+            if isinstance(node, ast.Global | ast.Nonlocal):
+                bad.append(f"{path.name}:{node.lineno}: {type(node).__name__.lower()} state")
+    return bad
+
+
+def long_modules(root: Path = ROOT) -> list[str]:
+    """Modules of solvers that have grown beyond reading at a sitting."""
+    lines = {path.name: path.read_text(encoding="utf-8").count("\n") for path in (root / "solvers").rglob("*.py")}
+    return [f"{name}: {count} lines" for name, count in lines.items() if count > LONGEST_SOLVER_MODULE]
+
+
+def silenced(root: Path = ROOT) -> list[str]:
+    """Lines of the verification that silence floating-point errors or warnings and say no reason in a comment."""
+    words = re.compile(r"errstate\(.*ignore|simplefilter\(.ignore|filterwarnings\(.ignore")
+    return [
+        f"{path.name}:{number}"
+        for path in sorted((root / "verification").rglob("*.py"))
+        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1)
+        if words.search(line) and "  # " not in line
+    ]
+
+
+def undocumented(root: Path = ROOT) -> list[str]:
+    """Modules, and public functions, classes, methods and properties of solvers without a docstring."""
+    missing = []
+    for path in sources(root):
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        if path.stat().st_size and not ast.get_docstring(tree):
+            missing.append(f"{path.relative_to(root)}: module")
+        if path.relative_to(root).parts[0] == "solvers":
+            missing += [f"{path.name}: {name}" for name, node in public(tree) if not ast.get_docstring(node)]
+    return missing
+
+
+def public(tree) -> Iterator[tuple[str, ast.AST]]:
+    """(name, node) of public top-level functions and classes, and of the public methods of the latter."""
+    for node in tree.body:
+        if isinstance(node, ast.FunctionDef | ast.ClassDef) and not node.name.startswith("_"):
+            yield node.name, node
+            for member in getattr(node, "body", []) if isinstance(node, ast.ClassDef) else []:
+                if isinstance(member, ast.FunctionDef) and not member.name.startswith("_"):
+                    yield f"{node.name}.{member.name}", member
+
+
+# ---------------------------------------------------------------- the claims
+def test_every_folder_exists():
+    """The five folders of the design are packages."""
+    for folder in OWN:
+        assert (ROOT / folder / "__init__.py").is_file(), folder
+
+
+def test_imports_follow_the_table():
+    """No file imports what its folder may not: an oracle that shares the formula shares the error."""
+    bad = bad_imports()
+    assert not bad, "\n".join(bad)
+
+
+def test_solvers_keep_to_solving():
+    """Solvers do not print, stop, read files (but the readers of scenes) or change settings for everybody."""
+    bad = forbidden_calls()
+    assert not bad, "\n".join(bad)
+
+
+def test_solver_modules_are_short():
+    """No module of solvers is longer than 320 lines."""
+    assert not long_modules()
+
+
+def test_nothing_is_silenced_without_a_reason():
+    """Floating-point errors raise in tests and warnings are errors; what is silenced says why."""
+    assert not silenced()
+    with pytest.raises(FloatingPointError):
+        np.array(1.0) / np.array(0.0)
+
+
+def test_solvers_are_documented():
+    """Every module says what it is for; every public function, class and method of solvers has a docstring."""
+    missing = undocumented()
+    assert not missing, "\n".join(missing)
+
+
+# ---------------------------------------------------------------- the checker itself
+BAD_IMPORTS = [
+    ("solvers/x.py", "import mpmath"),
+    ("solvers/x.py", "from matplotlib import pyplot"),
+    ("solvers/x.py", "def f():\n    import pytest"),
+    ("solvers/x.py", "from verification.reference import EPS"),
+    ("solvers/x.py", "import warnings"),
+    ("solvers/x.py", "__import__('mpmath')"),
+    ("solvers/x.py", "from numba import njit"),
+    ("verification/exact/x.py", "from solvers import solve_span"),
+    ("verification/exact/x.py", "from ..reference import exact_span"),
+    ("verification/exact/x.py", "import scipy"),
+    ("reference_data/generate/x.py", "from solvers.catenary.span import Span"),
+    ("reference_data/x.py", "import solvers"),
+    ("verification/x.py", "from benchmarks import harness"),
+    ("verification/x.py", "from reports import page"),
+    ("benchmarks/x.py", "from verification.catenary.test_exact import allowed"),
+    ("benchmarks/x.py", "from verification import test_exact"),
+    ("benchmarks/x.py", "import moorpy"),
+    ("reports/x.py", "import solvers"),
+    ("reports/x.py", "from solvers import Span"),
+    ("reports/x.py", "from verification.reference import EPS"),
+    ("reports/x.py", "import importlib\nimportlib.import_module('benchmarks')"),
+    ("solvers/deep/x.py", "from ...verification import reference"),
+]
+
+GOOD_IMPORTS = [
+    ("solvers/x.py", "import math\nimport numpy as np\nfrom .newton import root\nfrom scipy.linalg import lapack"),
+    ("solvers/numerics/lu/bordered.py", "from numba import njit"),
+    ("solvers/numerics/compiled.py", "from numba import njit"),
+    ("verification/x.py", "import pytest\nfrom solvers import Span\nfrom .cases.spans import NAMED"),
+    ("benchmarks/x.py", "from verification.cases.spans import NAMED\nfrom . import harness"),
+    ("benchmarks/peers/x.py", "import moorpy"),
+    ("reports/x.py", "import jinja2\nfrom . import page"),
+]
+
+
+def planted(tmp_path: Path, place: str, text: str) -> Path:
+    """A tree with one file in it."""
+    path = tmp_path / place
+    path.parent.mkdir(parents=True)
+    path.write_text(f'"""A file."""\n{text}\n')
+    return tmp_path
+
+
+@pytest.mark.parametrize(("place", "text"), BAD_IMPORTS)
+def test_a_planted_import_is_found(tmp_path, place, text):
+    """Absolute, relative, hidden in a function or spelled as a call: the import is named with file and line."""
+    found = bad_imports(planted(tmp_path, place, text))
+    assert len(found) == 1 and found[0].startswith(place), found
+
+
+@pytest.mark.parametrize(("place", "text"), GOOD_IMPORTS)
+def test_what_the_table_allows_passes(tmp_path, place, text):
+    """The checker does not refuse what the table allows."""
+    assert not bad_imports(planted(tmp_path, place, text))
+
+
+@pytest.mark.parametrize("text", ["print(1)", "breakpoint()", "import numpy\nnumpy.seterr(all='raise')", "open('x')"])
+def test_a_planted_call_is_found(tmp_path, text):
+    """A print, a breakpoint, a global setting or a file in a solver is found."""
+    assert forbidden_calls(planted(tmp_path, "solvers/x.py", text))
+
+
+def test_a_planted_long_or_silent_module_is_found(tmp_path):
+    """So is a module that is too long, and a public function or method without a docstring."""
+    root = planted(tmp_path, "solvers/x.py", "class A:\n    def run(self):\n        pass\n" + "\n" * 330)
+    assert long_modules(root)
+    assert undocumented(root) == ["x.py: A", "x.py: A.run"]
+
+
+def test_a_planted_silence_is_found(tmp_path):
+    """Without a comment it is found, with one it is not."""
+    folder = tmp_path / "verification"
+    folder.mkdir()
+    text = 'with np.errstate(all="ign' + 'ore"):{}\n    pass\n'
+    (folder / "a.py").write_text(text.format("") + text.format("  # a reason"), encoding="utf-8")
+    assert silenced(tmp_path) == ["a.py:1"]

@@ -1,0 +1,1 @@
+"""What tests share: observed orders, derivatives by complex step, random draws."""
