@@ -170,9 +170,27 @@ class References:
         return self.folder / f"tension-{name}-{made.hexdigest()[:16]}.json"
 
 
-_SOLVERS = ("cable", "cable_planar", "cable_spatial", "chain", "loads", "fourier", "harmonic_balance", "harmonic_rows",
-            "harmonic_krylov", "harmonic_blocks", "compiled", "block_chain", "newton", "statics", "motion",
-            "properties", "scene", "periodic_response", "stencils")  # fmt: skip
+_SOLVERS = (
+    "cable/system",
+    "cable/planar",
+    "cable/spatial",
+    "numerics/chain",
+    "cable/loads",
+    "numerics/fourier",
+    "harmonic_balance/solve",
+    "harmonic_balance/residual",
+    "harmonic_balance/krylov",
+    "harmonic_balance/blocks",
+    "numerics/compiled",
+    "numerics/lu/bordered",
+    "numerics/newton",
+    "cable/statics",
+    "common/motion",
+    "common/properties",
+    "io/scene",
+    "harmonic_balance/response",
+    "cable/midpoint_stencils",
+)
 
 
 @cache

@@ -328,7 +328,7 @@ def test_the_power_of_growth_is_that_of_the_times():
 ROOT = Path(__file__).parents[2]
 GREEDY = """
 import numpy as np
-from benchmarks import network_growth as growth
+from benchmarks.network import growth
 
 print(growth.alone("chain", 300)["memory_MB"])
 solve = growth.solve_network

@@ -135,7 +135,8 @@ def _verdict(found: Found) -> str:
 @cache
 def sources() -> str:
     """Digest of what the maps are made with: solvers, the oracles, these programs."""
-    files = [*ROOT.glob("solvers/*.py"), *ROOT.glob("verification/exact/*.py"), *ROOT.glob("benchmarks/stability/measure*.py")]
+    folders = ("solvers", "verification/exact", "benchmarks/stability")
+    files = [path for folder in folders for path in (ROOT / folder).rglob("*.py")]
     digest = hashlib.sha256()
     for path in sorted(files):
         digest.update(path.read_bytes())

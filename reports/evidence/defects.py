@@ -110,7 +110,7 @@ def _marks(row: dict) -> dict[str, str]:
     """File of tests -> what came of showing it the mistake; the stronger mark where it was shown twice."""
     found = {}
     for result in row["results"]:
-        file = (result["test"] or result["check"]).split()[0].split("::")[0].removesuffix(".py").removeprefix("test_")
+        file = (result["test"] or result["check"]).split()[0].split("::")[0].removesuffix(".py").replace("/test_", " ")
         if result["void"]:
             mark = VOID
         elif result["outcome"] == "missed":

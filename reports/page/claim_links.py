@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from .claims import Question, claim_id, find
+from .claims import Question, claim_id, file_id, find
 
 SHOWN_BY = {
     "regimes": (
@@ -104,7 +104,7 @@ def link(test: str, found: list[Question]) -> Link:
     if claim:
         return Link(test, claim_id(module, name), claim.state)
     state = "failed" if question.total("failed") else "passed" if question.total("passed") else "not run"
-    return Link(test, f"tests-{module}", state)
+    return Link(test, file_id(module), state)
 
 
 def links(found: list[Question]) -> dict[str, list[Link]]:

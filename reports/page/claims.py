@@ -55,13 +55,13 @@ def first_sentence(docstring: str | None) -> str:
 
 
 def read_sources(folder: Path) -> dict[str, tuple[str, dict[str, str]]]:
-    """Module name -> (question, {test function: claim}) of every test file, without importing any."""
+    """Test file ("room/test_x") -> (question, {test function: claim}) of every test file, without importing any."""
     found = {}
-    for path in sorted(folder.glob("test_*.py")):
+    for path in sorted(folder.rglob("test_*.py")):
         tree = ast.parse(path.read_text(encoding="utf-8"))
         functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef) and _is_test(node.name)]
         functions.sort(key=lambda node: node.lineno)
-        found[path.stem] = (
+        found[path.relative_to(folder).with_suffix("").as_posix()] = (
             first_sentence(ast.get_docstring(tree)),
             {node.name: first_sentence(ast.get_docstring(node)) or _words(node.name) for node in functions},
         )
@@ -90,8 +90,9 @@ def questions(folder: Path, outcomes: Iterable[Path]) -> list[Question]:
 
 def _count(case, found: dict[str, Question]):
     """Add one test case of the XML to its claim; cases of unknown files or functions get an entry of their own."""
-    path = [part for part in (case.get("classname") or case.get("name")).split(".") if _is_test(part)]
-    module = path[0] if path else "elsewhere"
+    path = (case.get("classname") or case.get("name")).removeprefix("verification.").split(".")
+    file = next((i for i, part in enumerate(path) if _is_test(part)), None)
+    module = "elsewhere" if file is None else "/".join(path[: file + 1])
     question = found.setdefault(module, Question(module, "", []))
     name = case.get("name").split("[")[0]
     claim = next((claim for claim in question.claims if claim.name == name), None)
@@ -106,11 +107,16 @@ def _count(case, found: dict[str, Question]):
 
 
 def find(found: list[Question], test: str) -> Claim | None:
-    """The claim of a path such as verification/test_x.py::test_y."""
-    module, _, name = Path(test).name.partition(".py::")
+    """The claim of a path such as verification/room/test_x.py::test_y."""
+    module, _, name = test.removeprefix("verification/").partition(".py::")
     return next((c for q in found if q.module == module for c in q.claims if c.name == name.split("[")[0]), None)
 
 
 def claim_id(module: str, name: str) -> str:
     """Id of the row of a test on the page."""
-    return f"claim-{module}-{name}"
+    return f"claim-{module.replace('/', '-')}-{name}"
+
+
+def file_id(module: str) -> str:
+    """Id of the entry of a test file on the page."""
+    return f"tests-{module.replace('/', '-')}"

@@ -27,7 +27,7 @@ from . import analysis, summary, tables, verdicts
 from . import claim_links as evidence
 from . import formatting as words
 from . import pareto as fronts
-from .claims import OUTCOMES, questions
+from .claims import OUTCOMES, claim_id, file_id, questions
 
 TEMPLATES = Path(__file__).parent / "templates"
 _SINGLE = ("accuracy", "benchmarks", "work_precision", "speed", "networks", "defects", *DYNAMICS)
@@ -123,6 +123,8 @@ def _templates() -> Environment:
         "slug": words.slug,
         "plural": words.plural,
         "plain": "{:g}".format,
+        "claim_id": claim_id,
+        "file_id": file_id,
     }
     return templates
 

@@ -169,7 +169,7 @@ def errata(data: dict, found: list[Question]) -> Table:
     rows = []
     for entry in data["erratum"]:
         claim, (file, _, name) = find(found, entry["test"]), entry["test"].partition("::")
-        anchor = claim_id(Path(file).stem, claim.name) if claim else None
+        anchor = claim_id(file.removeprefix("verification/").removesuffix(".py"), claim.name) if claim else None
         result = claim.state if claim else "no such test yet"
         rows.append(entry | {"test": name, "result": result, "anchor": anchor})
     keys = ("paper", "where", "printed", "right", "evidence", "test", "result")

@@ -71,25 +71,26 @@ def _typed(word: str | Path) -> str:
 
 
 # ---------------------------------------------------------------- tests
-LONG_TESTS = {"test_exact": 50, "test_network": 20, "test_harmonic_balance": 15, "test_stability": 13,
-              "test_failures": 14, "test_invariants": 13, "test_time_domain": 12, "test_exact_dynamics": 12,
-              "test_network_properties": 12,
-              "test_cable_order": 11, "test_network_checks": 11, "test_checks": 9, "test_cable_invariants": 8,
-              "test_oscillators": 8, "test_references": 7, "test_cable_failures": 6, "test_harmonic_levels": 6,
-              "test_cable_statics": 5, "test_found_by_defects": 5, "test_fuzz": 5}  # fmt: skip
+LONG_TESTS = {"catenary/test_exact": 50, "network/test_solve": 20, "harmonic_balance/test_solve": 15, "suite/test_stability": 13,
+              "common/test_failures": 14, "catenary/test_invariants": 13, "time_domain/test_solve": 12, "cable/test_exact": 12,
+              "network/test_properties": 12,
+              "cable/test_order": 11, "network/test_checks": 11, "catenary/test_checks": 9, "cable/test_invariants": 8,
+              "harmonic_balance/test_oscillators": 8, "catenary/test_references": 7, "cable/test_failures": 6, "harmonic_balance/test_start": 6,
+              "cable/test_statics": 5, "common/test_found_by_defects": 5, "suite/test_fuzz": 5}  # fmt: skip
 """Test files that take long -> expected seconds."""
-IN_QUICK = {"test_exact": "not 50_digits and not random_lines"}
+IN_QUICK = {"catenary/test_exact": "not 50_digits and not random_lines"}
 """Files among them that the quick run takes in part: what pytest -k chooses."""
-WHOLE_TREE = {"test_architecture": ("solvers", "verification", "benchmarks", "reference_data", "reports")}
+WHOLE_TREE = {"suite/test_architecture": ("solvers", "verification", "benchmarks", "reference_data", "reports")}
 """Tests that read sources which they do not name one by one."""
 
-ELSEWHERE = ("test_report", "test_report_runs", "test_dynamics_report", "test_page", "test_defects")
+ELSEWHERE = ("suite/test_report", "suite/test_report_runs", "suite/test_dynamics_report", "suite/test_page", "suite/test_defects")
 """Tests of what makes a report, which show nothing in one that it does not show itself; `pytest` runs them."""
 
 
 def _tests(quick: bool) -> list[Stage]:
     """A stage for each long file; the others together, for to start costs more than most of them."""
-    stems = [path.stem for path in sorted(TESTS.glob("test_*.py")) if path.stem not in ELSEWHERE]
+    files = (path.relative_to(TESTS).with_suffix("").as_posix() for path in sorted(TESTS.rglob("test_*.py")))
+    stems = [stem for stem in files if stem not in ELSEWHERE]
     alone = [stem for stem in stems if stem in WHOLE_TREE or (stem in LONG_TESTS and (not quick or stem in IN_QUICK))]
     short = tuple(f"verification/{stem}.py" for stem in stems if stem not in LONG_TESTS and stem not in WHOLE_TREE)
     together = Stage("test_short", "tests", "tests: short files", ("pytest", *short, "--junitxml={part}"),
@@ -102,8 +103,10 @@ def _test(stem: str, quick: bool) -> Stage:
     file = f"verification/{stem}.py"
     whole = ("pytest", file, "--junitxml={part}")
     fewer = ("-k", IN_QUICK[stem]) if quick and stem in IN_QUICK else ()
+    name = stem.replace("/test_", "_")
+    title = f"tests: {stem.replace('/test_', ', ').replace('_', ' ')}"
     return Stage(
-        stem, "tests", f"tests: {stem.removeprefix('test_').replace('_', ' ')}", (*whole, *fewer), f"tests/{stem}.xml",
+        f"test_{name}", "tests", title, (*whole, *fewer), f"tests/test_{name}.xml",
         (file, "verification/conftest.py"), ("pyproject.toml", "conftest.py", *WHOLE_TREE.get(stem, ())),
         seconds=8 if fewer else LONG_TESTS.get(stem, 3), codes=(0, 1), better=whole if fewer else (),
     )  # fmt: skip
@@ -138,7 +141,7 @@ def _accuracy(quick: bool) -> Stage:
 
 
 def _benchmarks() -> Stage:
-    files = tuple(f"benchmarks/{path.name}" for path in sorted((ROOT / "benchmarks").glob("bench_*.py")))
+    files = tuple(path.relative_to(ROOT).as_posix() for path in sorted((ROOT / "benchmarks").rglob("bench_*.py")))
     arguments = ("pytest", *files, "--benchmark-enable", "--benchmark-only", "--benchmark-json={part}")
     return Stage("benchmarks", "benchmarks", "timings", (*arguments, "--benchmark-max-time=0.5"), "benchmark.json",
                  files, ("pyproject.toml",), timed=True, seconds=16)  # fmt: skip

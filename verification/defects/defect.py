@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shlex
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,7 +27,7 @@ KINDS = {
 
 @dataclass(frozen=True)
 class Defect:
-    """In ``solvers/<module>.py`` the text ``old``, which stands there once, becomes ``new``.
+    """In the module of solvers the text ``old``, which stands there once, becomes ``new``.
 
     kind : one of KINDS; what : the mistake in one sentence
     check : what should find it, named beforehand: arguments of pytest, paths relative to verification/
@@ -46,19 +47,24 @@ class Defect:
     blind: str = ""
     survives: str = ""
 
+    @property
+    def path(self) -> str:
+        """Path of the module's file from the root of the project."""
+        return f"solvers/{self.module.replace('.', '/')}.py"
+
     def applied_to(self, text: str) -> str:
         """The module's text with the mistake. Raises ValueError unless ``old`` stands there exactly once."""
         count = text.count(self.old)
         if count != 1:
-            raise ValueError(f"{self.name}: {self.old!r} stands {count} times in solvers/{self.module}.py, not once")
+            raise ValueError(f"{self.name}: {self.old!r} stands {count} times in {self.path}, not once")
         return text.replace(self.old, self.new)
 
     def plant(self, root: Path):
         """Apply the patch to the copy of the project at ``root``."""
-        path = root / "solvers" / f"{self.module}.py"
+        path = root / self.path
         path.write_text(self.applied_to(path.read_text(encoding="utf-8")), encoding="utf-8", newline="")
 
 
 def arguments(check: str) -> list[str]:
     """A check as arguments of pytest, run from the root of the project."""
-    return [f"verification/{word}" if word.startswith("test_") else word for word in shlex.split(check)]
+    return [f"verification/{word}" if re.match(r"\w+/test_", word) else word for word in shlex.split(check)]

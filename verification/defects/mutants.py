@@ -28,7 +28,9 @@ NO_FORMULA = (ast.Raise, ast.JoinedStr, ast.AnnAssign, ast.arg, ast.Import, ast.
 def sample(solvers: Path, count: int, seed: int = 2026) -> list[Defect]:
     """``count`` mutants over all modules, as many of each as it has places for, but two at least."""
     draw, found = random.Random(seed), []
-    texts = {p.stem: p.read_text(encoding="utf-8") for p in sorted(solvers.glob("*.py")) if p.stem != "__init__"}
+    paths = [path for path in sorted(solvers.rglob("*.py")) if path.stem != "__init__"]
+    name = lambda path: ".".join(path.relative_to(solvers).with_suffix("").parts)
+    texts = {name(path): path.read_text(encoding="utf-8") for path in paths}
     places = {module: list(changes(text)) for module, text in texts.items()}
     total = sum(map(len, places.values()))
     for module, mine in places.items():

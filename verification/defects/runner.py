@@ -117,7 +117,7 @@ class Copies:
             return Result(defect.name if defect else "", check, *run_check(interpreter, check, timeout))
         finally:
             if defect is not None:
-                name = f"solvers/{defect.module}.py"
+                name = defect.path
                 shutil.copy2(self.source / name, root / name)
             self.free.put(interpreter)
 
@@ -126,7 +126,7 @@ class Copies:
         with self.lock:
             self.stamp += 2
             stamp = self.stamp
-        os.utime(root / "solvers" / f"{defect.module}.py", (stamp, stamp))
+        os.utime(root / defect.path, (stamp, stamp))
 
 
 def _copy(project: Path, to: Path):
@@ -227,7 +227,7 @@ def _check_patches(root: Path, defects: Iterable[Defect]):
     wrong = []
     for defect in defects:
         try:
-            defect.applied_to((root / "solvers" / f"{defect.module}.py").read_text(encoding="utf-8"))
+            defect.applied_to((root / defect.path).read_text(encoding="utf-8"))
         except (OSError, ValueError) as error:
             wrong.append(str(error))
     if wrong:

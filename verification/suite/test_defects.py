@@ -29,6 +29,13 @@ SOLVERS = ROOT / "solvers"
 LEAST = 60
 """Defects that the catalogue has to have."""
 
+
+
+def module_name(path):
+    """Dotted name below solvers of the module in a file."""
+    return ".".join(path.relative_to(SOLVERS).with_suffix("").parts)
+
+
 by_name = pytest.mark.parametrize("defect", CATALOGUE, ids=lambda defect: defect.name)
 
 
@@ -36,7 +43,7 @@ by_name = pytest.mark.parametrize("defect", CATALOGUE, ids=lambda defect: defect
 @by_name
 def test_every_patch_applies(defect):
     """The old text stands once in its module, the new one differs from it and compiles to another programme."""
-    text = (SOLVERS / f"{defect.module}.py").read_text(encoding="utf-8")
+    text = (ROOT / defect.path).read_text(encoding="utf-8")
     patched = defect.applied_to(text)
     assert defect.old != defect.new
     assert ast.dump(ast.parse(patched)) != ast.dump(ast.parse(text))
@@ -51,7 +58,7 @@ def test_names_and_patches_are_unique():
 def test_the_catalogue_is_large_enough_and_leaves_no_module_out():
     """At least 60 mistakes, of every kind, one at least in every module of the solvers; a few blind spots."""
     real = [d for d in CATALOGUE if not d.blind]
-    modules = {path.stem for path in SOLVERS.glob("*.py")} - {"__init__"}
+    modules = {module_name(path) for path in SOLVERS.rglob("*.py") if path.stem != "__init__"}
     assert len(real) >= LEAST and {d.module for d in CATALOGUE} == modules == set(WIDER)
     assert {d.kind for d in real} == set(KINDS)
     assert 0 < len(CATALOGUE) - len(real) <= LEAST // 6
@@ -300,7 +307,7 @@ def test_forked_and_anew_are_one(tiny):
 
 def test_mutants_are_changes_of_one_place():
     """Every place of every module can be changed, gives another programme that compiles, and a draw is repeated."""
-    texts = {p.stem: p.read_text(encoding="utf-8") for p in SOLVERS.glob("*.py") if p.stem != "__init__"}
+    texts = {module_name(p): p.read_text(encoding="utf-8") for p in SOLVERS.rglob("*.py") if p.stem != "__init__"}
     plain = set()
     for module, text in texts.items():
         before, places = ast.dump(ast.parse(text)), list(changes(text))

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 ROOT = Path(__file__).parents[2]
-PAGES = [ROOT / "README.md", *sorted((ROOT / "solvers" / "theory").glob("*.md"))]
-SOLVERS = ("catenary", "networks", "cable", "time_domain", "harmonic_balance")
+PAGES = [ROOT / "README.md", *sorted((ROOT / "solvers").glob("*/theory.md"))]
+ROOMS = ("catenary", "network", "cable", "time_domain", "harmonic_balance")
 NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 ROUNDING = 1 + 1e-6  # of half a digit: a value in the middle is a double, and may lie on either side of it
 
@@ -76,7 +76,7 @@ def wrong_values(code: str) -> list[str]:
     return wrong
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda path: path.name)
+@pytest.mark.parametrize("page", PAGES, ids=lambda path: path.relative_to(ROOT).as_posix())
 def test_what_a_page_names_is_there(page):
     """Links, tests and misprints."""
     text = page.read_text(encoding="utf-8")
@@ -88,9 +88,9 @@ def test_what_a_page_names_is_there(page):
 def test_every_solver_has_its_theory_and_the_readme_leads_there():
     """One page for each, linked, with a section on where it is verified."""
     readme = PAGES[0].read_text(encoding="utf-8")
-    for name in SOLVERS:
-        text = (ROOT / "solvers" / "theory" / f"{name}.md").read_text(encoding="utf-8")
-        assert f"(solvers/theory/{name}.md)" in readme and "## Where it is verified" in text
+    for name in ROOMS:
+        text = (ROOT / "solvers" / name / "theory.md").read_text(encoding="utf-8")
+        assert f"(solvers/{name}/theory.md)" in readme and "## Where it is verified" in text
         assert re.search(r"test_\w+\.py::test_\w+", text)
 
 
