@@ -20,25 +20,19 @@ from scipy.interpolate import CubicSpline
 from solvers import Scene
 from solvers.cable.system import cable_system
 from solvers.harmonic_balance.solve import solve_periodic
+from verification.cases import cables
+from verification.registry import INSTANTS, last_period_tension
 
 from ..run import results
 
 ROOT = Path(__file__).parents[2]
 SCENES = ROOT / "reference_data" / "scenes" / "dynamics"
-CASES = {
-    "case_1": "Case 1: surge 5 m",
-    "case_2": "Case 2: heave 5 m",
-    "case_3": "Case 3: sway 5 m",
-    "case_4": "Case 4: surge and sway",
-    "case_1_large": "Surge 9 m",
-}
-"""Scene hb_<name>.toml -> title; the first four are the cases of HB Table 2."""
+CASES = cables.PAPER_CASES
 PAPER_CASES = tuple(CASES)[:4]
+"""The cases of HB Table 2."""
 
 NODES, HARMONICS, SAMPLES, DT, PERIODS = 50, 9, 32, 0.1, 3
 """The settings of HB section 4.3."""
-
-TIMES = 1000  # instants of a period at which waveforms are compared
 
 
 def scene(name: str) -> Scene:
@@ -66,14 +60,9 @@ def axial_ratio(name: str) -> float:
     return wave_speed / (2 * case.length) / case.motion.frequency
 
 
-def instants(period: float, count: int = TIMES) -> np.ndarray:
-    """(count,) s in [0, period)."""
-    return period * np.arange(count) / count
-
-
 @dataclass(frozen=True)
 class Reference:
-    """Converged fairlead tension (TIMES,) in N at ``instants`` of the period in s; uncertainty: its rms,
+    """Converged fairlead tension (INSTANTS,) in N at ``instants`` of the period in s; uncertainty: its rms,
     estimated; levels: nodes of the meshes that it is extrapolated from."""
 
     period: float
@@ -92,15 +81,14 @@ class Reference:
         return np.concatenate([[spectrum[0].real], 2 * abs(spectrum[1 : k + 1])])
 
     def errors(self, tension) -> dict:
-        """rms and error of a waveform at equal times of the period: a multiple of TIMES, or a divisor."""
-        given = np.asarray(tension)[:: max(1, len(tension) // TIMES)]
-        difference = (given - self.tension[:: TIMES // len(given)]) / self.range
+        """rms and error of a waveform at equal times of the period: a multiple of INSTANTS, or a divisor."""
+        given = np.asarray(tension)[:: max(1, len(tension) // INSTANTS)]
+        difference = (given - self.tension[:: INSTANTS // len(given)]) / self.range
         return {"rms": float(np.sqrt(np.mean(difference**2))), "error": float(abs(difference).max())}
 
     def of(self, response) -> dict:
         """rms and error of the last period of a TimeHistory or PeriodicResponse."""
-        first, period = response.last_period
-        return self.errors(response.fairlead_tension(first + instants(period)))
+        return self.errors(last_period_tension(response))
 
 
 LEVELS, FINE, FINEST = (50, 100, 200, 400), 30, 60
@@ -117,8 +105,8 @@ def converged(name: str, levels=LEVELS, harmonics=FINE, finest=FINEST) -> Refere
     for nodes in levels:
         chain = system(name, nodes)
         responses.append(solve_periodic(chain, harmonics=harmonics, start=on_mesh(responses[-1], chain)))
-    coarsest, waves = responses[1], [wave(response) for response in responses[1:]]
-    more = wave(solve_periodic(coarsest.system, harmonics=finest, start=coarsest)) - waves[0]
+    coarsest, waves = responses[1], [last_period_tension(response) for response in responses[1:]]
+    more = last_period_tension(solve_periodic(coarsest.system, harmonics=finest, start=coarsest)) - waves[0]
     meshes = list(zip(levels, waves, strict=True))[-3:]
     before, last = (
         fine + (fine - rough) / (((m - 1) / (n - 1)) ** 2 - 1) for (n, rough), (m, fine) in pairwise(meshes)
@@ -132,12 +120,6 @@ def converged(name: str, levels=LEVELS, harmonics=FINE, finest=FINEST) -> Refere
 def rms(values) -> float:
     """Root of the mean square."""
     return float(np.sqrt(np.mean(np.square(values))))
-
-
-def wave(response) -> np.ndarray:
-    """Fairlead tension at TIMES instants of the last period, N."""
-    first, period = response.last_period
-    return response.fairlead_tension(first + instants(period))
 
 
 def on_mesh(response, chain):

@@ -11,12 +11,13 @@ from solvers.cable.statics import solve_static
 from solvers.cable.system import cable_system
 from solvers.catenary.span import solve_span
 from solvers.time_domain.solve import solve_time_domain
+from verification.registry import instants, last_period_tension
 
 from ..run import console, results
 from ..run.harness import clock
 from . import orders as dynamic_orders
 from . import work_precision as dynamic_work
-from .cases import DT, NODES, PERIODS, instants, scene, system, warm_up, wave
+from .cases import DT, NODES, PERIODS, scene, system, warm_up
 
 CASE, LARGE = "case_1", "case_1_large"
 
@@ -143,7 +144,7 @@ def speed(quick: bool):
         for name in rng.permutation(list(calls)).tolist():
             seconds[name].append(clock(calls[name], 1))
         yield None
-    waves = [wave(found[name]) for name in ("planar", "six fields")]
+    waves = [last_period_tension(found[name]) for name in ("planar", "six fields")]
     planar = found["planar"]
     yield {
         "seconds": seconds,

@@ -12,8 +12,9 @@ from solvers.cable.system import cable_system
 from solvers.catenary.span import solve_span
 from solvers.harmonic_balance.solve import solve_periodic
 from solvers.time_domain.solve import solve_time_domain
+from verification.registry import last_period_tension
 
-from .cases import HARMONICS, PERIODS, axial_ratio, rms, scene, wave
+from .cases import HARMONICS, PERIODS, axial_ratio, rms, scene
 
 CASE = "case_1"
 STATIC_CELLS = tuple(12 * 2**k for k in range(8))
@@ -53,8 +54,8 @@ def in_cell(quick: bool):
     sizes = QUICK_CELLS if quick else CELLS
     for cells in sizes:
         chain = cable_system(scene(CASE), cells + 1)
-        found["harmonic balance"].append(wave(solve_periodic(chain, harmonics=HARMONICS)))
-        found["time domain"].append(wave(solve_time_domain(chain, dt=DT, periods=PERIODS)))
+        found["harmonic balance"].append(last_period_tension(solve_periodic(chain, harmonics=HARMONICS)))
+        found["time domain"].append(last_period_tension(solve_time_domain(chain, dt=DT, periods=PERIODS)))
         yield None
     rows = [{"cells": cells, "ds": scene(CASE).length / cells} for cells in sizes]
     for method, waves in found.items():
@@ -127,5 +128,5 @@ def _orbit(damping: float, steps, harmonics) -> tuple[list, np.ndarray]:
     start = orbit.at(zero)[..., 0], orbit.rate_at(zero)[..., 0]
     period = chain.period
     return [
-        wave(solve_time_domain(led, dt=period / count, periods=1, hold=None, start=start)) for count in steps
-    ], wave(orbit)
+        last_period_tension(solve_time_domain(led, dt=period / count, periods=1, hold=None, start=start)) for count in steps
+    ], last_period_tension(orbit)

@@ -6,6 +6,7 @@ import json
 import sys
 import tomllib
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from solvers import Motion, solve_span
 from solvers.common.motion import Ramped
 from solvers.harmonic_balance.solve import solve_periodic
 from solvers.time_domain.solve import solve_time_domain
+from verification.registry import INSTANTS, extrapolated_time_domain, instants, last_period_tension
 
 from .. import peers
 from ..harmonic_balance import limits as harmonic_limits
@@ -22,7 +24,7 @@ from . import cases as dynamic_cases
 from . import measure as cable_dynamics
 from . import orders as dynamic_orders
 from . import work_precision as dynamic_work
-from .cases import TIMES, Reference, instants, rms, scene, system, wave
+from .cases import Reference, rms, scene, system
 
 PERIOD = 20.0
 SINE = np.sin(2 * np.pi * instants(PERIOD) / PERIOD)
@@ -54,7 +56,7 @@ def test_what_stands_beside_others_has_their_settings():
 
 
 # ---------------------------------------------------------------- errors
-@pytest.mark.parametrize("count", (TIMES // 5, TIMES // 2, TIMES, 2 * TIMES))
+@pytest.mark.parametrize("count", (INSTANTS // 5, INSTANTS // 2, INSTANTS, 2 * INSTANTS))
 def test_an_offset_is_measured_at_any_sampling(count):
     """A wave 1 % of its range too high has rms and greatest error 0.01, however often it is sampled."""
     given = np.sin(2 * np.pi * np.arange(count) / count) + 0.02
@@ -73,13 +75,13 @@ class Planted(peers.Adapter):
         return self.tension(time)
 
 
-def told(tension, steps=TIMES):
+def told(tension, steps=INSTANTS):
     """What a planted code says of the last of three periods of a motion."""
     still = Ramped(Motion.harmonic(1 / PERIOD, (0, 0, 0)), PERIOD / 2)
     return dynamic_work.ask(Planted(tension), scene("case_1"), still, PERIOD, (10, steps), periods=3)
 
 
-@pytest.mark.parametrize("steps", (TIMES // 5, TIMES, 2 * TIMES))
+@pytest.mark.parametrize("steps", (INSTANTS // 5, INSTANTS, 2 * INSTANTS))
 def test_another_code_is_compared_at_the_right_instants(steps):
     """A sine at the times that are given has no error; one step late it has that of one step."""
     sine = lambda t: np.sin(2 * np.pi * t / PERIOD)
@@ -155,7 +157,7 @@ def test_a_reference_is_better_than_its_finest_mesh():
     """Extrapolated in N and corrected in Nh, three coarse meshes beat the finest of them five times over."""
     found = dynamic_cases.converged("case_1", *COARSE)
     finer = solve_periodic(system("case_1", 193), harmonics=COARSE[2])
-    plain = found.errors(wave(solve_periodic(system("case_1", 49), harmonics=COARSE[1])))
+    plain = found.errors(last_period_tension(solve_periodic(system("case_1", 49), harmonics=COARSE[1])))
     assert found.of(finer)["rms"] < 0.2 * plain["rms"]
     assert found.uncertainty < 0.01
 
@@ -185,9 +187,9 @@ def test_a_reference_is_computed_once_and_again_when_the_scene_changes(tmp_path,
 
 def test_two_histories_extrapolated_are_better_than_the_finer_one():
     """The method of that name takes the error of second order out; the rest, of fourth order, was 0.31 of the error."""
-    exact = wave(solve_time_domain(system("case_1", 193), dt=0.025, periods=2))
-    both = dynamic_work.extrapolated(system("case_1", 25), system("case_1", 49), 0.2, 2)
-    finer = wave(solve_time_domain(system("case_1", 49), dt=0.1, periods=2))
+    exact = last_period_tension(solve_time_domain(system("case_1", 193), dt=0.025, periods=2))
+    both = extrapolated_time_domain(partial(system, "case_1"), 25, 0.2, 2)()
+    finer = last_period_tension(solve_time_domain(system("case_1", 49), dt=0.1, periods=2))
     assert rms(both - exact) < 0.4 * rms(finer - exact)
 
 
@@ -248,7 +250,7 @@ def test_the_adapter_describes_the_line_that_was_meant(factor, within):
 def test_the_adapter_moves_the_line_that_was_meant(change, within):
     """In surge MoorDyn has the tension of harmonic balance; 5 % more drag, or drag along the line, is told apart."""
     chain = system("case_1")
-    known = Reference(chain.period, wave(solve_periodic(chain, harmonics=15)), 0.0)
+    known = Reference(chain.period, last_period_tension(solve_periodic(chain, harmonics=15)), 0.0)
     changed = replace(chain.scene, cable=replace(chain.scene.cable, **change))
     found = simulated(changed, Ramped(changed.motion, chain.period / 2), chain.period, 1000, 24)
     assert (dynamic_work.errors(known, found)["rms"] < MOVING_ERROR) == within

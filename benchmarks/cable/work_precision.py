@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from solvers.common.motion import Ramped
-from solvers.harmonic_balance.solve import solve_periodic
 from solvers.numerics.threads import one_blas_thread
-from solvers.time_domain.solve import solve_time_domain
+from verification.registry import PROBLEMS
 
 from .. import peers
 from ..run import harness
 from ..run.harness import clock
-from .cases import PERIODS, system, wave
+from .cases import PERIODS, system
 
 SETTINGS = {
     "harmonic balance": ((10, 3), (13, 3), (17, 5), (25, 5), (25, 9), (35, 9), (50, 9), (50, 15), (100, 15), (200, 24)),
@@ -50,7 +50,7 @@ def others() -> dict[str, peers.Adapter]:
 
 
 @dataclass(frozen=True)
-class Told:
+class PeerTension:
     """Fairlead tension (n,) in N of another code over the last period, from its beginning; None: it gave none.
 
     kind "refused" or "unsupported", message why.
@@ -61,7 +61,7 @@ class Told:
     message: str = ""
 
 
-def ask(adapter: peers.Adapter, scene, motion, period: float, setting, periods=PERIODS) -> Told:
+def ask(adapter: peers.Adapter, scene, motion, period: float, setting, periods=PERIODS) -> PeerTension:
     """The last of some periods (s) of a motion from rest, at (cells, steps in a period); it never raises."""
     cells, steps = setting
     time = np.linspace(0.0, periods * period, periods * steps + 1)
@@ -72,35 +72,21 @@ def ask(adapter: peers.Adapter, scene, motion, period: float, setting, periods=P
     if not kind:
         found, kind, message = harness.checked(found, time.shape)
     if kind:
-        return Told(None, kind, message)
-    return Told(found[-1 - steps : -1])
+        return PeerTension(None, kind, message)
+    return PeerTension(found[-1 - steps : -1])
 
 
 def call(name: str, method: str, size: int, other, periods=PERIODS):
     """A function of no argument that solves the case from rest; what it returns is for ``errors``."""
     if method in others():
         return _theirs(others()[method], system(name), size, other)
-    chain = system(name, size)
-    if method == "time domain":
-        return lambda: solve_time_domain(chain, dt=other, periods=periods, throw=False)
-    if method.startswith("harmonic balance"):
-        corrected = method.endswith(", corrected")
-        return lambda: solve_periodic(chain, harmonics=other, deferred_correction=corrected, throw=False)
-    finer = system(name, 2 * size - 1)
-    return lambda: extrapolated(chain, finer, other, periods)
+    more = (periods,) if method.startswith("time domain") else ()
+    return PROBLEMS["cable"].solvers[method](partial(system, name), size, other, *more)
 
 
 def beside(name: str) -> dict:
     """Label -> call of every other code on a case, as finely as the paper's settings."""
     return {label: call(name, label, *BESIDE) for label in others()}
-
-
-def extrapolated(chain, finer, dt: float, periods) -> np.ndarray:
-    """Tension of two time histories, cells and steps of the finer one half as long: the error of second order out."""
-    coarse, fine = (
-        wave(solve_time_domain(of, dt=step, periods=periods)) for of, step in ((chain, dt), (finer, dt / 2))
-    )
-    return fine + (fine - coarse) / 3
 
 
 def _theirs(adapter, chain, cells, steps):
@@ -110,9 +96,9 @@ def _theirs(adapter, chain, cells, steps):
 
 def errors(reference, found) -> dict:
     """rms, error and status of what ``call`` returned; of another code that gave no tension, why."""
-    if isinstance(found, Told) and found.tension is None:
+    if isinstance(found, PeerTension) and found.tension is None:
         return {"rms": None, "error": None, "status": found.kind.upper(), "message": found.message[:200]}
-    if isinstance(found, (np.ndarray, Told)):
+    if isinstance(found, (np.ndarray, PeerTension)):
         return reference.errors(getattr(found, "tension", found)) | {"status": "SUCCESS"}
     return reference.of(found) | {"status": found.status.name}
 

@@ -11,8 +11,9 @@ from solvers.cable.system import cable_system
 from solvers.common.motion import Motion
 from solvers.harmonic_balance.solve import solve_periodic
 from verification.cases.oscillators import cubic_chain
+from verification.registry import instants, last_period_tension
 
-from ..cable.cases import HARMONICS, NODES, SAMPLES, instants, rms, scene, system, wave
+from ..cable.cases import HARMONICS, NODES, SAMPLES, rms, scene, system
 from ..cable.measure import exponent
 from ..cable.work_precision import least_seconds
 from ..run.harness import clock
@@ -99,7 +100,7 @@ def fields(quick: bool, references):
         name: lambda name=name: solve_periodic(system(CASE, NODES, name), harmonics=HARMONICS, samples=SAMPLES)
         for name in ("planar", "spatial")
     }
-    waves = {name: wave(call()) for name, call in calls.items()}
+    waves = {name: last_period_tension(call()) for name, call in calls.items()}
     seconds = {name: [] for name in calls}
     for _ in range(QUICK_TURNS if quick else TURNS):
         for name, call in calls.items():

@@ -8,6 +8,7 @@ import numpy as np
 
 from solvers.harmonic_balance.solve import solve_periodic
 from solvers.time_domain.solve import solve_time_domain
+from verification.registry import instants, last_period_tension
 
 from ..cable import work_precision as dynamic_work
 from ..cable.cases import (
@@ -20,10 +21,8 @@ from ..cable.cases import (
     SAMPLES,
     References,
     axial_ratio,
-    instants,
     rms,
     system,
-    wave,
 )
 from ..cable.measure import add_parts, chosen, measured
 from ..run import console, results
@@ -89,7 +88,7 @@ def newton(quick: bool, references):
                         "coarse_iterations": found.coarse_iterations,
                         "status": found.status.name,
                         "reached": found.amplitude,
-                        "tension": wave(found)[:: len(wave(found)) // SHOWN],
+                        "tension": last_period_tension(found)[:: len(last_period_tension(found)) // SHOWN],
                     }
                 )
             yield None
@@ -141,12 +140,12 @@ def _calls(case: str) -> dict:
 
 def _shape(found, period) -> dict:
     """Fairlead tension and the state at NODE over the last period; of a peer the tension alone."""
-    if isinstance(found, dynamic_work.Told):
+    if isinstance(found, dynamic_work.PeerTension):
         return {"tension": found.tension[:: max(1, found.tension.size // SHOWN)]}
     first, _ = found.last_period
     state = found.at(first + instants(period, SHOWN))[:, NODE - 1]
     fields = dict(zip(found.system.fields, state, strict=True))
-    return {"tension": wave(found)[:: len(wave(found)) // SHOWN], "fields": fields}
+    return {"tension": last_period_tension(found)[:: len(last_period_tension(found)) // SHOWN], "fields": fields}
 
 
 def constant(quick: bool, references):
@@ -199,7 +198,7 @@ def needed(quick: bool, references):
         waves, response = {}, None
         for Nh in (*(QUICK_LADDER if quick else LADDER), most):
             response = solve_periodic(system(case), harmonics=Nh, start=response)
-            waves[Nh] = wave(response)
+            waves[Nh] = last_period_tension(response)
         best = waves.pop(most)
         errors = {Nh: rms(values - best) / np.ptp(best) for Nh, values in waves.items()}
         rows += [{"case": case, "harmonics": Nh, "rms": error} for Nh, error in errors.items()]

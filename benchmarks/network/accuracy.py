@@ -14,6 +14,7 @@ import numpy as np
 
 from solvers import solve_network
 from verification.reference import WRONG, exact_network, tension_error
+from verification.registry import NETWORK_METHODS, NetworkMethod
 
 from .. import peers
 from ..run import harness
@@ -28,30 +29,28 @@ QUICK_FROM = 1  # the quick run leaves out the first system
 
 @dataclass(frozen=True)
 class Method:
-    """name and label in figures; options of solve_network, or the adapter of another code."""
+    """name and label in figures; solve: this project's NetworkMethod, or None with the adapter of another code."""
 
     name: str
     label: str
-    options: dict
+    solve: NetworkMethod | None = None
     adapter: peers.Adapter | None = None
 
     def ladder(self, tolerances) -> tuple:
-        """Those of the tolerances that it is asked for: none but its own where it takes none."""
+        """Return the tolerances that it is asked for: none but its own where it takes none."""
         return (None,) if self.adapter and not self.adapter.tolerances else tolerances
 
 
-METHODS = (
-    Method("monolithic-line-search", "monolithic, line search", {}),
-    Method("monolithic-trust-region", "monolithic, trust region", {"globalisation": "trust-region"}),
-    Method("monolithic-differences", "monolithic, differences", {"jacobian": "finite-difference"}),
-    Method("nested-analytic", "nested, analytic", {"method": "nested"}),
-    Method("nested-differences", "nested, differences", {"method": "nested", "jacobian": "finite-difference"}),
+METHODS = tuple(
+    Method(method.name, method.label, method)
+    for method in NETWORK_METHODS
+    if method.name != "monolithic-differences-trust-region"  # Table 2 has it; a curve of its own shows nothing more
 )
 
 
 def peer_methods() -> list[Method]:
-    """Other codes that solve networks."""
-    return [Method(name, one.label, {}, one) for name, one in peers.solving("network").items()]
+    """Return the other codes that solve networks."""
+    return [Method(name, one.label, adapter=one) for name, one in peers.solving("network").items()]
 
 
 def systems() -> dict:
@@ -100,7 +99,7 @@ def ours(network, method: Method, tolerance: float) -> tuple:
     """(end tensions (e, 2) or None, "refused" where it did not converge, message, call that times one solve, s)."""
 
     def solve():
-        return solve_network(network, **method.options, tolerance=tolerance, start="nodes", fallback=False, throw=False)
+        return method.solve(network, tolerance=tolerance, start="nodes", fallback=False, throw=False)
 
     with harness.quiet():
         state = solve()

@@ -12,6 +12,7 @@ from functools import partial
 import numpy as np
 
 from solvers import solve_network
+from verification.registry import PROBLEMS
 
 from ..run import harness
 from .systems import WEIGHTS, chain, cpu_seconds, scene, two_lines, without_friction
@@ -47,9 +48,10 @@ def against(times, name: str, base: str) -> dict:
 
 
 # ---------------------------------------------------------------- monolithic analytic, nested with differences
+_SOLVERS = PROBLEMS["network"].solvers
 METHODS = {
-    "monolithic": {"method": "monolithic", "jacobian": "analytic"},
-    "nested_differences": {"method": "nested", "jacobian": "finite-difference"},
+    "monolithic": _SOLVERS["monolithic-line-search"],
+    "nested_differences": _SOLVERS["nested-differences"],
 }
 
 
@@ -78,7 +80,7 @@ def compared(network, start, quick: bool) -> dict:
     """Both methods on one network, without fallback."""
 
     def call(name):
-        return solve_network(network, **METHODS[name], start=start, fallback=False, throw=False)
+        return METHODS[name](network, start=start, fallback=False, throw=False)
 
     calls = {name: partial(call, name) for name in METHODS}
     slow = cpu_seconds(calls["nested_differences"])

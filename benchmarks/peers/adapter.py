@@ -7,13 +7,12 @@ a value that is not finite or a call that takes longer than ``time_limits``. Wha
 
 from __future__ import annotations
 
-from verification.registry import SpanAnswer
+from verification.registry import INSTANTS, SpanAnswer
 
 LIMITS = {"span": 5.0, "network": 20.0, "cable": 120.0}
 """Problem -> s, after which one solve counts as refused: 500 times what the slowest peer takes on an everyday line."""
 
-INSTANTS = 1000
-"""Instants of a period at which moving cables are compared."""
+__all__ = ["INSTANTS", "LIMITS", "Adapter", "Refused", "SpanAnswer"]
 
 
 class Refused(Exception):

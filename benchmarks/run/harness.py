@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from verification.reference import WRONG, SpanTruth, force_error
-from verification.registry import SOLVERS, SpanAnswer
+from verification.registry import PROBLEMS, SpanAnswer
 
 from .. import peers
 
@@ -61,7 +61,7 @@ def solvers() -> dict[str, Solver]:
     """This project's solvers from the registry, then the other codes that solve spans."""
     project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     ours = {
-        name: Solver(name, OURS.get(name, name), project["version"], solve) for name, solve in SOLVERS["span"].items()
+        name: Solver(name, OURS.get(name, name), project["version"], solve) for name, solve in PROBLEMS["span"].solvers.items()
     }
     return ours | {
         name: Solver(name, one.label, one.version, one.span, one.limit("span"), one.tolerances)

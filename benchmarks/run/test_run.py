@@ -307,7 +307,7 @@ def test_a_method_that_is_wrong_or_gives_up_has_that_verdict(monkeypatch):
         def solve(*args, **kwargs):
             return change(solve_network(*args, **kwargs))
 
-        monkeypatch.setattr(network_accuracy, "solve_network", solve)
+        monkeypatch.setattr("verification.registry.solve_network", solve)
         return network_accuracy.ladder(title, method, (1e-9,))[0]
 
     heavier = asked(lambda state: replace(state, H=1.01 * state.H))

@@ -12,9 +12,10 @@ import numpy as np
 from solvers import ConvergenceError, Scene, Status, cable_system, solve_periodic, solve_static, solve_time_domain
 from solvers.common.motion import Ramped
 from solvers.numerics.modes import natural_modes
+from verification.registry import INSTANTS, instants, last_period_tension
 
 from ..cable import work_precision as dynamic_work
-from ..cable.cases import TIMES, instants, on_mesh, warm_up, wave
+from ..cable.cases import on_mesh, warm_up
 
 STATIC_NODES = (25, 50, 100, 200)
 HARMONIC = ((25, 4), (25, 6), (25, 9), (50, 9), (50, 15), (100, 15), (100, 25), (200, 25))
@@ -70,7 +71,7 @@ class Study:
                 "seconds": seconds,
                 "status": response.status.name,
                 "sentence": response.status.value,
-                "wave": wave(response) if good else None,
+                "wave": last_period_tension(response) if good else None,
                 "response": response,
             }
         return self.found[key]
@@ -95,9 +96,9 @@ class Study:
             chain = self.chain(nodes)
             start = on_mesh(responses[-1], chain)
             responses.append(solve_periodic(chain, harmonics=FINE, start=start))
-        rough, middle, fine = (wave(response) for response in responses[1:])
+        rough, middle, fine = (last_period_tension(response) for response in responses[1:])
         coarsest = responses[1]
-        more = wave(solve_periodic(coarsest.system, harmonics=FINEST, start=coarsest)) - rough
+        more = last_period_tension(solve_periodic(coarsest.system, harmonics=FINEST, start=coarsest)) - rough
         before = middle + (middle - rough) / _gain(LEVELS[:2])
         last = fine + (fine - middle) / _gain(LEVELS[1:])
         tension = last + more
@@ -159,7 +160,7 @@ def others(made: Study, known) -> list[dict]:
             row = {"method": label, "nodes": cells + 1, "dt": made.period / steps, "warnings": [], "error": None}
             row |= {"seconds": time.perf_counter() - began, "status": told.kind.upper() or "SUCCESS"}
             if known is not None and not told.kind:
-                row["error"] = _error(told.tension[:: max(1, steps // TIMES)], known[:: max(1, TIMES // steps)])
+                row["error"] = _error(told.tension[:: max(1, steps // INSTANTS)], known[:: max(1, INSTANTS // steps)])
             rows.append(row | {"sentence": told.message[:200]})
             if told.kind:
                 break

@@ -7,10 +7,10 @@ from functools import cache
 import numpy as np
 import pytest
 
-from benchmarks.cable.cases import wave
 from benchmarks.scenes import dynamics as scene_dynamics
 from benchmarks.scenes.dynamics import Study
 from solvers import CableProperties, Environment, Motion, Scene, Status, cable_system, solve_periodic, solve_time_domain
+from verification.registry import last_period_tension
 
 CHAIN = CableProperties(4.2e8, 0.1, 90.0, Cdn=1.4, Ca=1.0)
 WIRE = CableProperties(1.1e9, 0.12, 70.0, Cdn=1.0, Cdt=0.01, Ca=1.0, damping=0.01)
@@ -63,8 +63,8 @@ def finer(name, method, nodes, other) -> np.ndarray:
     chain = cable_system(SCENES[name], max(4 * nodes, 100))
     if method.startswith("harmonic"):
         corrected = method.endswith("corrected")
-        return wave(solve_periodic(chain, harmonics=max(2 * other + 10, 30), deferred_correction=corrected))
-    return wave(solve_time_domain(chain, dt=other / 4, periods=scene_dynamics.PERIODS + 2))
+        return last_period_tension(solve_periodic(chain, harmonics=max(2 * other + 10, 30), deferred_correction=corrected))
+    return last_period_tension(solve_time_domain(chain, dt=other / 4, periods=scene_dynamics.PERIODS + 2))
 
 
 def studied(name, monkeypatch, factor=1.0) -> dict:
@@ -88,7 +88,7 @@ def kept(name, best) -> bool:
         response = solve_time_domain(chain, dt=best["dt"], periods=scene_dynamics.PERIODS)
     assert response.status is Status.SUCCESS
     fine = finer(name, *setting)
-    error = abs(wave(response) - fine).max() / abs(fine).max()
+    error = abs(last_period_tension(response) - fine).max() / abs(fine).max()
     return WORTH * best["promised"] <= error <= best["promised"]
 
 

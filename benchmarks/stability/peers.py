@@ -11,6 +11,7 @@ import math
 import numpy as np
 
 from solvers import solve_periodic
+from verification.registry import INSTANTS, instants
 
 from ..cable.work_precision import ask, others
 from ..run import harness
@@ -29,7 +30,6 @@ HERTZ = Axis("frequency, Hz", (0.01, 0.03, 0.1, 0.2, 0.5))
 DRAG = Axis("drag coefficient", (0.3, 3.0, 30.0, 100.0))
 SURGE = Axis("amplitude of the surge, m", (1.0, 3.0, 9.0))
 """Smaller motions and less drag leave the waves of the start in the last period."""
-TIMES = 1000  # of a period, at which tensions are compared
 VERDICTS = ("right", "wrong", "refused", "unsupported")
 
 
@@ -106,7 +106,7 @@ def _moved(adapter, make, x, y) -> dict:
         response = solve_periodic(system, harmonics=HARMONICS, throw=False)
         if not response.success:
             return row | {"verdict": "no truth", "message": response.status.value}
-        waves.append(response.fairlead_tension(system.period * np.arange(TIMES) / TIMES))
+        waves.append(response.fairlead_tension(instants(system.period)))
     exact, spread = waves[1], np.ptp(waves[1])
     if abs(waves[1] - waves[0]).max() / 3 > DYNAMIC_WRONG / 5 * spread:
         return row | {"verdict": "no truth", "message": "two meshes differ"}
@@ -116,5 +116,5 @@ def _moved(adapter, make, x, y) -> dict:
     if told.tension is None:
         return row | {"verdict": told.kind, "message": told.message[:200]}
     wave = told.tension
-    error = float(abs(wave - exact[:: TIMES // wave.size]).max() / spread)
+    error = float(abs(wave - exact[:: INSTANTS // wave.size]).max() / spread)
     return row | {"verdict": "wrong" if error > DYNAMIC_WRONG else "right", "error": error}

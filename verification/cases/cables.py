@@ -1,4 +1,4 @@
-"""Cases of the problem type "cable.system": one line with its water, its ends and its fairlead's motion. Inputs only."""
+"""Cases of the problem type "cable": one line with its water, its ends and its fairlead's motion. Inputs only."""
 
 from __future__ import annotations
 
@@ -116,6 +116,15 @@ LEVEL = replace(
     quadrature=(0.0, 0.0, 1.0),
 )
 """Every term of HB (1)-(12) on: nothing symmetric, and all that a plane has."""
+
+PAPER_CASES = {
+    "case_1": "Case 1: surge 5 m",
+    "case_2": "Case 2: heave 5 m",
+    "case_3": "Case 3: sway 5 m",
+    "case_4": "Case 4: surge and sway",
+    "case_1_large": "Surge 9 m",
+}
+"""Scene reference_data/scenes/dynamics/hb_<name>.toml -> title: the cases of HB Table 2 and the surge of HB Fig. 4."""
 
 # ---------------------------------------------------------------- planted faults: (module, old text, new text, what)
 ERRATA_FAULTS = [

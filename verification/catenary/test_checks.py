@@ -19,7 +19,7 @@ from solvers.numerics.elementary import SCALAR
 
 from ..cases.spans import SpanCase
 from ..reference import EPS, SpanTruth, force_error, span_references
-from ..registry import SOLVERS, SpanAnswer, catenary
+from ..registry import PROBLEMS, SpanAnswer, catenary
 from ..tools.jacobians import (
     COMPLEX,
     Complex,
@@ -209,7 +209,7 @@ def test_an_infinite_condition_is_no_licence():
 
 def test_every_solver_of_the_registry_is_examined():
     """The table of solvers has the one that the planted mistakes are shown on."""
-    assert SOLVERS["span"]["catenary"] is catenary
+    assert PROBLEMS["span"].solvers["catenary"] is catenary
 
 
 # ---------------------------------------------------------------- the complex-step helper

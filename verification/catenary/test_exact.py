@@ -16,7 +16,7 @@ from solvers import Regime, Span, solve_span
 
 from ..cases.spans import SpanCase, random_cases
 from ..reference import EPS, WRONG, SpanTruth, exact_span, force_error, span_references
-from ..registry import SOLVERS
+from ..registry import PROBLEMS
 from ..tools.strategies import seabed_cases, suspended_cases
 
 WORST_ERROR = 100  # condition limits: a hundred roundings, each as harmful as the worst rounding of the inputs
@@ -151,10 +151,10 @@ def report(record_property, errors, title):
 
 
 # ---------------------------------------------------------------- the reference table
-@pytest.mark.parametrize("solver", SOLVERS["span"])
+@pytest.mark.parametrize("solver", PROBLEMS["span"].solvers)
 def test_forces_equal_the_reference_table(solver, record_property):
     """Every reference line is answered, none wrong: error <= 100, median <= 4 condition limits."""
-    misses, errors = force_misses(span_references(), SOLVERS["span"][solver])
+    misses, errors = force_misses(span_references(), PROBLEMS["span"].solvers[solver])
     middle = report(record_property, errors, f"{solver}, reference table")
     assert not misses, f"{len(misses)} bad lines\n" + "\n".join(misses)
     assert middle <= MEDIAN_ERROR
@@ -193,10 +193,10 @@ def test_few_evaluations_from_no_guess():
 
 # ---------------------------------------------------------------- random lines
 @pytest.mark.parametrize("chunk", range(CHUNKS))
-@pytest.mark.parametrize("solver", SOLVERS["span"])
+@pytest.mark.parametrize("solver", PROBLEMS["span"].solvers)
 def test_random_lines(solver, chunk, deep, record_property):
     """Random lines over every regime: 0 refused, 0 wrong, error <= 100, median <= 4 condition limits."""
-    solve = SOLVERS["span"][solver]
+    solve = PROBLEMS["span"].solvers[solver]
     cases = random_cases(RANDOM_LINES[deep], RANDOM_SEED)[chunk::CHUNKS]
     misses, errors = force_misses([(case, exact_near(case)) for case in cases], solve)
     middle = report(record_property, errors, f"{solver}, random lines {chunk}")
@@ -219,7 +219,7 @@ HALF = settings(  # of the examples of the run, for either family; shrinking at 
 @given(suspended_cases())
 def test_any_free_line_agrees_with_50_digits(case):
     """Hypothesis finds no line without seabed whose force is further than 100 condition limits from the truth."""
-    misses, _ = force_misses([(case, exact_near(case))], SOLVERS["span"]["catenary"])
+    misses, _ = force_misses([(case, exact_near(case))], PROBLEMS["span"].solvers["catenary"])
     assert not misses, misses[0]
 
 
@@ -227,7 +227,7 @@ def test_any_free_line_agrees_with_50_digits(case):
 @given(seabed_cases())
 def test_any_line_over_a_seabed_agrees_with_50_digits(case):
     """Nor any line over a seabed, with friction or with a raised anchor."""
-    misses, _ = force_misses([(case, exact_near(case))], SOLVERS["span"]["catenary"])
+    misses, _ = force_misses([(case, exact_near(case))], PROBLEMS["span"].solvers["catenary"])
     assert not misses, misses[0]
 
 

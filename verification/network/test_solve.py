@@ -50,6 +50,7 @@ from ..cases.networks import (
 )
 from ..exact import network_mp
 from ..reference import EPS
+from ..registry import NETWORK_METHODS
 
 TIGHT = 1e-13  # asked of the solver where digits are compared
 # Rounding a position of 1200 m to eps changes the force of the 300 m line (EA/L = 7.8e5 N/m) by 4e-13 of the 570 kN,
@@ -76,14 +77,7 @@ PRINTED = {
     59.1: (137.76551942683, 71.074634975925, 566.57536502408, -72.125336439007, -58.041151448209),
     226.61: (162.58627222711, 157.71555654983, 479.93444345017, -103.11368787518, -67.661806056975),
 }
-METHODS = {
-    "monolithic, line search": {},
-    "monolithic, trust region": {"globalisation": "trust-region"},
-    "monolithic, differences": {"jacobian": "finite-difference"},
-    "monolithic, differences, trust region": {"jacobian": "finite-difference", "globalisation": "trust-region"},
-    "nested": {"method": "nested"},
-    "nested, differences": {"method": "nested", "jacobian": "finite-difference"},
-}
+METHODS = {method.label: method.options for method in NETWORK_METHODS}
 
 
 def network_of(case: NetworkCase) -> Network:
