@@ -32,29 +32,29 @@ def spans(adapter: peers.Adapter) -> Iterator[str]:
     solver = harness.solvers()[adapter.name]
     for case in NAMED:
         if case.name in LINES:
-            found = harness.assess(solver, case, exact_span(case))
-            yield _said(f"line {case.name}", found["verdict"], found["error"], found["message"])
+            row = harness.assess(solver, case, exact_span(case))
+            yield _row(f"line {case.name}", row["verdict"], row["error"], row["message"])
 
 
 def networks(adapter: peers.Adapter) -> Iterator[str]:
     """A sentence for NETWORK."""
     method = next(method for method in network_accuracy.peer_methods() if method.name == adapter.name)
     (row,) = network_accuracy.ladder(NETWORK, method, (None,))
-    yield _said(f"network {NETWORK}", row["verdict"], row["error"], row["message"])
+    yield _row(f"network {NETWORK}", row["verdict"], row["error"], row["message"])
 
 
 def cables(adapter: peers.Adapter) -> Iterator[str]:
     """A sentence for each setting on CABLE, against harmonic balance; errors over the range of the tension."""
     chain = system(CABLE)
     reference = Reference(chain.period, last_period_tension(solve_periodic(chain, harmonics=15)), 0.0)
-    moved = Ramped(chain.scene.motion, chain.period / 2)
+    ramped = Ramped(chain.scene.motion, chain.period / 2)
     for setting in adapter.settings[:2]:
-        told = dynamic_work.ask(adapter, chain.scene, moved, chain.period, setting)
-        error = None if told.kind else dynamic_work.errors(reference, told)["rms"]
-        yield _said(f"cable {CABLE}, {setting[0]} cells, {setting[1]} steps", told.kind or "rms", error, told.message)
+        answer = dynamic_work.ask(adapter, chain.scene, ramped, chain.period, setting)
+        error = None if answer.kind else dynamic_work.errors(reference, answer)["rms"]
+        yield _row(f"cable {CABLE}, {setting[0]} cells, {setting[1]} steps", answer.kind or "rms", error, answer.message)
 
 
-def _said(case: str, verdict: str, error, message: str) -> str:
+def _row(case: str, verdict: str, error, message: str) -> str:
     return f"{case}: {verdict}, {message}" if message else f"{case}: {verdict}, error {error:.2g}"
 
 
@@ -70,11 +70,11 @@ def main(argv=None) -> int:
     if arguments.files:
         os.environ[peers.BROUGHT] = os.pathsep.join(arguments.files)
     try:
-        found = peers.adapters()
+        solvers = peers.adapters()
     except ImportError as error:
         print(error, file=sys.stderr)
         return 2
-    mine = [one for one in found.values() if not arguments.files or type(one).__module__.startswith("brought_")]
+    mine = [one for one in solvers.values() if not arguments.files or type(one).__module__.startswith("brought_")]
     for adapter in mine:
         solved = [problem for problem in PARTS if adapter.solves(problem)]
         title = " ".join(filter(None, (adapter.label, adapter.version, f"({adapter.name})")))

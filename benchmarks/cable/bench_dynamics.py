@@ -26,9 +26,9 @@ def one_thread():
 def timed(benchmark, case: str, label: str, solve, **options):
     """One timing with what it found."""
     benchmark.group = f"cable: {CASES[case]}"
-    found = benchmark(solve, system(case), **options)
+    response = benchmark(solve, system(case), **options)
     benchmark.extra_info.update({"problem": "cable", "case": case, "solver": label, "label": label, "lines": 1})
-    benchmark.extra_info.update({"iterations": found.iterations, "verdict": found.status.name})
+    benchmark.extra_info.update({"iterations": response.iterations, "verdict": response.status.name})
 
 
 @pytest.mark.parametrize("case", PAPER_CASES)

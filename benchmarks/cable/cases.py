@@ -43,9 +43,9 @@ def scene(name: str) -> Scene:
 @cache
 def system(name: str, nodes: int = NODES, fields: str = "auto"):
     """The cable of a case, with its equilibrium found: its cost is in no timing but where a benchmark says so."""
-    found = cable_system(scene(name), nodes, fields=fields)
-    found.rest()
-    return found
+    cable = cable_system(scene(name), nodes, fields=fields)
+    cable.rest()
+    return cable
 
 
 def warm_up():
@@ -142,9 +142,9 @@ class References:
             if path.exists():
                 kept = json.loads(path.read_text(encoding="utf-8"))
                 return Reference(**kept | {"tension": np.array(kept["tension"])})
-        found = converged(name, *self.settings)
-        results.write(path, vars(found))
-        return found
+        reference = converged(name, *self.settings)
+        results.write(path, vars(reference))
+        return reference
 
     def _path(self, name, settings) -> Path:
         made = hashlib.sha256(json.dumps([sources(), settings]).encode())

@@ -103,12 +103,12 @@ def spacetime(quick: bool):
 
 def orders(quick: bool):
     """Statics, then dynamics in the cell and in the step."""
-    found = {"statics": dynamic_orders.statics()}
+    parts = {"statics": dynamic_orders.statics()}
     yield None
     for name, part in (("cell", dynamic_orders.in_cell), ("step", dynamic_orders.in_step)):
-        for found[name] in part(quick):
+        for parts[name] in part(quick):
             yield None
-    yield found
+    yield parts
 
 
 def drift(quick: bool):
@@ -135,17 +135,17 @@ def speed(quick: bool):
         "planar": lambda: solve_time_domain(system(CASE), dt=DT, periods=PERIODS),
         "six fields": lambda: solve_time_domain(system(CASE, NODES, "spatial"), dt=DT, periods=PERIODS),
     }
-    calls |= dynamic_work.beside(CASE)
-    found = {name: call() for name, call in calls.items()}  # also the warm-up
-    calls = {name: call for name, call in calls.items() if getattr(found[name], "kind", "") == ""}
+    calls |= dynamic_work.peer_calls(CASE)
+    responses = {name: call() for name, call in calls.items()}  # also the warm-up
+    calls = {name: call for name, call in calls.items() if getattr(responses[name], "kind", "") == ""}
     seconds = {name: [] for name in calls}
     rng = np.random.default_rng(2026)
     for _ in range(QUICK_TURNS if quick else TURNS):
         for name in rng.permutation(list(calls)).tolist():
             seconds[name].append(clock(calls[name], 1))
         yield None
-    waves = [last_period_tension(found[name]) for name in ("planar", "six fields")]
-    planar = found["planar"]
+    waves = [last_period_tension(responses[name]) for name in ("planar", "six fields")]
+    planar = responses["planar"]
     yield {
         "seconds": seconds,
         "fields_difference": abs(waves[0] - waves[1]).max() / waves[0].max(),

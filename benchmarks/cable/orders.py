@@ -50,17 +50,17 @@ def statics() -> dict:
 
 def in_cell(quick: bool):
     """Yield once a mesh; last the errors of both methods in the cell, against their own extrapolation."""
-    found = {"harmonic balance": [], "time domain": []}
+    waves_by_method = {"harmonic balance": [], "time domain": []}
     sizes = QUICK_CELLS if quick else CELLS
     for cells in sizes:
         chain = cable_system(scene(CASE), cells + 1)
-        found["harmonic balance"].append(last_period_tension(solve_periodic(chain, harmonics=HARMONICS)))
-        found["time domain"].append(last_period_tension(solve_time_domain(chain, dt=DT, periods=PERIODS)))
+        waves_by_method["harmonic balance"].append(last_period_tension(solve_periodic(chain, harmonics=HARMONICS)))
+        waves_by_method["time domain"].append(last_period_tension(solve_time_domain(chain, dt=DT, periods=PERIODS)))
         yield None
     rows = [{"cells": cells, "ds": scene(CASE).length / cells} for cells in sizes]
-    for method, waves in found.items():
+    for method, waves in waves_by_method.items():
         rows = against_extrapolation(rows, method, waves)
-    yield with_orders(rows, tuple(found))
+    yield with_orders(rows, tuple(waves_by_method))
 
 
 def against_extrapolation(rows, name: str, waves) -> list[dict]:
@@ -108,7 +108,7 @@ def in_step(quick: bool):
     rows = [{"steps": count, "dt": scene(CASE).motion.period / count} for count in steps]
     for name, damping in (("undamped", 0.0), ("damped", DAMPING)):
         waves, periodic = _orbit(damping, steps, harmonics)
-        rows = [row | {name: rms(found - periodic) / np.ptp(periodic)} for row, found in zip(rows, waves, strict=True)]
+        rows = [row | {name: rms(wave - periodic) / np.ptp(periodic)} for row, wave in zip(rows, waves, strict=True)]
         yield None
     rows = against_extrapolation(rows, "extrapolated", waves)
     keys = ("undamped", "damped", "extrapolated")
@@ -123,10 +123,10 @@ def _orbit(damping: float, steps, harmonics) -> tuple[list, np.ndarray]:
     chain = cable_system(case, NODES)
     orbit = solve_periodic(chain, harmonics=harmonics)
     rest = chain.end(orbit.y, orbit.ydot, orbit.time, False).value.mean(axis=-1)
-    led = cable_system(case, NODES, motion=_Led(case.motion, chain.axes.T @ rest))
+    system = cable_system(case, NODES, motion=_Led(case.motion, chain.axes.T @ rest))
     zero = np.zeros(1)
     start = orbit.at(zero)[..., 0], orbit.rate_at(zero)[..., 0]
     period = chain.period
     return [
-        last_period_tension(solve_time_domain(led, dt=period / count, periods=1, hold=None, start=start)) for count in steps
+        last_period_tension(solve_time_domain(system, dt=period / count, periods=1, hold=None, start=start)) for count in steps
     ], last_period_tension(orbit)

@@ -37,14 +37,14 @@ QUICK = {
     "time domain, extrapolated": ((13, 0.4),),
 }
 QUICK_PEER = slice(1, None, 2)  # of the settings of another code
-BESIDE = (49, 1000)  # (cells, steps in a period) of another code beside the paper's settings
+PAPER_SETTING = (49, 1000)  # (cells, steps in a period) of another code beside the paper's settings
 
 ERRORS = (3e-2, 1e-2, 3e-3, 1e-3, 3e-4)  # rms of the tension over its range, at which methods are set side by side
 
 LONG, ENOUGH, REPEATS = 1.0, 0.2, 3  # s: of a call that is timed once; of all repeats of a shorter one; at most so many
 
 
-def others() -> dict[str, peers.Adapter]:
+def peer_adapters() -> dict[str, peers.Adapter]:
     """Label -> other code that solves moving cables."""
     return {adapter.label: adapter for adapter in peers.solving("cable").values()}
 
@@ -68,50 +68,50 @@ def ask(adapter: peers.Adapter, scene, motion, period: float, setting, periods=P
     fairlead = np.array(scene.fairlead) + motion.displacement(time).T
     limit = adapter.limit("cable") * max(1.0, periods / PERIODS)
     who = f"{adapter.name}, cables"
-    found, kind, message = harness.attempt(lambda: adapter.cable(scene, time, fairlead, cells), limit, who)
+    answer, kind, message = harness.attempt(lambda: adapter.cable(scene, time, fairlead, cells), limit, who)
     if not kind:
-        found, kind, message = harness.checked(found, time.shape)
+        answer, kind, message = harness.checked(answer, time.shape)
     if kind:
         return PeerTension(None, kind, message)
-    return PeerTension(found[-1 - steps : -1])
+    return PeerTension(answer[-1 - steps : -1])
 
 
 def call(name: str, method: str, size: int, other, periods=PERIODS):
     """A function of no argument that solves the case from rest; what it returns is for ``errors``."""
-    if method in others():
-        return _theirs(others()[method], system(name), size, other)
+    if method in peer_adapters():
+        return _peer_call(peer_adapters()[method], system(name), size, other)
     more = (periods,) if method.startswith("time domain") else ()
     return PROBLEMS["cable"].solvers[method](partial(system, name), size, other, *more)
 
 
-def beside(name: str) -> dict:
+def peer_calls(name: str) -> dict:
     """Label -> call of every other code on a case, as finely as the paper's settings."""
-    return {label: call(name, label, *BESIDE) for label in others()}
+    return {label: call(name, label, *PAPER_SETTING) for label in peer_adapters()}
 
 
-def _theirs(adapter, chain, cells, steps):
+def _peer_call(adapter, chain, cells, steps):
     moved = Ramped(chain.scene.motion, chain.period / 2)  # as solve_time_domain starts by default
     return lambda: ask(adapter, chain.scene, moved, chain.period, (cells, steps))
 
 
-def errors(reference, found) -> dict:
+def errors(reference, answer) -> dict:
     """rms, error and status of what ``call`` returned; of another code that gave no tension, why."""
-    if isinstance(found, PeerTension) and found.tension is None:
-        return {"rms": None, "error": None, "status": found.kind.upper(), "message": found.message[:200]}
-    if isinstance(found, (np.ndarray, PeerTension)):
-        return reference.errors(getattr(found, "tension", found)) | {"status": "SUCCESS"}
-    return reference.of(found) | {"status": found.status.name}
+    if isinstance(answer, PeerTension) and answer.tension is None:
+        return {"rms": None, "error": None, "status": answer.kind.upper(), "message": answer.message[:200]}
+    if isinstance(answer, (np.ndarray, PeerTension)):
+        return reference.errors(getattr(answer, "tension", answer)) | {"status": "SUCCESS"}
+    return reference.of(answer) | {"status": answer.status.name}
 
 
 def least_seconds(run) -> tuple[float, object]:
     """Least time of a few calls, and what the first returned."""
     start = time.perf_counter()
-    found = run()
+    result = run()
     seconds, spent = [time.perf_counter() - start], 0.0
     while seconds[0] < LONG and spent < ENOUGH and len(seconds) < REPEATS:
         seconds.append(clock(run, 1))
         spent += seconds[-1]
-    return min(seconds), found
+    return min(seconds), result
 
 
 def points(name: str, reference, quick: bool):
@@ -122,19 +122,19 @@ def points(name: str, reference, quick: bool):
         for size, other, *periods in settings:
             run = call(name, method, size, other, *periods)
             with one_blas_thread():  # also around what is made of a response: threads wait for each other
-                seconds, found = least_seconds(run)
+                seconds, answer = least_seconds(run)
             point = {"case": name, "method": method, "size": size, second: other, "seconds": seconds}
-            yield point | ({"periods": periods[0]} if periods else {}) | errors(reference, found)
-    for method, adapter in others().items():
+            yield point | ({"periods": periods[0]} if periods else {}) | errors(reference, answer)
+    for method, adapter in peer_adapters().items():
         for cells, steps in adapter.settings[QUICK_PEER if quick else slice(None)]:
             with one_blas_thread():
-                seconds, found = least_seconds(call(name, method, cells, steps))
-            if found.kind == "unsupported":
+                seconds, answer = least_seconds(call(name, method, cells, steps))
+            if answer.kind == "unsupported":
                 break
             point = {"case": name, "method": method, "size": cells, "dt": period / steps, "seconds": seconds}
             point["code"] = f"{method} {adapter.version}".strip()
-            yield point | errors(reference, found)
-            if found.message.startswith(harness.OVERTIME):
+            yield point | errors(reference, answer)
+            if answer.message.startswith(harness.OVERTIME):
                 break
 
 

@@ -47,9 +47,9 @@ def map_cases(step: int = 1) -> list[SpanCase]:
 
 def tasks(random: int, step: int, known: truth.TruthCache) -> list[tuple]:
     """(set, case, truth or None) of every row, in the order of the file."""
-    found = [("reference", case, exact) for case, exact in span_references()]
-    found += [("random", case, known.get(case)) for case in random_cases(random, SEED)]
-    return found + [("map", case, known.get(case)) for case in map_cases(step)]
+    jobs = [("reference", case, exact) for case, exact in span_references()]
+    jobs += [("random", case, known.get(case)) for case in random_cases(random, SEED)]
+    return jobs + [("map", case, known.get(case)) for case in map_cases(step)]
 
 
 def row(task) -> tuple:
@@ -82,18 +82,18 @@ def _start_process():
 
 def measured(work: list[tuple], known: truth.TruthCache, jobs: int) -> list[dict]:
     """The rows, from ``jobs`` processes; new exact results are kept as they come."""
-    found = []
+    rows = []
     with ProcessPoolExecutor(jobs, initializer=_start_process) as pool:
         try:
             steps = console.progress(pool.map(row, work, chunksize=CHUNK), len(work), "accuracy")
             for (group, case, _), (exact, line) in zip(work, steps, strict=True):
                 if group != "reference":
                     known.put(case, exact)
-                found.append(line)
+                rows.append(line)
         except BaseException:
             pool.shutdown(cancel_futures=True)
             raise
-    return found
+    return rows
 
 
 def report(rows: list[dict]) -> dict:

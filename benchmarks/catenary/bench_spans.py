@@ -38,13 +38,13 @@ def one_thread():
 @pytest.mark.benchmark(max_time=SECONDS, min_rounds=3)
 def test_span_cold(benchmark, case, solver):
     solver = SOLVERS[solver]
-    found = harness.assess(solver, case, oracle(case))
-    if found["verdict"] not in ("right", "wrong"):
-        pytest.skip(f"{solver.label}: {found['message']}")
+    row = harness.assess(solver, case, oracle(case))
+    if row["verdict"] not in ("right", "wrong"):
+        pytest.skip(f"{solver.label}: {row['message']}")
     benchmark.group = f"span-cold: {case.name}"
     benchmark.extra_info.update(
         {"problem": "span", "case": case.name, "solver": solver.name, "label": solver.label, "lines": 1}
-        | results.plain({key: found[key] for key in ("error", "in_limits", "iterations", "verdict")})
+        | results.plain({key: row[key] for key in ("error", "in_limits", "iterations", "verdict")})
     )
     with harness.quiet():
         benchmark(solver.solve, case)
@@ -56,13 +56,13 @@ def test_batch(benchmark, lines):
     benchmark.group = "batch"
     batch = benchmark.pedantic(solve_spans, kwargs=columns, rounds=BATCH_ROUNDS, warmup_rounds=1)
     sample = enumerate(work_precision.first_cases(columns, JUDGED))
-    found = [harness.judge(work_precision.batch_answer(batch, i), oracle(case), case) for i, case in sample]
-    verdicts = {one["verdict"] for one in found}
+    rows = [harness.judge(work_precision.batch_answer(batch, i), oracle(case), case) for i, case in sample]
+    verdicts = {one["verdict"] for one in rows}
     benchmark.extra_info.update(
         {"problem": "span", "case": harness.MIXED, "solver": harness.BATCH, "label": harness.BATCH_LABEL}
         | {"lines": lines, "failed_rows": int(np.count_nonzero(~batch.success)), "judged": JUDGED}
-        | {"error": float(np.median([one["error"] for one in found]))}
-        | {"in_limits": max(one["in_limits"] for one in found)}
+        | {"error": float(np.median([one["error"] for one in rows]))}
+        | {"in_limits": max(one["in_limits"] for one in rows)}
         | {"iterations": float(np.mean(batch.iterations))}
         | {"verdict": next(verdict for verdict in ("wrong", "refused", "right") if verdict in verdicts)}
     )

@@ -41,10 +41,10 @@ def our_cold_solve(case, tolerance=None) -> SpanAnswer:
 
 def contestants(cases, known) -> tuple[dict, dict]:
     """Name -> (solver, case), and name -> verdict: every solver that answers the OC3 line, or it without friction."""
-    found = harness.solvers()
-    found["catenary"] = harness.Solver("catenary", "this project", "", our_cold_solve)
+    solvers = harness.solvers()
+    solvers["catenary"] = harness.Solver("catenary", "this project", "", our_cold_solve)
     chosen, judged = {}, {}
-    for name, solver in found.items():
+    for name, solver in solvers.items():
         for case in (cases[COLD_CASE], cases[WITHOUT_FRICTION]):
             verdict = harness.assess(solver, case, known.of(case))
             if verdict["verdict"] in ("right", "wrong"):
@@ -127,8 +127,8 @@ def batch():
 def _timed_batch(lines) -> tuple[float, int]:
     """Seconds of one call, and how many rows failed."""
     start = time.perf_counter()
-    found = solve_spans(**lines)
-    return time.perf_counter() - start, int(np.count_nonzero(~found.success))
+    batch = solve_spans(**lines)
+    return time.perf_counter() - start, int(np.count_nonzero(~batch.success))
 
 
 def _peak(lines) -> int:

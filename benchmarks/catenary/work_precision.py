@@ -50,17 +50,17 @@ def ladder(solver: harness.Solver) -> tuple:
 def sweep(solver: harness.Solver, case, exact):
     """One point a tolerance, loosest first; below a tolerance that ran out of time nothing tighter is tried."""
     for tolerance in ladder(solver):
-        found = harness.measure(solver, case, exact, tolerance)
-        if found["verdict"] == "unsupported":
+        row = harness.measure(solver, case, exact, tolerance)
+        if row["verdict"] == "unsupported":
             return
-        yield _point(solver.name, solver.label, case.name, tolerance, found)
-        if found["message"].startswith(harness.OVERTIME):
+        yield _point(solver.name, solver.label, case.name, tolerance, row)
+        if row["message"].startswith(harness.OVERTIME):
             return
 
 
-def _point(name, label, case, tolerance, found) -> dict:
+def _point(name, label, case, tolerance, judgement) -> dict:
     row = {"solver": name, "label": label, "case": case, "tolerance": tolerance}
-    return row | {key: found[key] for key in _KEPT if key in found}
+    return row | {key: judgement[key] for key in _KEPT if key in judgement}
 
 
 _KEPT = ("seconds", "error", "in_limits", "verdict", "iterations", "worst", "lines", "wrong", "refused", "right",
@@ -81,8 +81,8 @@ def first_cases(columns: dict, n: int) -> list[SpanCase]:
 def mixed_point(solver: harness.Solver, sample, tolerance) -> dict:
     """Mean time a line and median error over the lines of the sample that the solver supports and answers."""
     answers = [harness.ask(solver, case, tolerance) for case, _ in sample]
-    found = [harness.judge(answer, exact, case) for answer, (case, exact) in zip(answers, sample, strict=True)]
-    answered = [i for i, one in enumerate(found) if one["verdict"] in ("right", "wrong")]
+    rows = [harness.judge(answer, exact, case) for answer, (case, exact) in zip(answers, sample, strict=True)]
+    answered = [i for i, one in enumerate(rows) if one["verdict"] in ("right", "wrong")]
 
     def all_lines():
         for i in answered:
@@ -91,24 +91,24 @@ def mixed_point(solver: harness.Solver, sample, tolerance) -> dict:
     own = [answers[i].seconds for i in answered]
     seconds = harness.seconds_or_none(all_lines, solver, own)
     mean = seconds and seconds / len(answered)
-    return _point(solver.name, solver.label, harness.MIXED, tolerance, _together(found) | {"seconds": mean})
+    return _point(solver.name, solver.label, harness.MIXED, tolerance, _together(rows) | {"seconds": mean})
 
 
 _WORST_FIRST = ("wrong", "refused", "right",
          "unsupported")  # fmt: skip
 
 
-def _together(found) -> dict:
+def _together(rows) -> dict:
     """One row for many: the worst verdict that occurred, and the counts behind it."""
-    counts = {verdict: sum(one["verdict"] == verdict for one in found) for verdict in _WORST_FIRST}
-    errors = [one["error"] for one in found if one["verdict"] in ("right", "wrong")]
-    steps = [one["iterations"] for one in found if one["iterations"] is not None]
+    counts = {verdict: sum(one["verdict"] == verdict for one in rows) for verdict in _WORST_FIRST}
+    errors = [one["error"] for one in rows if one["verdict"] in ("right", "wrong")]
+    steps = [one["iterations"] for one in rows if one["iterations"] is not None]
     return {
         "verdict": next(verdict for verdict, number in counts.items() if number),
         "error": float(np.median(errors)) if errors else None,
         "iterations": float(np.mean(steps)) if steps else None,
         "worst": max(errors) if errors else None,
-        "lines": len(found),
+        "lines": len(rows),
         **counts,
     }
 
@@ -121,9 +121,9 @@ def batch_point(sample, tolerance) -> dict:
         return solve_spans(**columns, tolerance=tolerance)
 
     batch = all_lines()
-    found = [harness.judge(batch_answer(batch, i), exact, case) for i, (case, exact) in enumerate(sample)]
+    rows = [harness.judge(batch_answer(batch, i), exact, case) for i, (case, exact) in enumerate(sample)]
     seconds = min(harness.clock(all_lines, 1) for _ in range(BATCH_REPEATS)) / BATCH_LINES
-    together = _together(found) | {"seconds": seconds}
+    together = _together(rows) | {"seconds": seconds}
     return _point(harness.BATCH, harness.BATCH_LABEL, harness.MIXED, tolerance, together)
 
 

@@ -44,16 +44,16 @@ def limit(quick: bool, references):
     rows, last = [], None
     for amplitude in QUICK_AMPLITUDES if quick else (*AMPLITUDES, *BEYOND):
         chain = cable_system(scene(CASE), NODES, motion=Motion.harmonic(FREQUENCY, (amplitude, 0.0, 0.0)))
-        found = solve_periodic(chain, harmonics=RAISED, start=last, throw=False)
+        response = solve_periodic(chain, harmonics=RAISED, start=last, throw=False)
         t = instants(chain.period)
-        tension = chain.tension(found.at(t), found.rate_at(t))
+        tension = chain.tension(response.at(t), response.rate_at(t))
         node, k = np.unravel_index(tension.argmin(), tension.shape)
         rows.append(
             {
                 "amplitude": amplitude,
-                "status": found.status.name,
-                "reached": found.amplitude,
-                "iterations": found.iterations,
+                "status": response.status.name,
+                "reached": response.amplitude,
+                "iterations": response.iterations,
                 "least": tension[node, k],
                 "node": int(node) + 1,
                 "s": chain.s[node],
@@ -61,7 +61,7 @@ def limit(quick: bool, references):
                 "fairlead": tension[-1].min(),
             }
         )
-        last = found if found.amplitude == 1.0 else last
+        last = response if response.amplitude == 1.0 else last
         yield None
     yield {"rows": rows, "vanishes": vanishing(rows)}
 
@@ -86,9 +86,9 @@ def growth(quick: bool, references):
                 continue
             nodes, Nh = (size, HARMONICS) if name == "nodes" else (NODES, size)
             run = partial(solve_periodic, system(case, nodes), harmonics=Nh, linear_solver=solver)
-            seconds, found = least_seconds(run)
+            seconds, response = least_seconds(run)
             mine.append({"series": name, "case": case, "size": size, "seconds": seconds,
-                         "iterations": found.iterations + found.coarse_iterations})  # fmt: skip
+                         "iterations": response.iterations + response.coarse_iterations})  # fmt: skip
             yield None
         rows, exponents = rows + mine, exponents | {name: exponent(mine, "size", FITTED_FROM[name])}
     yield {"rows": rows, "exponents": exponents, "fitted_from": FITTED_FROM, "nodes": NODES, "harmonics": HARMONICS}
@@ -116,8 +116,8 @@ def oscillators(quick: bool, references):
     for name, (masses, Nh) in SIZES.items():
         chain, row = cubic_chain(masses), {"set": name, "masses": masses, "harmonics": Nh}
         for key, symmetry in (("seconds", True), ("seconds_full", False)):
-            row[key], found = least_seconds(partial(solve_periodic, chain, harmonics=Nh, symmetry=symmetry))
-        row |= {"iterations": found.iterations + found.coarse_iterations, "residual_norm": found.residual_norm}
+            row[key], response = least_seconds(partial(solve_periodic, chain, harmonics=Nh, symmetry=symmetry))
+        row |= {"iterations": response.iterations + response.coarse_iterations, "residual_norm": response.residual_norm}
         rows.append(row | {"fields": len(chain.fields)})
         yield None
     yield rows

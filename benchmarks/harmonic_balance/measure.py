@@ -60,12 +60,12 @@ EXTREMES = 4000  # instants for greatest and least values
 
 def converged(quick: bool, references):
     """The references, which later parts (and a later run of the timed ones) find made."""
-    found = {}
+    uncertainties = {}
     for case in CASES:
         reference = references.of(case)
-        found[case] = {"uncertainty": reference.uncertainty, "levels": reference.levels}
+        uncertainties[case] = {"uncertainty": reference.uncertainty, "levels": reference.levels}
         yield None
-    yield found
+    yield uncertainties
 
 
 def newton(quick: bool, references):
@@ -76,19 +76,19 @@ def newton(quick: bool, references):
             few = case == "case_1_large" and variant == "paper"  # with more harmonics it takes minutes, or fails
             most = 2 if quick and few else 3 if quick or few else len(CHOICES)
             for Nh, Nt in CHOICES[:most]:
-                found = solve_periodic(system(case), harmonics=Nh, samples=Nt, throw=False, **options)
+                response = solve_periodic(system(case), harmonics=Nh, samples=Nt, throw=False, **options)
                 rows.append(
                     {
                         "case": case,
                         "variant": variant,
                         "harmonics": Nh,
                         "samples": Nt,
-                        "errors": [step.error for step in found.steps],
-                        "iterations": found.iterations,
-                        "coarse_iterations": found.coarse_iterations,
-                        "status": found.status.name,
-                        "reached": found.amplitude,
-                        "tension": last_period_tension(found)[:: len(last_period_tension(found)) // SHOWN],
+                        "errors": [step.error for step in response.steps],
+                        "iterations": response.iterations,
+                        "coarse_iterations": response.coarse_iterations,
+                        "status": response.status.name,
+                        "reached": response.amplitude,
+                        "tension": last_period_tension(response)[:: len(last_period_tension(response)) // SHOWN],
                     }
                 )
             yield None
@@ -100,20 +100,20 @@ def cases(quick: bool, references):
     rows = []
     for case in PAPER_CASES:
         calls = _calls(case)
-        found, seconds = {}, {}
+        responses, seconds = {}, {}
         for name, call in calls.items():  # also the warm-up, but in the quick run
             start = time.perf_counter()
-            found[name] = call()
+            responses[name] = call()
             seconds[name] = [time.perf_counter() - start] if quick else []
-            if getattr(found[name], "kind", ""):
-                del found[name]
-        calls = {name: call for name, call in calls.items() if name in found}
+            if getattr(responses[name], "kind", ""):
+                del responses[name]
+        calls = {name: call for name, call in calls.items() if name in responses}
         rng = np.random.default_rng(2026)
         for _ in range(0 if quick else TURNS):
             for name in rng.permutation(list(calls)).tolist():
                 seconds[name].append(clock(calls[name], 1))
         reference = references.of(case)
-        for name, result in found.items():
+        for name, result in responses.items():
             rows.append({"case": case, "method": name, "seconds": seconds[name], "uncertainty": reference.uncertainty,
                          "range": reference.range, "iterations": getattr(result, "iterations", None)}
                         | dynamic_work.errors(reference, result) | _shape(result, reference.period))  # fmt: skip
@@ -122,9 +122,9 @@ def cases(quick: bool, references):
         )
         yield None
     reference = references.of("case_1")
-    found = {"max": reference.tension.max() / 1e3, "min": reference.tension.min() / 1e3,
-             "harmonics": reference.harmonics(5) / 1e3}  # fmt: skip
-    yield {"node": NODE, "s": system("case_1").s[NODE - 1], "rows": rows, "converged": found,
+    converged_values = {"max": reference.tension.max() / 1e3, "min": reference.tension.min() / 1e3,
+                        "harmonics": reference.harmonics(5) / 1e3}  # fmt: skip
+    yield {"node": NODE, "s": system("case_1").s[NODE - 1], "rows": rows, "converged": converged_values,
            "levels": reference.levels}  # fmt: skip
 
 
@@ -135,17 +135,17 @@ def _calls(case: str) -> dict:
         "time domain": lambda: solve_time_domain(chain, dt=DT, periods=PERIODS),
         "harmonic balance": lambda: solve_periodic(chain, harmonics=HARMONICS, samples=SAMPLES),
     }
-    return calls | dynamic_work.beside(case)
+    return calls | dynamic_work.peer_calls(case)
 
 
-def _shape(found, period) -> dict:
+def _shape(response, period) -> dict:
     """Fairlead tension and the state at NODE over the last period; of a peer the tension alone."""
-    if isinstance(found, dynamic_work.PeerTension):
-        return {"tension": found.tension[:: max(1, found.tension.size // SHOWN)]}
-    first, _ = found.last_period
-    state = found.at(first + instants(period, SHOWN))[:, NODE - 1]
-    fields = dict(zip(found.system.fields, state, strict=True))
-    return {"tension": last_period_tension(found)[:: len(last_period_tension(found)) // SHOWN], "fields": fields}
+    if isinstance(response, dynamic_work.PeerTension):
+        return {"tension": response.tension[:: max(1, response.tension.size // SHOWN)]}
+    first, _ = response.last_period
+    state = response.at(first + instants(period, SHOWN))[:, NODE - 1]
+    fields = dict(zip(response.system.fields, state, strict=True))
+    return {"tension": last_period_tension(response)[:: len(last_period_tension(response)) // SHOWN], "fields": fields}
 
 
 def constant(quick: bool, references):
@@ -153,9 +153,9 @@ def constant(quick: bool, references):
     rows = []
     for key in QUICK_CONSTANT if quick else CONSTANT:
         case, Nh, Nt, mean = key
-        found = solve_periodic(system(case), harmonics=Nh, samples=Nt, mean=mean, throw=False)
-        tension = found.fairlead_tension(instants(system(case).period, EXTREMES))
-        harmonics = found.tension_harmonics(5)
+        response = solve_periodic(system(case), harmonics=Nh, samples=Nt, mean=mean, throw=False)
+        tension = response.fairlead_tension(instants(system(case).period, EXTREMES))
+        harmonics = response.tension_harmonics(5)
         rows.append(
             {
                 "case": case,
@@ -163,16 +163,16 @@ def constant(quick: bool, references):
                 "samples": Nt,
                 "mean": mean,
                 "independent": CONSTANT[key],
-                "iterations": found.iterations,
+                "iterations": response.iterations,
                 "max": tension.max(),
                 "min": tension.min(),
                 "average": harmonics[0],
                 "amplitudes": harmonics[1:],
-                "least": found.tension.min(),
-                "status": found.status.name,
+                "least": response.tension.min(),
+                "status": response.status.name,
                 "tension": tension[:: EXTREMES // SHOWN],
             }
-            | references.of(case).of(found)
+            | references.of(case).of(response)
         )
         yield None
     yield rows
@@ -180,14 +180,14 @@ def constant(quick: bool, references):
 
 def work(quick: bool, references):
     """Error against run time: points of all methods, a case each; the uncertainty of the references."""
-    found, uncertainty = [], {}
+    points, uncertainty = [], {}
     for case in PAPER_CASES[:1] if quick else PAPER_CASES:
         reference = references.of(case)
         uncertainty[case] = reference.uncertainty
         for point in dynamic_work.points(case, reference, quick):
-            found.append(point)
+            points.append(point)
             yield None
-    yield {"points": found, "uncertainty": uncertainty, "at_errors": dynamic_work.at_errors(found)}
+    yield {"points": points, "uncertainty": uncertainty, "at_errors": dynamic_work.at_errors(points)}
 
 
 def needed(quick: bool, references):
@@ -215,14 +215,14 @@ def spectra(quick: bool, references):
     """Harmonics of the fairlead tension, extremes of the tension along the line, and where it is least."""
     rows = []
     for case in CASES:
-        found = solve_periodic(system(case), harmonics=15 if quick else FINE)
+        response = solve_periodic(system(case), harmonics=15 if quick else FINE)
         t = instants(system(case).period)
-        tension = system(case).tension(found.at(t), found.rate_at(t))
+        tension = system(case).tension(response.at(t), response.rate_at(t))
         node, k = np.unravel_index(tension.argmin(), tension.shape)
         rows.append(
             {
                 "case": case,
-                "amplitudes": found.tension_harmonics(found.basis.harmonics),
+                "amplitudes": response.tension_harmonics(response.basis.harmonics),
                 "s": system(case).s,
                 "rest": system(case).tension(system(case).rest()),
                 "min": tension.min(axis=1),

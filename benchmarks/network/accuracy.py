@@ -77,7 +77,7 @@ def truth(title: str):
 def ladder(title: str, method: Method, tolerances) -> list[dict]:
     """Points of one method; a tolerance that does not change the answer is not timed again."""
     exact, network = truth(title)
-    found, before = [], {"error": None}
+    points, before = [], {"error": None}
     for tolerance in method.ladder(tolerances):
         tension, verdict, message, clock = (theirs if method.adapter else ours)(network, method, tolerance)
         error = None if tension is None else tension_error(tension, exact)
@@ -89,10 +89,10 @@ def ladder(title: str, method: Method, tolerances) -> list[dict]:
         if method.adapter:
             before["code"] = f"{method.label} {method.adapter.version}".strip()
         before |= {"verdict": verdict, "message": message[:200], "error": error, "seconds": seconds}
-        found.append(before)
+        points.append(before)
         if message.startswith(harness.OVERTIME):
             break
-    return found
+    return points
 
 
 def ours(network, method: Method, tolerance: float) -> tuple:
@@ -114,15 +114,15 @@ def theirs(network, method: Method, tolerance) -> tuple:
 
     def once() -> tuple:
         start = clock()
-        found = method.adapter.network(network, tolerance)
-        if callable(found):
-            start, found = clock(), found()
-        return clock() - start, found
+        answer = method.adapter.network(network, tolerance)
+        if callable(answer):
+            start, answer = clock(), answer()
+        return clock() - start, answer
 
     def asked() -> tuple:
         limit = method.adapter.limit("network")
-        found, kind, message = harness.attempt(once, limit, f"{method.name}, networks")
-        return found or (None, None), kind, message
+        answer, kind, message = harness.attempt(once, limit, f"{method.name}, networks")
+        return answer or (None, None), kind, message
 
     (_, tension), kind, message = asked()
     if not kind:

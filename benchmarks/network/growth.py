@@ -66,15 +66,15 @@ def solved(family: str, size: int, again: int = 0) -> dict:
     }
 
 
-def whole(found: list[dict]) -> dict:
+def whole(rows: list[dict]) -> dict:
     """The part "growth" of the file: rows, and by family the exponent p of seconds = C elements^p, None if unknown."""
-    exponents = {family: exponent(found, family) for family in FAMILIES}
-    return {"rows": found, "fitted_from": FITTED_FROM, "exponents": exponents}
+    exponents = {family: exponent(rows, family) for family in FAMILIES}
+    return {"rows": rows, "fitted_from": FITTED_FROM, "exponents": exponents}
 
 
-def exponent(found, family: str) -> float | None:
+def exponent(rows, family: str) -> float | None:
     """Least squares in logarithms, over the solved networks of at least FITTED_FROM elements."""
-    solved_rows = [row for row in found if row["family"] == family and row["status"] == "SUCCESS"]
+    solved_rows = [row for row in rows if row["family"] == family and row["status"] == "SUCCESS"]
     large = [(row["elements"], row["seconds"]) for row in solved_rows if row["elements"] >= FITTED_FROM]
     return float(np.polyfit(*np.log(large).T, 1)[0]) if len(large) >= FEWEST else None
 

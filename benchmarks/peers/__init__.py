@@ -40,16 +40,16 @@ def adapters() -> dict[str, Adapter]:
 
     Raises ImportError for a package that is installed and does not import, and for a file that brings no adapter.
     """
-    found = {}
+    adapters_by_name = {}
     files = [Path(name) for name in os.environ.get(BROUGHT, "").split(os.pathsep) if name]
     for module in (*filter(None, map(_peer, PACKAGES)), *map(_load, files)):
         for adapter in _classes(module):
-            taken = {word for one in found.values() for word in (one.name, one.label)}
+            taken = {word for one in adapters_by_name.values() for word in (one.name, one.label)}
             for word, what in ((adapter.name, "class"), (adapter.label, "label")):
                 if word in taken or word.startswith(OURS):
                     raise ImportError(f"{module.__file__}: {word!r} is taken: give another {what}")
-            found[adapter.name] = adapter
-    return found
+            adapters_by_name[adapter.name] = adapter
+    return adapters_by_name
 
 
 def solving(problem: str) -> dict[str, Adapter]:

@@ -49,8 +49,8 @@ class Program(Adapter):
 
     def span(self, case, tolerance=None) -> SpanAnswer:
         """As Adapter.span."""
-        found = self._ask("span", case.inputs() | {"tolerance": tolerance})
-        return SpanAnswer(found.get("H"), found.get("V"), found.get("iterations"), seconds=found.get("seconds"))
+        answer = self._ask("span", case.inputs() | {"tolerance": tolerance})
+        return SpanAnswer(answer.get("H"), answer.get("V"), answer.get("iterations"), seconds=answer.get("seconds"))
 
     def network(self, network, tolerance=None):
         """As Adapter.network."""
@@ -75,33 +75,33 @@ class Program(Adapter):
         if not self.command:
             raise FileNotFoundError(f"{type(self).__name__}: command is empty; give the words of a command line")
         first, *others = map(str, self.command)
-        beside = os.path.join(self.folder, first)
-        found = beside if os.path.isfile(beside) else shutil.which(first)
-        if found is None:
+        own_path = os.path.join(self.folder, first)
+        path = own_path if os.path.isfile(own_path) else shutil.which(first)
+        if path is None:
             raise FileNotFoundError(f"{type(self).__name__}: there is no program {first!r} in {self.folder} or on PATH")
-        return [found, *others]
+        return [path, *others]
 
     def _ask(self, problem: str, asked: dict) -> dict:
         code, out, err = _run(self.words(), json.dumps({"problem": problem} | asked), self.limit(problem), self.folder)
         if code:
             ended = f"ended by {signal.Signals(-code).name}" if code < 0 else f"exit status {code}"
-            said = (err.strip() or out.strip()).splitlines()
-            raise Refused(f"{ended}: {said[-1][:SHOWN]}" if said else ended)
-        found = _parsed(out)
-        if found.get("unsupported"):
-            raise NotImplementedError(str(found["unsupported"]))
-        if found.get("refused"):
-            raise Refused(str(found["refused"]))
-        return found
+            words = (err.strip() or out.strip()).splitlines()
+            raise Refused(f"{ended}: {words[-1][:SHOWN]}" if words else ended)
+        answer = _parsed(out)
+        if answer.get("unsupported"):
+            raise NotImplementedError(str(answer["unsupported"]))
+        if answer.get("refused"):
+            raise Refused(str(answer["refused"]))
+        return answer
 
 
 def _parsed(out: str) -> dict:
     """The JSON object that was printed: all of it, or its last line."""
     for text in (out, (out.strip().splitlines() or [""])[-1]):
         with contextlib.suppress(ValueError):
-            found = json.loads(text)
-            if isinstance(found, dict):
-                return found
+            answer = json.loads(text)
+            if isinstance(answer, dict):
+                return answer
     raise Refused(f"printed no JSON object: {out[:SHOWN]!r}" if out.strip() else "printed nothing")
 
 

@@ -114,16 +114,16 @@ def attempt(call: Callable, limit: float, who: str) -> tuple[object, str, str]:
         return None, "refused", f"{OVERTIME} {limit:g} s, {PATIENCE} times in a row: not asked again"
     try:
         with quiet(), _time_limit(limit):
-            found = call(), "", ""
+            outcome = call(), "", ""
     except _Overtime:
-        found = None, "refused", f"{OVERTIME} {limit:g} s"
+        outcome = None, "refused", f"{OVERTIME} {limit:g} s"
     except NotImplementedError as error:
-        found = None, "unsupported", str(error) or "it does not solve this problem"
+        outcome = None, "unsupported", str(error) or "it does not solve this problem"
     except peers.Refused as error:
-        found = None, "refused", str(error) or "it gave no reason"
+        outcome = None, "refused", str(error) or "it gave no reason"
     except (Exception, SystemExit) as error:  # whatever it raises is its way of refusing
-        found = None, "refused", f"{type(error).__name__}: {error}"
-    value, kind, words = found
+        outcome = None, "refused", f"{type(error).__name__}: {error}"
+    value, kind, words = outcome
     _overtime[who] = _overtime[who] + 1 if words.startswith(OVERTIME) else 0
     return value, kind, " ".join(words.split())  # on one line of a table
 
@@ -143,12 +143,12 @@ def ask(solver: Solver, case, tolerance=None) -> SpanAnswer:
 def checked(tension, shape: tuple) -> tuple:
     """(tension as an array, "", ""), or (None, "refused", why) where it has not this shape or is not finite."""
     try:
-        found = np.array(tension, dtype=float)
+        array = np.array(tension, dtype=float)
     except (TypeError, ValueError):
         return None, "refused", f"returned {tension!r:.80}, and tensions {shape} are wanted"
-    if found.shape != shape:
-        return None, "refused", f"returned tensions of shape {found.shape}, and {shape} is wanted"
-    return (found, "", "") if np.isfinite(found).all() else (None, "refused", "tensions that are not finite")
+    if array.shape != shape:
+        return None, "refused", f"returned tensions of shape {array.shape}, and {shape} is wanted"
+    return (array, "", "") if np.isfinite(array).all() else (None, "refused", "tensions that are not finite")
 
 
 def _finite(value) -> bool:
@@ -224,7 +224,7 @@ def seconds_or_none(call: Callable, solver: Solver, own: list) -> float | None:
 def measure(solver: Solver, case, truth: SpanTruth, tolerance=None) -> dict:
     """As ``assess``, with the seconds of one cold solve (none where the solver refuses)."""
     answer = ask(solver, case, tolerance)  # also the warm-up call
-    found = judge(answer, truth, case)
-    if found["verdict"] not in ("right", "wrong"):
-        return found | {"seconds": None}
-    return found | {"seconds": seconds_or_none(lambda: solver.solve(case, tolerance), solver, [answer.seconds])}
+    row = judge(answer, truth, case)
+    if row["verdict"] not in ("right", "wrong"):
+        return row | {"seconds": None}
+    return row | {"seconds": seconds_or_none(lambda: solver.solve(case, tolerance), solver, [answer.seconds])}

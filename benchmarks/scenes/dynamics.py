@@ -150,37 +150,37 @@ def study(scene: Scene):
     yield _report(made, statics, reference, ladder)
 
 
-def others(made: Study, known) -> list[dict]:
+def peer_rows(study: Study, known) -> list[dict]:
     """Rows of other codes at two of their settings, against the converged tension."""
-    moved, rows = Ramped(made.scene.motion, made.period / 2), []
-    for label, adapter in dynamic_work.others().items():
+    ramped, rows = Ramped(study.scene.motion, study.period / 2), []
+    for label, adapter in dynamic_work.peer_adapters().items():
         for cells, steps in adapter.settings[dynamic_work.QUICK_PEER]:
             began = time.perf_counter()
-            told = dynamic_work.ask(adapter, made.scene, moved, made.period, (cells, steps), PERIODS)
-            row = {"method": label, "nodes": cells + 1, "dt": made.period / steps, "warnings": [], "error": None}
-            row |= {"seconds": time.perf_counter() - began, "status": told.kind.upper() or "SUCCESS"}
-            if known is not None and not told.kind:
-                row["error"] = _error(told.tension[:: max(1, steps // INSTANTS)], known[:: max(1, INSTANTS // steps)])
-            rows.append(row | {"sentence": told.message[:200]})
-            if told.kind:
+            answer = dynamic_work.ask(adapter, study.scene, ramped, study.period, (cells, steps), PERIODS)
+            row = {"method": label, "nodes": cells + 1, "dt": study.period / steps, "warnings": [], "error": None}
+            row |= {"seconds": time.perf_counter() - began, "status": answer.kind.upper() or "SUCCESS"}
+            if known is not None and not answer.kind:
+                row["error"] = _error(answer.tension[:: max(1, steps // INSTANTS)], known[:: max(1, INSTANTS // steps)])
+            rows.append(row | {"sentence": answer.message[:200]})
+            if answer.kind:
                 break
     return rows
 
 
-def static_ladder(made: Study) -> dict:
+def static_ladder(study: Study) -> dict:
     """Fairlead tension at rest on finer and finer meshes, against shooting."""
-    exact = float(solve_static(made.chain(STATIC_NODES[-1]), method="shooting").tension[-1])
+    exact = float(solve_static(study.chain(STATIC_NODES[-1]), method="shooting").tension[-1])
     rows = []
     for nodes in STATIC_NODES:
         began = time.perf_counter()
-        tension = float(solve_static(cable_system(made.scene, nodes)).tension[-1])
+        tension = float(solve_static(cable_system(study.scene, nodes)).tension[-1])
         seconds = time.perf_counter() - began
         rows.append({"nodes": nodes, "tension": tension, "error": abs(tension - exact) / exact, "seconds": seconds})
     return {"exact": exact, "rows": rows}
 
 
-def _report(made: Study, statics: dict, reference: dict, ladder: list[dict]) -> dict:
-    scene, known = made.scene, reference["wave"]
+def _report(study: Study, statics: dict, reference: dict, ladder: list[dict]) -> dict:
+    scene, known = study.scene, reference["wave"]
     rows = []
     for point in ladder:
         row = {key: value for key, value in point.items() if key not in ("wave", "response")}
@@ -188,14 +188,14 @@ def _report(made: Study, statics: dict, reference: dict, ladder: list[dict]) -> 
         right = point["wave"] is not None and known is not None
         rows.append(row | {"error": _error(point["wave"], known) if right else None})
     best = _recommended(rows, reference, scene.tolerance)
-    rows += others(made, known)
+    rows += peer_rows(study, known)
     about = {key: value for key, value in reference.items() if key not in ("wave", "response")}
-    found = {"period": made.period, "fields": made.chain(STATIC_NODES[0]).fields, "statics": statics, "ladder": rows}
-    found |= {"reference": about, "recommended": best, "tolerance": scene.tolerance, "python": _python(best)}
-    found |= {"modes": _modes(made), "driving": _driving(scene)}
+    report = {"period": study.period, "fields": study.chain(STATIC_NODES[0]).fields, "statics": statics, "ladder": rows}
+    report |= {"reference": about, "recommended": best, "tolerance": scene.tolerance, "python": _python(best)}
+    report |= {"modes": _modes(study), "driving": _driving(scene)}
     if known is not None:
-        found |= _pictured(made, reference)
-    return found | {"warnings": made.warnings + list(_warnings(made, found))}
+        report |= _pictured(study, reference)
+    return report | {"warnings": study.warnings + list(_warnings(study, report))}
 
 
 def _recommended(rows, reference, tolerance) -> dict | None:
@@ -207,7 +207,7 @@ def _recommended(rows, reference, tolerance) -> dict | None:
     return min(solved, key=lambda row: row["promised"]) | {"meets": False} if solved else None
 
 
-def _pictured(made: Study, reference: dict) -> dict:
+def _pictured(study: Study, reference: dict) -> dict:
     """Waveform, spectrum, envelope along the line and where the tension is smallest."""
     response = reference["response"]
     first, period = response.last_period
@@ -236,9 +236,9 @@ def _pictured(made: Study, reference: dict) -> dict:
     }
 
 
-def _modes(made: Study) -> list[float]:
+def _modes(study: Study) -> list[float]:
     """Lowest natural frequencies at rest, Hz."""
-    return natural_modes(made.chain(LEVELS[1]), MODES).frequencies.tolist()
+    return natural_modes(study.chain(LEVELS[1]), MODES).frequencies.tolist()
 
 
 def _driving(scene: Scene) -> list[float]:
@@ -248,30 +248,30 @@ def _driving(scene: Scene) -> list[float]:
     return [float(k * motion.frequency) for k in 1 + np.flatnonzero(moves)]
 
 
-def _warnings(made: Study, found: dict):
+def _warnings(study: Study, report: dict):
     """Sentences on what the owner of this moving line should know."""
-    if any(made.scene.environment.current):
+    if any(study.scene.environment.current):
         yield "The current acts on the moving line; forces, profile and stiffness above are those of still water."
-    top = max(made.scene.anchor[2], made.scene.fairlead[2])
+    top = max(study.scene.anchor[2], study.scene.fairlead[2])
     if top > 0:
         yield f"An end is {top:.4g} m above still water (z = 0), and the line is taken to be in the water all along."
-    mine = [row for row in found["ladder"] if row["method"] in ("harmonic balance", "time domain")]
+    mine = [row for row in report["ladder"] if row["method"] in ("harmonic balance", "time domain")]
     failed = {row["sentence"] for row in mine if row["status"] not in ("SUCCESS", "NO_PERIODIC_RESPONSE")}
     yield from (f"Some settings failed: {sentence}." for sentence in sorted(failed))
     if any(row["status"] == "NO_PERIODIC_RESPONSE" for row in mine):
         yield "Harmonic balance did not find the periodic response of this line: the settings are of time stepping."
-    for driven in found["driving"]:
-        nearest = min(found["modes"], key=lambda mode: abs(mode - driven))
+    for driven in report["driving"]:
+        nearest = min(report["modes"], key=lambda mode: abs(mode - driven))
         if abs(nearest - driven) < NEAR_RESONANCE * driven:
             yield f"The motion at {driven:.4g} Hz is near a natural frequency of the line at rest, {nearest:.4g} Hz."
-    if found["recommended"] is not None:
-        yield from (f"The recommended setting warns: {text}." for text in found["recommended"].get("warnings", ()))
-    if made.scene.cable.Cdn == 0:
+    if report["recommended"] is not None:
+        yield from (f"The recommended setting warns: {text}." for text in report["recommended"].get("warnings", ()))
+    if study.scene.cable.Cdn == 0:
         yield "The line has no transverse drag (Cdn = 0): transients do not die out, a time history has no steady end."
-    smallest = found.get("smallest")
+    smallest = report.get("smallest")
     if smallest is None:
-        yield "No setting gave a converged tension to compare with: " + found["reference"]["status"] + "."
-    elif smallest["tension"] < SLACK_SHARE * found["extremes"]["mean"]:
+        yield "No setting gave a converged tension to compare with: " + report["reference"]["status"] + "."
+    elif smallest["tension"] < SLACK_SHARE * report["extremes"]["mean"]:
         yield (
             f"The tension falls to {smallest['tension']:.4g} N at s = {smallest['s']:.4g} m: where it vanishes, a "
             "perfectly flexible cable is no longer a model of a mooring line, and snap loads follow."

@@ -176,8 +176,8 @@ def main(argv=None) -> int:
         print(error, file=sys.stderr)
         return BAD_SCENE
     results.write(arguments.out / f"scene_{arguments.file.stem}.json", report(arguments.file, scene, lines, dynamics))
-    for found in lines:
-        print(f"{found['label']}: H {found['H']:.7g} N, V {found['V']:.7g} N, error {found['error']:.1e}")
+    for line in lines:
+        print(f"{line['label']}: H {line['H']:.7g} N, V {line['V']:.7g} N, error {line['error']:.1e}")
     return 0
 
 

@@ -109,7 +109,7 @@ def judged(solve, *at) -> dict:
     try:
         with warnings.catch_warnings(), np.errstate(divide="raise", over="raise", invalid="raise"):
             warnings.simplefilter("error")
-            found = solve(*at)
+            outcome = solve(*at)
     except InputError as error:
         row = {"verdict": "refused", "status": "InputError", "message": str(error)}
     except ConvergenceError as error:
@@ -117,19 +117,19 @@ def judged(solve, *at) -> dict:
     except Exception as error:
         row = {"verdict": "crashed", "status": type(error).__name__, "message": str(error)}
     else:
-        message = "; ".join([*found.lost, *found.warned])
-        row = {"verdict": _verdict(found), "status": found.status.name, "message": message}
-        row |= {"error": found.error} | ({"finer": found.finer.name} if found.finer else {}) | found.values
+        message = "; ".join([*outcome.lost, *outcome.warned])
+        row = {"verdict": _verdict(outcome), "status": outcome.status.name, "message": message}
+        row |= {"error": outcome.error} | ({"finer": outcome.finer.name} if outcome.finer else {}) | outcome.values
     return row | {"seconds": time.process_time() - start}
 
 
-def _verdict(found: Found) -> str:
-    if found.status is Status.SUCCESS:
-        unknown = found.finer is None and math.isnan(found.error)
-        if found.lost or unknown:
+def _verdict(outcome: Found) -> str:
+    if outcome.status is Status.SUCCESS:
+        unknown = outcome.finer is None and math.isnan(outcome.error)
+        if outcome.lost or unknown:
             return "wrong"
-        return "warned" if found.warned else "too coarse" if found.finer else "solved"
-    return "invalid" if found.status in INVALID else "not converged"
+        return "warned" if outcome.warned else "too coarse" if outcome.finer else "solved"
+    return "invalid" if outcome.status in INVALID else "not converged"
 
 
 @cache

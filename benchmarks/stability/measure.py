@@ -63,9 +63,9 @@ def measured(folder: Path, chosen, quick: bool, jobs: int) -> dict:
         except BaseException:
             pool.shutdown(cancel_futures=True)
             raise
-    found = {name: json.loads(path(name).read_text(encoding="utf-8")) for name in pieces}
-    entries = [entry for entry in found.values() if isinstance(entry, dict)]
-    others = {name: entry for name, entry in found.items() if not isinstance(entry, dict)}
+    pieces_by_name = {name: json.loads(path(name).read_text(encoding="utf-8")) for name in pieces}
+    entries = [entry for entry in pieces_by_name.values() if isinstance(entry, dict)]
+    others = {name: entry for name, entry in pieces_by_name.items() if not isinstance(entry, dict)}
     return {"quick": quick, "verdicts": VERDICTS, "maps": entries} | others
 
 

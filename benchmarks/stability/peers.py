@@ -13,7 +13,7 @@ import numpy as np
 from solvers import solve_periodic
 from verification.registry import INSTANTS, instants
 
-from ..cable.work_precision import ask, others
+from ..cable.work_precision import ask, peer_adapters
 from ..run import harness
 from .maps import Axis
 from .spans import GRIDS
@@ -58,10 +58,10 @@ def _kinds(solver, cases, answers, known):
         if judged["verdict"] == "wrong":
             answer, truth = harness.ask(solver, case), known.of(case)
             kinds.setdefault(_kind(answer, truth, case), []).append((_strangeness(case), case, answer, truth, judged))
-    for kind, found in kinds.items():
-        _, case, answer, truth, judged = min(found, key=lambda one: one[0])
+    for kind, examples in kinds.items():
+        _, case, answer, truth, judged = min(examples, key=lambda one: one[0])
         forces = {"H": answer.H, "V": answer.V, "exact_H": truth.H, "exact_V": truth.V}
-        yield {"kind": kind, "count": len(found), "inputs": case.inputs(), "error": judged["error"]} | forces
+        yield {"kind": kind, "count": len(examples), "inputs": case.inputs(), "error": judged["error"]} | forces
 
 
 def _kind(answer, truth, case) -> str:
@@ -83,7 +83,7 @@ def dynamics(quick: bool):
     if quick:
         return
     by_frequency, by_drag = (lambda n, f, a: line(a, f, nodes=n)), (lambda n, c, a: line(a, Cdn=c, nodes=n))
-    for adapter in others().values():
+    for adapter in peer_adapters().values():
         for name, x, make in (("frequency", HERTZ, by_frequency), ("drag", DRAG, by_drag)):
             points = [_moved(adapter, make, u, v) for v in SURGE.values for u in x.values]
             yield {
@@ -110,11 +110,11 @@ def _moved(adapter, make, x, y) -> dict:
     exact, spread = waves[1], np.ptp(waves[1])
     if abs(waves[1] - waves[0]).max() / 3 > DYNAMIC_WRONG / 5 * spread:
         return row | {"verdict": "no truth", "message": "two meshes differ"}
-    moved = system.ramped(system.period / 2).motion
+    ramped = system.ramped(system.period / 2).motion
     periods = max(PERIODS, math.ceil(SECONDS / system.period))
-    told = ask(adapter, system.scene, moved, system.period, (SEGMENTS, STEPS), periods)
-    if told.tension is None:
-        return row | {"verdict": told.kind, "message": told.message[:200]}
-    wave = told.tension
+    answer = ask(adapter, system.scene, ramped, system.period, (SEGMENTS, STEPS), periods)
+    if answer.tension is None:
+        return row | {"verdict": answer.kind, "message": answer.message[:200]}
+    wave = answer.tension
     error = float(abs(wave - exact[:: INSTANTS // wave.size]).max() / spread)
     return row | {"verdict": "wrong" if error > DYNAMIC_WRONG else "right", "error": error}

@@ -96,8 +96,8 @@ def axial() -> list[dict]:
                 system, dt=dt, duration=LAST * dt, rho_inf=radius, hold=None, start=start,
                 tolerance=ACCURACY, throw=False,
             )  # fmt: skip
-            found = part @ (run.y - rest[..., None]).swapaxes(0, 1).reshape(part.size, -1)
-            factor = abs(found[LAST] / found[SETTLED]) ** (1 / (LAST - SETTLED)) if run.success else np.nan
+            amplitude = part @ (run.y - rest[..., None]).swapaxes(0, 1).reshape(part.size, -1)
+            factor = abs(amplitude[LAST] / amplitude[SETTLED]) ** (1 / (LAST - SETTLED)) if run.success else np.nan
             row = {"steps": steps, "radius": radius, "status": run.status.name, "frequency": abs(value) / (2 * np.pi)}
             rows.append(row | {"measured": 1 - factor**steps, "expected": 1 - principal(value * dt, radius) ** steps})
     return rows
