@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import ast
+import importlib
+import inspect
+import pkgutil
 import re
 import tomllib
 from decimal import Decimal
@@ -10,6 +13,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
+import solvers
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "solvers").glob("*/theory.md"))]
@@ -32,6 +37,26 @@ def missing_tests(text: str) -> list[str]:
         if source is None or (name and not re.search(rf"^def {name}\(", source, re.MULTILINE)):
             missing.append(f"{file}::{name}")
     return missing
+
+
+def values_in_solvers(name: str) -> set[float]:
+    """Return the numbers that a name stands for: of module constants, and of default arguments of public calls."""
+    modules = [importlib.import_module(m.name) for m in pkgutil.walk_packages(solvers.__path__, "solvers.")]
+    calls = [getattr(solvers, public) for public in solvers.__all__ if inspect.isfunction(getattr(solvers, public))]
+    values = [getattr(module, name) for module in modules if hasattr(module, name)]
+    values += [inspect.signature(call).parameters[name].default for call in calls
+               if name in inspect.signature(call).parameters]  # fmt: skip
+    return {float(value) for value in values if isinstance(value, int | float) and not isinstance(value, bool)}
+
+
+def wrong_constants(text: str) -> list[str]:
+    """Constants quoted as `name` = number, or `module.name` = number, whose value in the solvers is another or none."""
+    quoted = re.findall(r"`(?:[\w.]+\.)?(\w+)` = (\d+(?:\.\d+)?(?:e[-+]?\d+)?)( eps)?", text)
+    return [
+        f"{name} = {value}{eps}"
+        for name, value, eps in quoted
+        if float(value) * (2.0**-52 if eps else 1.0) not in values_in_solvers(name)
+    ]
 
 
 def missing_errata(text: str) -> list[str]:
@@ -85,6 +110,12 @@ def test_what_a_page_names_is_there(page):
     assert not missing_errata(text)
 
 
+@pytest.mark.parametrize("page", PAGES, ids=lambda path: path.relative_to(ROOT).as_posix())
+def test_constants_that_a_page_quotes_are_those_of_the_code(page):
+    """Each `name` = number is the value of that constant or default argument."""
+    assert not wrong_constants(page.read_text(encoding="utf-8"))
+
+
 def test_every_solver_has_its_theory_and_the_readme_leads_there():
     """One page for each, linked, with a section on where it is verified."""
     readme = PAGES[0].read_text(encoding="utf-8")
@@ -111,6 +142,10 @@ def test_each_check_turns_red():
     assert missing_tests(" and ".join(name.removesuffix("::") for name in lost)) == lost
     assert not missing_tests("`verification/catenary/test_exact.py`, `verification/catenary/test_exact.py::test_random_lines`.")
     assert missing_errata("Erratum `(99)`") == ["(99)"]
+    assert wrong_constants("`newton.MAX_ITERATIONS` = 201, `tolerance` = 1e-3, `NOT_THERE` = 1") == [
+        "MAX_ITERATIONS = 201", "tolerance = 1e-3", "NOT_THERE = 1"
+    ]  # fmt: skip
+    assert not wrong_constants("`newton.MAX_ITERATIONS` = 200 and `tolerance` = 1e-10")
     wrong = lambda comment: wrong_values(f"x = 2.0\nx, x + 1, x, 1.26e-3  # {comment}\n")
     for comment in ("2.0, 3.2 N; 99", "3, 2, 2", "2, 2, 3", "2, 3, 2, 2", "2.1", "1.2e-3", "1.3e-03, 2"):
         assert wrong(comment), comment
