@@ -17,13 +17,14 @@ from ..catenary.span import Span, solve_span
 from ..common.outcome import InputError, Outcome, Status
 from ..common.properties import flags, one_of, positive_number
 from ..numerics.chain import BandedJacobian, Rows, stack
+from ..numerics.continuation import continue_in_load
 from ..numerics.newton import Step, damped_newton
 from .shooting import shoot
 from .system import CableSystem
 
 TOLERANCE = 1e-11  # mean change of (eps, angles in rad, positions in chords): a hundred roundings of a position
 _ROUNDING = 1e-14  # mean change of a state that fifty roundings make
-_SMALLEST_RISE = 2.0**-10  # of the load parameter, in the continuation
+MIN_LOAD_STEP = 2.0**-10  # of the load parameter, in the continuation
 
 
 @dataclass(frozen=True)
@@ -75,23 +76,16 @@ def solve_static(system: CableSystem, *, method="box", tolerance=TOLERANCE, thro
     if method == "shooting" and (pieces := _pieces(system)) > 1:
         fine = solve_static(_refined(system, pieces), method=method, tolerance=tolerance, throw=throw)
         return replace(fine, system=system, y=fine.y[:, ::pieces], r=fine.r[:, ::pieces])
-    x, iterations, steps = _Statics(system).catenary(), 0, ()
-    reached, rise = 0.0, 1.0
-    while reached < 1.0 and rise >= _SMALLEST_RISE:
-        share = min(1.0, reached + rise)
-        trial, steps, converged = _Statics(_eased(system, x, share)).newton(x, tolerance)
-        iterations += len(steps)
-        if converged:
-            x, reached, rise = trial, share, 2 * rise
-        else:
-            rise /= 2
     statics, left = _Statics(system), None
-    if method == "shooting" and reached == 1.0:
+    solve = lambda load_factor, x: _Statics(_eased(system, x, load_factor)).newton(x, tolerance)
+    x, reached, iterations, steps = continue_in_load(solve, statics.catenary(), min_step=MIN_LOAD_STEP)
+    converged = reached == 1.0
+    if method == "shooting" and converged:
         x, left, steps, converged = shoot(system, statics.full(x), tolerance)
         iterations += len(steps)
     left = abs(statics.residual(x)).max() if left is None else left
     status, y = Status.SUCCESS, statics.full(x)
-    if reached < 1.0 or not converged:
+    if not converged:
         status = Status.NO_EQUILIBRIUM_FOUND
     elif (invalid := system.invalid(y)) is not None:
         status = invalid[0]

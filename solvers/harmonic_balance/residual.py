@@ -16,14 +16,14 @@ from ..numerics.lu.bordered import BlockChain
 from .blocks import Blocks
 from .krylov import HarmonicKrylov
 
-_SINGLE = 48  # unknowns of a node from which on single precision saves more than its check costs
-_PART = 32  # cells whose blocks exist at once, beside the factors
-_REFINED = 1e-2  # size of a refinement beside its solution above which single precision does not do
-_SYMMETRIC = 1e-9  # share of the rows that may be left where a symmetry says zero
+SINGLE_PRECISION_FROM = 48  # unknowns of a node from which on single precision saves more than its check costs
+CELLS_AT_ONCE = 32  # cells whose blocks exist at once, beside the factors
+MAX_REFINEMENT = 1e-2  # size of a refinement beside its solution above which single precision does not do
+SYMMETRY_TOLERANCE = 1e-9  # share of the rows that may be left where a symmetry says zero
 _NONE = np.empty(0, int)
 
 
-def mirror_of(system, basis):
+def find_mirror(system, basis):
     """Signs of the chain's mirror if its rows at a random state and at the image of it half a period later agree.
 
     At every sample, each with a state of its own: a few would miss a short push. None where they do not agree, or where
@@ -40,12 +40,12 @@ def mirror_of(system, basis):
     for part, sign in zip((system.start, system.between, system.end), signs, strict=True):
         here, there = part(y, ydot, t, False).value, part(turn * y, turn * ydot, t + half, False).value
         turned = (np.array(sign) * here.T).T
-        if not abs(turned - there).max(initial=0) <= _SYMMETRIC * abs(here).max(initial=0):
+        if not abs(turned - there).max(initial=0) <= SYMMETRY_TOLERANCE * abs(here).max(initial=0):
             return None
     return mirror
 
 
-class Balance:
+class HarmonicResidual:
     """The rows (63) of a chain for the coefficients z, as a vector for Newton's method, and its Jacobian (72)-(74).
 
     x (N, n): the active coefficients of a node, field after field. Where a mirror maps the chain onto itself half a
@@ -53,7 +53,7 @@ class Balance:
     """
 
     def __init__(self, system, basis, mirror=None, iterative=False):
-        """mirror: signs as ``mirror_of`` gives them; iterative: GMRES in place of blocks."""
+        """mirror: signs as ``find_mirror`` gives them; iterative: GMRES in place of blocks."""
         self.iterative, self.symmetric = iterative, mirror is not None
         self.system, self.basis, self.rest = system, basis, system.rest()
         fields, start, cells, end = mirror or (None,) * 4
@@ -63,11 +63,11 @@ class Balance:
         self.end_rows = self._active(end, n_f - first)
         drift = system.drift(self.rest, 0.0) if basis.mean else None
         self.drifting = 0 if drift is None else len(drift)
-        self.closed = []  # components of the drift whose mean is in place of that of an end row
+        self.mean_constraints = []  # components of the drift whose mean is in place of that of an end row
         if drift is not None:
             offset = n_f - first - len(drift)
-            self.closed = [d for d in range(len(drift)) if 0 in self.end_rows[offset + d]]
-            for d in self.closed:
+            self.mean_constraints = [d for d in range(len(drift)) if 0 in self.end_rows[offset + d]]
+            for d in self.mean_constraints:
                 self.end_rows[offset + d] = self.end_rows[offset + d][1:]
         self.blocks = Blocks(basis, self.columns)
         self.n = sum(map(len, self.columns))
@@ -87,19 +87,22 @@ class Balance:
         places = np.concatenate([_NONE, *(c + f * self.basis.harmonic.size for f, c in enumerate(active))])
         return slice(None) if places.size == len(active) * self.basis.harmonic.size else places
 
-    def holds_start(self, z) -> bool:
-        """Whether a start has the symmetry: one that breaks it wants a response that does."""
-        return bool(abs(self.unpack(self.pack(z)) - z).max() <= _SYMMETRIC * abs(z).max())
+    def start_is_symmetric(self, z) -> bool:
+        """True if the start has the symmetry; otherwise symmetry is not used."""
+        return bool(abs(self.unpack(self.pack(z)) - z).max() <= SYMMETRY_TOLERANCE * abs(z).max())
 
-    def holds(self, x) -> bool:
-        """Whether the solution meets the rows that the symmetry left out, too: it found them zero, not assumed."""
+    def satisfies_omitted_rows(self, z) -> bool:
+        """True if the solution also satisfies the rows that the symmetry leaves out: they are checked, not assumed."""
+        if not self.symmetric:
+            return True
+        x = self.pack(z)
         rows, state = self.rows(x, False)
-        every = Balance(self.system, self.basis)._sampled(rows, state)
+        every = HarmonicResidual(self.system, self.basis)._sampled(rows, state)
         left, size = abs(self._sampled(rows, state)).max(), abs(self.residual(0 * x)).max()
-        return bool(abs(every).max() <= 2 * left + _SYMMETRIC * size)
+        return bool(abs(every).max() <= 2 * left + SYMMETRY_TOLERANCE * size)
 
-    def of(self, system) -> Balance:
-        """The same rows of another system with the same fields, nodes and symmetry."""
+    def with_system(self, system) -> HarmonicResidual:
+        """Return the same rows of another system with the same fields, nodes and symmetry."""
         other = copy.copy(self)
         other.system = system
         return other
@@ -131,21 +134,21 @@ class Balance:
         return self._sampled(*self.rows(x, False))
 
     def _sampled(self, rows, state):
-        drift = self.system.drift(state[0], state[2]) if self.closed else None
+        drift = self.system.drift(state[0], state[2]) if self.mean_constraints else None
         return self.vector(*(part.value for part in rows), drift)
 
     def vector(self, start, cells, end, drift) -> np.ndarray:
         """Active coefficients of sampled rows (n_r, *, Nt) and of the drift as one vector."""
         start, cells, end = start @ self.basis.P, cells @ self.basis.P, end @ self.basis.P
         middle = cells.swapaxes(0, 1).reshape(cells.shape[1], len(cells) * cells.shape[2])[:, self.of_cell]
-        means = drift[self.closed] @ self.basis.P[:, 0] if self.closed else ()
+        means = drift[self.mean_constraints] @ self.basis.P[:, 0] if self.mean_constraints else ()
         return np.concatenate([start.ravel()[self.of_start], middle.ravel(), end.ravel()[self.of_end], means])
 
     def coefficients(self, F):
         """The way back from ``vector``: start, cells, end rows (n_r, *, C) and the drift's means; elsewhere zeros."""
         start, cells, end, means = self._split(F)
         drift, parts = np.zeros(self.drifting), []
-        drift[self.closed] = means
+        drift[self.mean_constraints] = means
         for part, active, of in (
             (start[None], self.start_rows, self.of_start),
             (cells, self.cell_rows, self.of_cell),
@@ -166,19 +169,19 @@ class Balance:
             factors = HarmonicKrylov(self, rows, state)
             return F, None if factors.singular else factors.solve
         slope = self.slope(state)
-        if self.n >= _SINGLE:
-            factors = BlockChain(*self.jacobian(rows, slope, _PART, np.float32))
+        if self.n >= SINGLE_PRECISION_FROM:
+            factors = BlockChain(*self.jacobian(rows, slope, CELLS_AT_ONCE, np.float32))
             solve = lambda F: factors.solve(*self._split(F))
             step = solve(F)
             more = solve(F - self.product(rows, slope, step))
-            if not factors.singular and abs(more).mean() <= _REFINED * abs(step).mean():
+            if not factors.singular and abs(more).mean() <= MAX_REFINEMENT * abs(step).mean():
                 return F, lambda right: step + more if right is F else solve(right)
-        factors = BlockChain(*self.jacobian(rows, slope, _PART, float))
+        factors = BlockChain(*self.jacobian(rows, slope, CELLS_AT_ONCE, float))
         return F, None if factors.singular else lambda F: factors.solve(*self._split(F))
 
     def slope(self, state):
         """d(drift)/dy at the samples, (n_d, n_f, N, Nt), or None where no mean is closed with it."""
-        return self.system.drift_tangent(state[0]) if self.closed else None
+        return self.system.drift_tangent(state[0]) if self.mean_constraints else None
 
     def product(self, rows, slope, x) -> np.ndarray:
         """The Jacobian at sampled rows times x (N, n), as a vector of rows."""
@@ -204,15 +207,15 @@ class Balance:
             between() if part is None else (between(i, i + part) for i in range(0, nodes - 1, part)),
             self.blocks(end.y[:, :, None], end.ydot[:, :, None], last, precision)[0],
         )
-        if not self.closed:
+        if not self.mean_constraints:
             return *blocks, np.zeros((0, nodes, self.n), precision)
-        mean = slope[self.closed] @ (self.basis.P[:, :1] * self.basis.Q)  # (k, n_f, N, C)
-        mean = np.swapaxes(mean, 1, 2).reshape(len(self.closed), nodes, -1)
+        mean = slope[self.mean_constraints] @ (self.basis.P[:, :1] * self.basis.Q)  # (k, n_f, N, C)
+        mean = np.swapaxes(mean, 1, 2).reshape(len(self.mean_constraints), nodes, -1)
         return *blocks, mean[..., self.of_node].astype(precision)
 
     def _split(self, F):
         """Parts of a right-hand side as BlockChain takes them."""
         first, nodes = sum(map(len, self.start_rows)), self.rest.shape[1]
         middle = first + (nodes - 1) * self.n
-        last = F.size - len(self.closed)
+        last = F.size - len(self.mean_constraints)
         return F[:first], F[first:middle].reshape(nodes - 1, self.n), F[middle:last], F[last:]

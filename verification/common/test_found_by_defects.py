@@ -27,7 +27,7 @@ from solvers import (
     solve_time_domain,
 )
 from solvers.common.response import Response
-from solvers.harmonic_balance.residual import Balance
+from solvers.harmonic_balance.residual import HarmonicResidual
 from solvers.network import jacobian as network_jacobian
 from solvers.network.nested import Count, solve_sparse
 from solvers.numerics import newton
@@ -284,7 +284,7 @@ def test_a_start_without_the_constant_is_its_own():
 def test_blocks_in_parts_are_all_blocks(nodes):
     """Made in parts of 64 cells, the blocks of a chain are those made at once, whatever is left for the last part."""
     chain = cubic_chain(nodes)
-    balance = Balance(chain, Basis(1, 4, 0.4, True))
+    balance = HarmonicResidual(chain, Basis(1, 4, 0.4, True))
     x = np.random.default_rng(4).normal(size=(nodes, balance.n))
     rows, state = balance.rows(x, True)
     whole = balance.jacobian(rows, balance.slope(state))[1]

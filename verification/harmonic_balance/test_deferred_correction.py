@@ -18,7 +18,7 @@ from solvers.cable.midpoint_stencils import stencils
 from solvers.cable.statics import solve_static
 from solvers.cable.system import cable_system
 from solvers.common.outcome import ConvergenceError, InputError, Status
-from solvers.harmonic_balance import solve as harmonic_balance
+from solvers.harmonic_balance.residual import HarmonicResidual
 from solvers.harmonic_balance.solve import solve_periodic
 
 from ..cable.problems import LENGTH, TERMS, Manufactured, graded, planted, sign_faults
@@ -261,7 +261,7 @@ def test_where_the_steps_grow_it_is_refused():
 def test_a_step_that_is_not_finite_is_no_correction(monkeypatch):
     """GMRES that gives up leaves no numbers: the response says so."""
     chain = cable_system(scene(1), 13)
-    monkeypatch.setattr(harmonic_balance.Balance, "of", lambda self, system: Lost(self))
+    monkeypatch.setattr(HarmonicResidual, "with_system", lambda self, system: Lost(self))
     response = solve_periodic(chain, harmonics=3, deferred_correction=True, throw=False)
     assert response.status is Status.NOT_CORRECTED and np.isfinite(response.z).all()
 
@@ -349,8 +349,8 @@ def test_a_failed_response_is_not_corrected():
 
 # ---------------------------------------------------------------- planted faults
 def wrong_sign(monkeypatch):
-    true = harmonic_balance.Balance.of
-    monkeypatch.setattr(harmonic_balance.Balance, "of", lambda self, c: Opposite(true(self, c)))
+    true = HarmonicResidual.with_system
+    monkeypatch.setattr(HarmonicResidual, "with_system", lambda self, c: Opposite(true(self, c)))
 
 
 class Opposite:

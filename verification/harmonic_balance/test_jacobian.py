@@ -22,7 +22,7 @@ from solvers.harmonic_balance import blocks as harmonic_blocks
 from solvers.harmonic_balance import residual as harmonic_rows
 from solvers.harmonic_balance.blocks import Blocks
 from solvers.harmonic_balance.krylov import HarmonicKrylov
-from solvers.harmonic_balance.residual import Balance, mirror_of
+from solvers.harmonic_balance.residual import HarmonicResidual, find_mirror
 from solvers.numerics.fourier import Basis
 
 from ..cable.problems import planted
@@ -206,10 +206,10 @@ SPREAD = {"eps": 2e-3, "u": 0.5, "v": 0.5, "w": 0.5, "phi": 0.1, "theta": 0.1, "
 
 
 def random_balance(name, setting, seed=0):
-    """(Balance, x): random coefficients of a size at which every term counts."""
+    """(HarmonicResidual, x): random coefficients of a size at which every term counts."""
     system = chain_of(name)
     basis = setting.basis(system.period)
-    balance = Balance(system, basis, mirror_of(system, basis) if "symmetric" in name else None)
+    balance = HarmonicResidual(system, basis, find_mirror(system, basis) if "symmetric" in name else None)
     rng = np.random.default_rng(seed)
     spread = np.array([SPREAD.get(field, 1.0) for field in system.fields]) / setting.harmonics
     z = spread[:, None, None] * rng.uniform(-1, 1, (len(spread), system.nodes, balance.basis.harmonic.size))
@@ -241,8 +241,8 @@ def truth(balance, setting, x, complex_step=True):
     end = coefficients_of(system.end(y, ydot, t, False).value, balance.end_rows)
     parts = [np.moveaxis(p, -2, -1) for p in (start[1], *cells[1], end[1])] if complex_step else []
     value = [start[0][0], cells[0][:, 0].ravel(), end[0][0]]
-    if balance.closed:
-        drift = coefficients_of(system.drift(y, t)[balance.closed], [[0]] * len(balance.closed))
+    if balance.mean_constraints:
+        drift = coefficients_of(system.drift(y, t)[balance.mean_constraints], [[0]] * len(balance.mean_constraints))
         parts.append(drift[1].T)
         value.append(drift[0][0])
     return (np.concatenate(parts) if parts else None), np.concatenate(value)
@@ -259,7 +259,7 @@ def assembled(balance, x):
 
 def block_errors(balance, got, wanted) -> np.ndarray:
     """Largest difference in each block of one row and one field over its largest entry; inf where that is zero."""
-    nodes, closed = balance.system.nodes, [[0]] * len(balance.closed)
+    nodes, closed = balance.system.nodes, [[0]] * len(balance.mean_constraints)
     rows = _starts([*balance.start_rows, *(balance.cell_rows * (nodes - 1)), *balance.end_rows, *closed])
     columns = _starts(balance.columns * nodes)
     error, size = (_block_maxima(part, rows, columns) for part in (abs(got - wanted), abs(wanted)))
@@ -319,7 +319,7 @@ def _spread(balance):
 @each_chain
 def test_newton_steps_solve_the_complex_step_jacobian(name, single, monkeypatch):
     """The step that linearise gives meets J dx = F as well as LAPACK does on the whole matrix, in both precisions."""
-    monkeypatch.setattr(harmonic_rows, "_SINGLE", single)
+    monkeypatch.setattr(harmonic_rows, "SINGLE_PRECISION_FROM", single)
     setting = SETTINGS[2]
     balance, x = random_balance(name, setting)
     F, solve = balance.linearise(x)
@@ -370,7 +370,7 @@ def test_symmetric_blocks_are_part_of_all_blocks(name):
     """At a symmetric state the rows and columns that symmetry leaves out are coupled to no others."""
     setting = SETTINGS[2]
     balance, x = random_balance(name, setting)
-    full = Balance(balance.system, balance.basis)
+    full = HarmonicResidual(balance.system, balance.basis)
     J = assembled(full, full.pack(balance.unpack(x)))
     every = np.arange(full.basis.harmonic.size)
     kept = np.tile(np.concatenate([np.isin(every, active) for active in balance.columns]), full.system.nodes)
@@ -487,9 +487,9 @@ def plants(balance, x):
             tangent = getattr(found, kind)
             entries = tangent.any(axis=tuple(range(3 if part == "between" else 2, tangent.ndim)))
             yield from ((part, kind, tuple(entry)) for entry in np.argwhere(entries))
-    if balance.closed:
+    if balance.mean_constraints:
         used = np.argwhere(balance.system.drift_tangent(state[0]).any(axis=(2, 3)))
-        yield from (("drift_tangent", "", tuple(entry)) for entry in used if entry[0] in balance.closed)
+        yield from (("drift_tangent", "", tuple(entry)) for entry in used if entry[0] in balance.mean_constraints)
 
 
 @pytest.mark.parametrize("name", ["in its plane, all loads", "in space, all loads", "sway, symmetric", "masses, towed"])

@@ -15,7 +15,7 @@ import pytest
 
 from solvers import ConvergenceError, InputError, Status
 from solvers.harmonic_balance import solve as harmonic_balance
-from solvers.harmonic_balance.residual import mirror_of
+from solvers.harmonic_balance.residual import find_mirror
 from solvers.numerics.chain import Rows
 from solvers.numerics.fourier import Basis
 from solvers.time_domain.solve import solve_time_domain
@@ -404,15 +404,15 @@ def test_a_short_push_is_no_symmetry(samples):
     """A push as long as a sample lasts is not missed, wherever in the period it comes."""
     basis = Basis(9, samples, 0.9, True)
     chain = duffing(0.9, 0.4)
-    assert mirror_of(chain, basis) is not None
+    assert find_mirror(chain, basis) is not None
     for middle in basis.times:
         push = lambda t, at=middle: np.exp((np.cos(0.9 * (t - at)) - 1) / (0.9 * basis.times[1]) ** 2)
-        assert mirror_of(replace(chain, force=lambda t, push=push: chain.force(t) + push(t)), basis) is None
+        assert find_mirror(replace(chain, force=lambda t, push=push: chain.force(t) + push(t)), basis) is None
 
 
 def test_symmetry_is_looked_at_again_in_the_solution(monkeypatch):
     """A mirror that passed by mistake is noticed by the rows that it left out."""
-    monkeypatch.setattr(harmonic_balance, "mirror_of", lambda system, basis: system.mirror())
+    monkeypatch.setattr(harmonic_balance, "find_mirror", lambda system, basis: system.mirror())
     chain = replace(duffing(0.9, 0.4, 0.1, 1.0, 0.1, k2=0.3), odd=True)
     response = solve_periodic(chain, harmonics=9)
     assert not response.symmetric

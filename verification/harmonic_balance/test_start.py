@@ -23,8 +23,8 @@ from solvers import Motion, Status
 from solvers.cable.statics import solve_static
 from solvers.cable.system import CableSystem, cable_system
 from solvers.harmonic_balance import residual as harmonic_rows
-from solvers.harmonic_balance import solve as harmonic_balance
-from solvers.harmonic_balance.residual import Balance
+from solvers.harmonic_balance import start
+from solvers.harmonic_balance.residual import HarmonicResidual
 from solvers.harmonic_balance.solve import solve_periodic
 from solvers.numerics import newton
 from solvers.numerics.fourier import Basis
@@ -61,7 +61,7 @@ def step_error() -> float:
     The problem is linear, so the step is the solution: a place of F / (k - omega^2 m).
     """
     chain = MassChain("detuned", 2 * math.pi, harmonic_force(1.0, 1.0), k=1.0 + DETUNED)
-    balance = Balance(chain, Basis(1, 8, 1.0, True))
+    balance = HarmonicResidual(chain, Basis(1, 8, 1.0, True))
     F, solve = balance.linearise(np.zeros((1, balance.n)))
     place = abs(balance.unpack(solve(F))[0]).max()
     return abs(place * DETUNED - 1)
@@ -69,9 +69,9 @@ def step_error() -> float:
 
 def test_double_precision_where_single_does_not_do(monkeypatch):
     """Single precision cannot tell the frequencies apart; that is seen, and the step is right all the same."""
-    monkeypatch.setattr(harmonic_rows, "_SINGLE", 0)  # or a chain as small as this one is never in single precision
+    monkeypatch.setattr(harmonic_rows, "SINGLE_PRECISION_FROM", 0)  # or a chain as small as this one is never in single precision
     assert step_error() < NEAR_RESONANCE
-    monkeypatch.setattr(harmonic_rows, "_REFINED", np.inf)
+    monkeypatch.setattr(harmonic_rows, "MAX_REFINEMENT", np.inf)
     assert not step_error() < NEAR_RESONANCE
 
 
@@ -162,7 +162,7 @@ def test_coefficients_are_carried_by_cubic_splines():
 @pytest.mark.parametrize("coarsest, harmonics", [(0, 3), (0, 60), (1, 3), (2, 9), (2, 24), (6, 60), (6, 2)])
 def test_levels_grow_to_all(coarsest, harmonics):
     """Nodes and harmonics never fall; with coarser chains the last level has all harmonics and half the nodes."""
-    levels = harmonic_balance._levels(coarsest, 3, harmonics)
+    levels = start._levels(coarsest, 3, harmonics)
     assert all(0 <= coarse <= coarsest and 1 <= few <= harmonics for coarse, few in levels)
     assert levels == sorted(levels, key=lambda level: (-level[0], level[1]))
     assert (levels[-1] == (1, harmonics)) if coarsest else all(few < harmonics for _, few in levels)
@@ -204,7 +204,7 @@ def test_a_carried_start_saves_steps(monkeypatch):
 def test_damped_steps_follow_where_full_ones_fail(monkeypatch):
     """Without any full step the response is the same."""
     found = solve_periodic(system(3), harmonics=5)
-    monkeypatch.setattr(harmonic_balance, "_BOLD", 0)
+    monkeypatch.setattr(start, "MAX_UNDAMPED_STEPS", 0)
     again = solve_periodic(system(3), harmonics=5)
     assert largest(found.z - again.z) < 1e-8 * largest(found.z)  # two ways to (76) < 1e-10
 
