@@ -16,10 +16,10 @@ from ..common.outcome import InputError
 from ..common.properties import real_number
 from ..numerics.chain import BandedJacobian, stack
 from ..numerics.newton import adapted_relaxation
+from .drift_control import DRIFT_CONTROLS
 
 MAX_ITERATIONS = 30  # of one step; three or four with a new Jacobian, some more with an old one
-_STALE = 0.03  # contraction above which a new factorisation is cheaper than more iterations with the old one
-_RETURN = 2  # steps (or periods) in which an offset is taken back: the loop's spectral radius is then 1/2
+MAX_CONTRACTION = 0.03  # contraction above which a new factorisation is cheaper than more iterations with the old one
 
 
 @dataclass(frozen=True)
@@ -63,64 +63,6 @@ class Scheme:
         return float(roots[np.argmin(abs(roots - math.exp(z)))].real - math.exp(z)) / z**3
 
 
-class PositionHold:
-    """Velocity that keeps the last node where it is prescribed: it undoes the offset and the rate at which it grows.
-
-    The rows of the end see velocities only; what space and time discretisation make of their integral is the drift.
-    dt: the longest step, s. The velocity grows evenly from what it was to what the last offset asks for, over an
-    interval no shorter than the chain takes to answer: a jump would shake what it corrects. A coarse chain follows so
-    badly that a full correction would feed its waves: gain is the share that is safe.
-    """
-
-    def __init__(self, system, dt):
-        self.system, self.interval, self.gain = system, max(dt, system.answer()), system.hold_gain()
-        self.t, self.offset, self.rate = 0.0, None, 0.0
-        self.correction = self.before = 0.0  # at the end and at the start of the interval last passed
-
-    def __call__(self, y, t, h) -> np.ndarray:
-        """Correction (n_d,) of the velocity at t + h, m/s; the same when a step is tried again from t."""
-        if t >= self.t + self.interval - 0.5 * h or self.offset is None:
-            self.correction = self._grown(t)  # an interval may end a little early or late
-            self.learn(self.system.drift(y, t), t - self.t)
-            self.t = t
-        return self._grown(t + h)
-
-    def _grown(self, t):
-        return self.before + min(1.0, (t - self.t) / self.interval) * (self.correction - self.before)
-
-    def learn(self, offset, elapsed):
-        """Find the rate at which the offset grows by itself from its change over the time elapsed, and correct both."""
-        if self.offset is not None:
-            rate = (offset - self.offset) / elapsed - (self.correction + self.before) / 2
-            self.rate = self.rate + self.gain * (rate - self.rate)
-        self.before, self.offset = self.correction, offset
-        self.correction = -self.rate - self.gain * (offset / (_RETURN * self.interval))
-
-
-class MeanHold(PositionHold):
-    """The same for the mean over a period, as ``solve_periodic`` closes it: the velocity changes once a period.
-
-    Within a period the end moves as the rows of the chain say, so this is the time integration of the same equations.
-    """
-
-    def __init__(self, system, dt):
-        super().__init__(system, system.period)
-        self.gain = 1.0  # the mean over a period does not see waves
-        self.sum, self.ends = 0.0, system.period
-
-    def __call__(self, y, t, h) -> np.ndarray:
-        """As PositionHold."""
-        if t > self.t:
-            self.sum, self.t = self.sum + (t - self.t) * self.system.drift(y, t), t
-        if t >= self.ends - 0.5 * h:
-            self.learn(self.sum / self.interval, self.interval)
-            self.sum, self.ends = 0.0, self.ends + self.interval
-        return self.correction
-
-
-HOLDS = {"position": PositionHold, "mean": MeanHold, None: None}
-
-
 class Stepper:
     """Steps of a chain; keeps the factorised Jacobian from step to step and counts the work.
 
@@ -134,18 +76,19 @@ class Stepper:
         self.error, self._size = 0.0, np.zeros((len(system.fields), system.nodes))
         y, t = system.rest(), 0.0
         self.constraints = tuple(not rows(y, 0 * y, t).ydot.any() for rows in (system.start, system.end))
-        self.hold = HOLDS[hold](system, dt) if hold and system.drift(y, t) is not None else None
+        self.drift_control = DRIFT_CONTROLS[hold](system, dt) if hold and system.drift(y, t) is not None else None
         self._factorised_for = None
 
     def step(self, y, ydot, t, h, predicted):
         """(y, ydot) at t + h, or None when Newton's method fails; predicted: a guess of the new ydot."""
         m, f, g = self.scheme.alpha_m, self.scheme.alpha_f, self.scheme.gamma
-        held = {"correction": self.hold(y, t, h)} if self.hold else {}
-        rate, carried = 1 / (g * h), (1 - g) / g * ydot
+        correction = {"correction": self.drift_control(y, t, h)} if self.drift_control else {}
+        rate, old_rate = 1 / (g * h), (1 - g) / g * ydot
         new = y + h * ((1 - g) * ydot + g * predicted)
-        last, relaxation = math.inf, 1.0
+        last_error, relaxation = math.inf, 1.0
+        # Newton's loop of its own: factors are kept from step to step, and a step must not cost more than its rows
         for _ in range(MAX_ITERATIONS):
-            new_dot = rate * (new - y) - carried
+            new_dot = rate * (new - y) - old_rate
             tangents = self._factorised_for != h
             ahead = (new, new_dot, t + h)
             between = (y + f * (new - y), ydot + m * (new_dot - ydot), t + f * h)
@@ -153,7 +96,7 @@ class Stepper:
             rows = (
                 self.system.start(*first, tangents),
                 self.system.between(*between, tangents),
-                self.system.end(*final, tangents, **held),
+                self.system.end(*final, tangents, **correction),
             )
             F = stack(*rows)
             self.iterations += 1
@@ -167,13 +110,13 @@ class Stepper:
             new = new - relaxation * dy
             self.error = error
             if error <= self.tolerance and relaxation == 1.0:
-                return new, rate * (new - y) - carried
+                return new, rate * (new - y) - old_rate
             self._size = size
-            if error > _STALE * last:
+            if error > MAX_CONTRACTION * last_error:
                 if tangents:
-                    relaxation = adapted_relaxation(relaxation, error, last)
+                    relaxation = adapted_relaxation(relaxation, error, last_error)
                 self._factorised_for = None
-            last = error
+            last_error = error
         return self._failed()
 
     def _factorise(self, rows, h, rate) -> bool:
@@ -193,5 +136,5 @@ class Stepper:
     def initial_rate(self, y, h):
         """ydot of a state that starts to move: one step of backward Euler, so short (h, s) that y stays."""
         euler = Stepper(self.system, Scheme.backward_euler(), self.tolerance, None, h)
-        found = euler.step(y, np.zeros_like(y), 0.0, h, np.zeros_like(y))
-        return None if found is None else found[1]
+        result = euler.step(y, np.zeros_like(y), 0.0, h, np.zeros_like(y))
+        return None if result is None else result[1]

@@ -13,13 +13,12 @@ from ..common.outcome import InputError, Outcome, Status
 from ..common.properties import flags, one_of, positive_number, real_array, real_number
 from ..common.response import Response
 from ..numerics.chain import ChainSystem
-from .generalized_alpha import HOLDS, Scheme, Stepper
+from .drift_control import DRIFT_CONTROLS
+from .generalized_alpha import Scheme, Stepper
+from .step_control import StepControl
 
-_GROWTH, _SHRINK, _SAFETY = 2.0, 0.2, 0.9  # of an error-controlled step
-_FIRST_STEP = 2.0**-10  # share of dt with which the step control starts, for the first step has no error estimate
-_SMALLEST_STEP = 1e-6  # share of dt below which the step control gives up
-_LAST = 1e-12  # share of the duration that rounding may leave
-_MOST_STEPS = 1e9  # a day of work for the shortest chain
+_ROUNDING = 1e-12  # of the duration, that rounding may leave
+MAX_STEPS = 1e9  # a day of work for the shortest chain
 
 
 @dataclass(frozen=True)
@@ -49,7 +48,7 @@ class TimeHistory(Response, Outcome):
     def last_period(self) -> tuple[float, float]:
         """Start of the last whole period that is stored, and the period, s. Raises InputError without one."""
         period = self.system.period
-        if period is None or self.time[-1] - self.time[0] < period * (1 - _LAST):
+        if period is None or self.time[-1] - self.time[0] < period * (1 - _ROUNDING):
             raise InputError(f"time: {self.time[-1] - self.time[0]:g} s are stored, no whole period ({period} s)")
         return max(self.time[0], self.time[-1] - period), period
 
@@ -73,7 +72,7 @@ class TimeHistory(Response, Outcome):
     def _cubic(self, t, order):
         """Hermite's cubic through y and ydot, or its first derivative."""
         t, time = np.asarray(t, dtype=float), self.time
-        slack = _LAST * time[-1]
+        slack = _ROUNDING * time[-1]
         inside = (t >= time[0] - slack) & (t <= time[-1] + slack)
         if not np.all(inside):
             raise InputError(f"t: {t[~inside].flat[0]:g} s is outside the history, {time[0]:g} to {time[-1]:g} s")
@@ -127,8 +126,8 @@ def solve_time_domain(
     dt, tolerance = positive_number("dt", dt, "s"), positive_number("tolerance", tolerance, "(mean change of a state)")
     if dt > end:
         raise InputError(f"dt: {dt:g} s must not exceed the duration (or periods), {end:g} s")
-    if end / _MOST_STEPS > dt:
-        raise InputError(f"dt: {dt:g} s makes more than {_MOST_STEPS:g} steps of the duration (or periods), {end:g} s")
+    if end / MAX_STEPS > dt:
+        raise InputError(f"dt: {dt:g} s makes more than {MAX_STEPS:g} steps of the duration (or periods), {end:g} s")
     if step_tolerance is not None:
         step_tolerance = positive_number("step_tolerance", step_tolerance, "(dimensionless)")
     if isinstance(every, bool) or not isinstance(every, (int, np.integer)) or every < 1:
@@ -139,13 +138,13 @@ def solve_time_domain(
         raise InputError(f"progress: {progress!r} must be a function of time (s), or None")
     ramp = _ramp(system, ramp, start)
     moving = system.ramped(ramp) if ramp else system
-    stepper = Stepper(moving, scheme, tolerance, _hold(system, hold), dt)
-    y, ydot = _start(system, start)
+    stepper = Stepper(moving, scheme, tolerance, _checked_hold(system, hold), dt)
+    y, ydot = _start_state(system, start)
     with np.errstate(all="ignore"):  # a Newton step that diverges is found by its size
         if ydot is None:
             ydot = stepper.initial_rate(y, 1e-3 * dt)
         run = _Run(stepper, y, ydot, end, dt, step_tolerance, every)
-        while run.go_on(allow_invalid):
+        while run.continues(allow_invalid):
             run.step()
             if progress is not None:
                 progress(run.t)
@@ -160,71 +159,52 @@ class _Run:
     """The state of an integration: step by step, with a fixed or an error-controlled step."""
 
     def __init__(self, stepper, y, ydot, end, dt, step_tolerance, every):
-        self.stepper, self.end, self.every, self.step_tolerance = stepper, end, every, step_tolerance
-        self.count = math.ceil(end / dt * (1 - _LAST))  # of fixed steps
-        self.dt = end / self.count if step_tolerance is None else dt
+        self.stepper, self.end, self.every = stepper, end, every
+        self.count = math.ceil(end / dt * (1 - _ROUNDING))  # of fixed steps
+        self.control = None
+        if step_tolerance is not None:
+            self.control = StepControl(stepper.system, dt, step_tolerance, stepper.scheme.error_constant())
         self.t, self.y, self.ydot = 0.0, y, ydot
-        self.h = self.dt if step_tolerance is None else _FIRST_STEP * self.dt
-        self.before = None  # (step, ydot at its start)
-        self.size = stepper.system.scale()[:, None] if step_tolerance is not None else None  # largest values so far
+        self.previous = None  # (length of the step before, ydot at its start)
         self.record, self.steps, self.rejected = [(0.0, y, ydot)], 0, 0
         self.status, self.event = Status.SUCCESS, None
-        self.constant = stepper.scheme.error_constant()
         if ydot is None:
             self.ydot, self.record = np.zeros_like(y), [(0.0, y, np.zeros_like(y))]
             self.status, self.event = Status.STEP_FAILED, (0.0, stepper.worst)
 
-    def go_on(self, allow_invalid) -> bool:
+    def continues(self, allow_invalid) -> bool:
+        """True until the end of the history, a step that failed, or a state that is invalid and not allowed."""
         ended = self.status is Status.STEP_FAILED or (self.event is not None and not allow_invalid)
-        return not ended and self.t < self.end * (1 - _LAST)
+        return not ended and self.t < self.end * (1 - _ROUNDING)
 
     def step(self):
-        h = self.h if self.step_tolerance is None else min(self.h, self.end - self.t)
+        """Take one step, or reject it and shorten the next; sets the status where neither can be done."""
+        control = self.control
+        h = self.end / self.count if control is None else min(control.h, self.end - self.t)
         predicted = self.ydot
-        if self.before is not None:
-            predicted = self.ydot + h / self.before[0] * (self.ydot - self.before[1])
-        found = self.stepper.step(self.y, self.ydot, self.t, h, predicted)
-        if found is None and self.before is not None:  # the prediction may be what failed
-            found = self.stepper.step(self.y, self.ydot, self.t, h, self.ydot)
-        fixed = self.step_tolerance is None
-        if not (found is not None if fixed else self._control(found, h, predicted)):
+        if self.previous is not None:
+            predicted = self.ydot + h / self.previous[0] * (self.ydot - self.previous[1])
+        new = self.stepper.step(self.y, self.ydot, self.t, h, predicted)
+        if new is None and self.previous is not None:  # the prediction may be what failed
+            new = self.stepper.step(self.y, self.ydot, self.t, h, self.ydot)
+        accepted = control is None or control.accept(new, h, self.y, self.ydot, predicted, self.previous)
+        if new is None or not accepted:
             self.rejected += 1
-            if fixed or self.h < _SMALLEST_STEP * self.dt:
+            if control is None or control.gave_up:
                 self.status, self.event = Status.STEP_FAILED, (self.t + h, self.stepper.worst)
             return
-        self.before = (h, self.ydot)
+        self.previous = (h, self.ydot)
         self.steps += 1
-        self.t = self.end * self.steps / self.count if fixed else self.t + h
-        self.y, self.ydot = found
+        self.t = self.end * self.steps / self.count if control is None else self.t + h
+        self.y, self.ydot = new
         if self.steps % self.every == 0:
-            self.record.append((self.t, *found))
+            self.record.append((self.t, *new))
         invalid = None if self.event is not None else self.stepper.system.invalid(self.y)
         if invalid is not None:
             self.status, self.event = invalid[0], (self.t, invalid[1])
 
-    def _control(self, found, h, predicted) -> bool:
-        """Whether the step is accurate enough, by Milne's device with Adams-Bashforth 2; sets the next step."""
-        if found is None:
-            self.h = _SHRINK * h
-            return False
-        size = np.maximum(self.size, abs(found[0]).max(axis=1, keepdims=True))
-        if self.before is None:
-            share = 1.0  # nothing to compare with: keep the step
-        else:
-            explicit = self.y + h / 2 * (self.ydot + predicted)
-            ahead = (2 + 3 * self.before[0] / h) / 12 + self.constant
-            error = abs(self.constant / ahead * (found[0] - explicit)) / size
-            share = float(np.sqrt((error**2).mean(axis=1)).max()) / self.step_tolerance
-        factor = min(max(_SAFETY * share ** (-1 / 3), _SHRINK), _GROWTH) if share > 0 else _GROWTH
-        if not 0.8 < factor < 1.2:  # a new step costs a factorisation
-            self.h = min(factor * h, self.dt)
-        if share > 1:
-            self.h = min(self.h, _SAFETY * h)
-            return False
-        self.size = size
-        return True
-
     def history(self, system, hold) -> TimeHistory:
+        """Return what was recorded."""
         if self.record[-1][0] != self.t:
             self.record.append((self.t, self.y, self.ydot))
         time, y, ydot = zip(*self.record, strict=True)
@@ -260,14 +240,14 @@ def _scheme(scheme, rho_inf) -> Scheme:
     return Scheme.from_spectral_radius(rho_inf) if scheme is None else scheme
 
 
-def _hold(system, hold):
-    one_of("hold", hold, HOLDS)
+def _checked_hold(system, hold):
+    one_of("hold", hold, DRIFT_CONTROLS)
     if hold == "mean" and system.period is None:
         raise InputError("hold: 'mean' takes a motion with a period; use 'position'")
     return hold
 
 
-def _start(system, start):
+def _start_state(system, start):
     """(y, ydot) from which to go on; ydot None: to be found."""
     shape = (len(system.fields), system.nodes)
     if start is None:

@@ -36,8 +36,9 @@ from solvers.numerics.fourier import Basis
 from solvers.numerics.lu.bordered import BlockChain
 from solvers.numerics.modes import natural_modes
 from solvers.numerics.newton import damped_newton
-from solvers.time_domain.generalized_alpha import PositionHold, Scheme, Stepper
-from solvers.time_domain.solve import _Run
+from solvers.time_domain.drift_control import PositionDriftControl
+from solvers.time_domain.generalized_alpha import Scheme, Stepper
+from solvers.time_domain.step_control import StepControl
 
 from ..cable.problems import graded, random_state, system
 from ..cases.cables import OC3, SURGE_5, CableCase
@@ -179,7 +180,7 @@ def test_tangents_times_a_state_are_the_change_of_the_rows():
 def test_a_hold_takes_an_offset_back():
     """An end that runs away by itself: the hold learns its rate; after twelve intervals 1 % of the offset is left."""
     offset, growth, before = np.array([1.0]), 0.3, np.zeros(1)
-    hold = PositionHold(SimpleNamespace(drift=lambda y, t: offset, answer=lambda: 0.0, hold_gain=lambda: 1.0), 1.0)
+    hold = PositionDriftControl(SimpleNamespace(drift=lambda y, t: offset, answer=lambda: 0.0, hold_gain=lambda: 1.0), 1.0)
     for k in range(12):
         correction = hold(None, float(k), 1.0)
         offset, before = offset + growth + (before + correction) / 2, correction
@@ -227,10 +228,10 @@ def test_the_next_step_is_that_of_its_error(share):
     predicted = 2 * exact(h)[1] - exact(0.0)[1]
     found = stepper.step(*exact(h), h, h, predicted)
     error = float((abs(found[0] - exact(2 * h)[0]) / size).max())
-    run = _Run(stepper, *exact(h), 10.0, h, share * error, 1)
-    run.before, run.size = (h, exact(0.0)[1]), size
-    assert not run._control(found, h, predicted)
-    assert run.h == pytest.approx(0.9 * h * share ** (1 / 3), rel=0.03)
+    control = StepControl(swing, h, share * error, stepper.scheme.error_constant())
+    control.size = size
+    assert not control.accept(found, h, *exact(h), predicted, (h, exact(0.0)[1]))
+    assert control.h == pytest.approx(0.9 * h * share ** (1 / 3), rel=0.03)
 
 
 def test_the_default_ramp_takes_half_a_period():
