@@ -212,10 +212,10 @@ def test_work_and_energy_of_a_swing_balance(case, fields):
 @pytest.mark.parametrize(
     ("module", "old", "new"),
     [
-        ("cable_planar", "a[0] = m * (v * phi_t - u_t)", "a[0] = m * (-v * phi_t - u_t)"),
-        ("cable_planar", "turning = m * u if", "turning = -m * u if"),
-        ("loads", "slope = -coefficient", "slope = -1.02 * coefficient"),
-        ("cable_planar", "F[3] += 2 * D[V] + S[U] * D_phi", "F[3] += 2 * D[V] + 0.9 * S[U] * D_phi"),
+        ("cable.planar", "a[0] = m * (v * phi_t - u_t)", "a[0] = m * (-v * phi_t - u_t)"),
+        ("cable.planar", "turning = m * u if", "turning = -m * u if"),
+        ("cable.loads", "slope = -coefficient", "slope = -1.02 * coefficient"),
+        ("cable.planar", "F[3] += 2 * D[V] + S[U] * D_phi", "F[3] += 2 * D[V] + 0.9 * S[U] * D_phi"),
     ],
 )
 def test_a_wrong_term_spoils_the_balance(module, old, new):

@@ -105,10 +105,10 @@ def test_complex_step_is_exact():
 
 
 STATICS_FAULTS = [
-    ("statics", "J[side, n:, :n] = -slope", "J[side, n:, :n] = slope"),
-    ("statics", "sign * 2 / system.ds", "sign / system.ds"),
-    ("statics", "J[:, :n, n] = cells.y[:, :n, -1]", "J[:, :n, n] = -cells.y[:, :n, -1]"),
-    ("loads", "np.where(touching, -stiffness, 0.0)", "np.where(touching, stiffness, 0.0)"),
+    ("cable.statics", "J[side, n:, :n] = -slope", "J[side, n:, :n] = slope"),
+    ("cable.statics", "sign * 2 / system.ds", "sign / system.ds"),
+    ("cable.statics", "J[:, :n, n] = cells.y[:, :n, -1]", "J[:, :n, n] = -cells.y[:, :n, -1]"),
+    ("cable.loads", "np.where(touching, -stiffness, 0.0)", "np.where(touching, stiffness, 0.0)"),
 ]
 
 

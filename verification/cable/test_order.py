@@ -232,7 +232,7 @@ def test_planted_signs_are_seen(deep):
 
 def test_no_fault_no_red():
     """The same checks pass on a copy of the solvers in which nothing is planted, and a text not found is refused."""
-    with planted("loads", "import numpy as np", "import numpy as np  # a comment") as copy:
+    with planted("cable.loads", "import numpy as np", "import numpy as np  # a comment") as copy:
         assert not red_checks(copy)
-    with pytest.raises(ValueError, match="not once"), planted("loads", "no such text", ""):
+    with pytest.raises(ValueError, match="not once"), planted("cable.loads", "no such text", ""):
         pass

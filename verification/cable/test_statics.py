@@ -210,10 +210,10 @@ MET = 1e-13  # of the length: a hundred cells sum to it
 
 @pytest.mark.parametrize("case", [OC3_SEABED, ACROSS, IN_PLANE], ids=lambda case: case.name)
 def test_shooting_agrees_with_the_truth(case):
-    """solve_static(method="shooting") has the truth's forces to nine digits, on any number of nodes."""
+    """solve_static(method="cable.shooting") has the truth's forces to nine digits, on any number of nodes."""
     truth = shot(case)
     for nodes in (11, 50):
-        state = solve_static(system(case, nodes), method="shooting")
+        state = solve_static(system(case, nodes), method="cable.shooting")
         assert state.fairlead_force == pytest.approx(truth.fairlead_force, rel=1e-9, abs=1e-3)
         assert state.anchor_force == pytest.approx(truth.anchor_force, rel=1e-9, abs=1e-3)
         assert state.r == pytest.approx(truth.r(state.system.s), abs=1e-7)
@@ -277,10 +277,10 @@ def test_a_method_that_is_none_is_refused():
 @pytest.mark.parametrize(
     ("module", "old", "new"),
     [
-        ("cable_planar", "- c.w0 * cos + Fdt", "+ c.w0 * cos + Fdt"),
-        ("cable_planar", "F[1] += S_T * D_phi", "F[1] -= S_T * D_phi"),
-        ("cable_planar", "F[1] += S_T * D_phi", "F[1] += 2 * T[1:] * D_phi"),
-        ("statics", "- tangent[:, 1:] - tangent[:, :-1]", "- 2 * tangent[:, 1:]"),
+        ("cable.planar", "- c.w0 * cos + Fdt", "+ c.w0 * cos + Fdt"),
+        ("cable.planar", "F[1] += S_T * D_phi", "F[1] -= S_T * D_phi"),
+        ("cable.planar", "F[1] += S_T * D_phi", "F[1] += 2 * T[1:] * D_phi"),
+        ("cable.statics", "- tangent[:, 1:] - tangent[:, :-1]", "- 2 * tangent[:, 1:]"),
     ],
 )
 def test_a_wrong_equation_is_seen_by_the_catenary(module, old, new):

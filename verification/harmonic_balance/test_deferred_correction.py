@@ -150,7 +150,7 @@ def test_rows_at_a_point_are_the_equations(name, planar):
 @SPATIAL
 def test_each_sign_at_a_point_is_seen(planar):
     """Every term of the rows at a point in turn with the wrong sign misses the equations."""
-    faults, survivors = sign_faults("cable_planar" if planar else "cable_spatial", ("point",)), []
+    faults, survivors = sign_faults("cable.planar" if planar else "cable.spatial", ("point",)), []
     for module, old, new, what in faults:
         with planted(module, old, new) as faulty:
             of = importlib.import_module(f"{faulty.cable.__package__}.{module}")
@@ -368,7 +368,7 @@ def second_order_slopes(monkeypatch):
         slope[true.at == cell], slope[true.at == cell + 1] = -1 / np.diff(s), 1 / np.diff(s)
         return true._replace(slope=slope)
 
-    monkeypatch.setattr(cable, "stencils", planted)
+    monkeypatch.setattr(cable, "cable.midpoint_stencils", planted)
 
 
 def second_order_middle(monkeypatch):
@@ -376,7 +376,7 @@ def second_order_middle(monkeypatch):
         true, cell = stencils(s), np.arange(s.size - 1)[:, None]
         return true._replace(value=np.where((true.at == cell) | (true.at == cell + 1), 0.5, 0.0))
 
-    monkeypatch.setattr(cable, "stencils", planted)
+    monkeypatch.setattr(cable, "cable.midpoint_stencils", planted)
 
 
 def old_weights(monkeypatch):

@@ -341,7 +341,7 @@ def test_products_agree_with_complex_step(name, setting):
     assert error.max() <= RESIDUAL
 
 
-@pytest.mark.parametrize("name", [name for name in CHAINS if "loads" not in name and "seabed" not in name])
+@pytest.mark.parametrize("name", [name for name in CHAINS if "cable.loads" not in name and "seabed" not in name])
 def test_harmonics_of_the_averaged_chain_are_the_inverse_at_rest(name):
     """At rest tangents do not change in time: the preconditioner of the iterative solver then is the exact inverse.
 
@@ -436,7 +436,7 @@ def test_interpreted_blocks_are_the_same(monkeypatch):
 
 def test_a_planted_fault_does_not_stay():
     """Loops compiled from a text with a fault are not kept on disk for the true ones, which are written alike."""
-    fault = "harmonic_blocks", "np.sqrt(block.dtype.type(2.0))", "np.sqrt(block.dtype.type(3.0))"
+    fault = "harmonic_balance.blocks", "np.sqrt(block.dtype.type(2.0))", "np.sqrt(block.dtype.type(3.0))"
     basis, shape = Basis(2, 8, 1.0, True), (1, 1, 2, 8)
     tangent, every = np.random.default_rng(7).normal(size=shape), [np.arange(basis.harmonic.size)]
     made = lambda of: of(basis, every)(tangent, tangent, of.harmonics(every, basis), float)

@@ -324,7 +324,7 @@ def test_no_wave_grows_on_a_seabed(nodes, stiffness):
 
 
 LIMITED = (
-    "cable",
+    "cable.system",
     "return seabed_support(self.seabed_stiffness, self.scene.environment.depth, z)",
     "support, slope = seabed_support(self.seabed_stiffness, self.scene.environment.depth, z)\n"
     "        return np.minimum(support, self.w0), np.where(support < self.w0, slope, 0.0)",
@@ -388,7 +388,7 @@ def test_a_hold_that_counts_cells_is_seen_to_feed_waves():
     """25 cells are no measure where each turns the line by ten degrees: the hold shakes the chain until it fails."""
     first = "y = self.rest()\n        turn ="
     by_count = f"return min(1.0, (self.nodes / 30) ** 2)\n        {first}"
-    with planted("cable", first, by_count) as faulty, pytest.raises(faulty.outcome.ConvergenceError):
+    with planted("cable.system", first, by_count) as faulty, pytest.raises(faulty.outcome.ConvergenceError):
         unsettled(faulty, steps=200, case=replace(SLACK_CHAIN, current=(0.4, 0.0, 0.0)))
 
 
