@@ -1,36 +1,25 @@
 """Scenes and systems of the cable cases, the manufactured problems on them, and what checks a system without solving.
 
-The checks take the package of solvers they look at, so that they can look at one with a planted fault (``planted``).
+The checks take the package of solvers they look at, so that they can look at one with a planted fault.
 """
 
 from __future__ import annotations
 
-import ast
 import importlib
 import math
-import sys
-from contextlib import contextmanager
 from dataclasses import replace
-from pathlib import Path
-from types import ModuleType, SimpleNamespace
+from types import SimpleNamespace
 
 import numpy as np
 
-import solvers
-
-from ..cases.cables import EVERYTHING, LEVEL, SIGNS, CableCase
+from ..cases.cables import EVERYTHING, LEVEL, CableCase
 from ..exact import cable_mp
 from ..exact.cable_mp import Fields
 
-MODULES = ("cable.system", "numerics.chain", "time_domain.generalized_alpha", "common.motion", "common.outcome", "common.properties", "io.scene", "cable.statics", "time_domain.solve")
+MODULES = ("cable", "chain", "generalized_alpha", "motion", "outcome", "properties", "scene", "statics", "time_domain")
 
-
-def package(name="solvers") -> SimpleNamespace:
-    """The modules of a package of solvers: ``solvers`` itself or one that ``planted`` made."""
-    return SimpleNamespace(**{module: importlib.import_module(f"{name}.{module}") for module in MODULES})
-
-
-SOLVERS = package()
+SOLVERS = SimpleNamespace(**{module: importlib.import_module(f"solvers.{module}") for module in MODULES})
+"""The modules of ``solvers``, in the form of a package with a planted fault."""
 
 
 # ---------------------------------------------------------------- scenes and systems
@@ -376,78 +365,3 @@ def _values(planar, of):
     y, ydot = random_state(chain, 2026)
     parts = chain.residual(y, ydot, 3.3), chain.drift(y, 3.3), chain.positions(y), chain.direction(y)
     return np.concatenate([np.ravel(part) for part in parts])
-
-
-@contextmanager
-def planted(module: str, old: str, new: str):
-    """A second copy of the solvers in which one text of one module, found exactly once, is replaced by another."""
-    name, folder = "planted_solvers", Path(solvers.__file__).parent
-    path = folder / f"{module}.py"
-    text = path.read_text(encoding="utf-8")
-    if text.count(old) != 1:
-        raise ValueError(f"{module}: {old!r} stands there {text.count(old)} times, not once")
-    copy = sys.modules[name] = ModuleType(name)
-    copy.__path__ = [str(folder)]
-    try:
-        faulty = sys.modules[f"{name}.{module}"] = ModuleType(f"{name}.{module}")
-        faulty.__package__, faulty.__file__ = name, str(path)
-        setattr(copy, module, faulty)
-        # numba keeps compiled loops by the name of their file: those with a fault must not be taken for the true ones
-        file = f"<{path.name} with a fault>" if "from .compiled import" in text else str(path)
-        exec(compile(text.replace(old, new), file, "exec"), faulty.__dict__)
-        yield package(name)
-    finally:
-        for key in [key for key in sys.modules if key == name or key.startswith(f"{name}.")]:
-            del sys.modules[key]
-
-
-def sign_faults(module: str, functions) -> list[tuple[str, str, str, str]]:
-    """(module, old text, new text, what): each term of each sum, and of each entry that is set, with the other sign."""
-    text = (Path(solvers.__file__).parent / f"{module}.py").read_text(encoding="utf-8")
-    lines, faults = text.splitlines(), {}
-    for function in ast.walk(ast.parse(text)):
-        if not isinstance(function, ast.FunctionDef) or function.name not in functions:
-            continue
-        for term in _terms(function):
-            old = lines[term.lineno - 1]
-            piece = old[term.col_offset : term.end_col_offset]
-            new = f"{old[: term.col_offset]}(-({piece})){old[term.end_col_offset :]}"
-            what = f"{function.name}: -({piece}) in {old.strip()}"
-            place = term.lineno, term.col_offset, term.end_col_offset
-            faults[place] = (module, *_unique(lines, term.lineno, new), what)
-    return list(faults.values())
-
-
-def _terms(function):
-    """Nodes of a function that carry a sign: operands of + and -, and values of entries, but nothing in a subscript."""
-    inside = {id(node) for s in ast.walk(function) if isinstance(s, ast.Subscript) for node in ast.walk(s.slice)}
-    sums = (ast.Add, ast.Sub)
-    is_sum = lambda node: isinstance(node, ast.BinOp) and isinstance(node.op, sums)
-    for node in ast.walk(function):
-        if id(node) in inside:
-            continue
-        if is_sum(node):
-            found = [node.left, node.right]
-        elif isinstance(node, ast.Assign | ast.AugAssign):
-            target = node.targets[0] if isinstance(node, ast.Assign) else node.target
-            places = target.elts if isinstance(target, ast.Tuple) else [target]
-            values = node.value.elts if isinstance(node.value, ast.Tuple) else [node.value]
-            found = values if all(isinstance(place, ast.Subscript) for place in places) else []
-        else:
-            continue
-        yield from (term for term in found if not is_sum(term))
-
-
-def _unique(lines, number, new) -> tuple[str, str]:
-    """Old and new text of one line, with as many lines before it as make the old one unique."""
-    text = "\n".join(lines)
-    for first in range(number - 1, -1, -1):
-        before = lines[first : number - 1]
-        old = "\n".join([*before, lines[number - 1], ""])
-        if text.count(old) == 1:
-            return old, "\n".join([*before, new, ""])
-    raise ValueError(f"line {number} cannot be told from others")
-
-
-SIGNS_OF_TERMS = [fault for module, functions in SIGNS.items() for fault in sign_faults(module, functions)]
-"""Every term of the modules of HB (1)-(12) with the other sign: (module, old text, new text, what)."""

@@ -11,7 +11,8 @@ import pytest
 from ..cases.cables import EVERYTHING, LEVEL, OC3, OC3_SEABED, SURGE_5, TABLE_2
 from ..reference import EPS
 from ..tools.orders import assert_order
-from .problems import SOLVERS, planted, system
+from ..tools.planting import Fault, planted
+from .problems import SOLVERS, system
 
 solve = SOLVERS.time_domain.solve_time_domain
 Scheme = SOLVERS.generalized_alpha.Scheme
@@ -210,17 +211,23 @@ def test_work_and_energy_of_a_swing_balance(case, fields):
 
 
 @pytest.mark.parametrize(
-    ("module", "old", "new"),
+    "fault",
     [
-        ("cable.planar", "a[0] = m * (v * phi_t - u_t)", "a[0] = m * (-v * phi_t - u_t)"),
-        ("cable.planar", "turning = m * u if", "turning = -m * u if"),
-        ("cable.loads", "slope = -coefficient", "slope = -1.02 * coefficient"),
-        ("cable.planar", "F[3] += 2 * D[V] + S[U] * D_phi", "F[3] += 2 * D[V] + 0.9 * S[U] * D_phi"),
+        Fault("cable.planar", "_local", "v * phi_t - u_t", "-v * phi_t - u_t"),
+        Fault(
+            "cable.planar",
+            "_local",
+            "m * u if c.current is None else m * u + c.inertia * along",
+            "-m * u if c.current is None else m * u + c.inertia * along",
+        ),
+        Fault("cable.loads", "quadratic_drag", "-coefficient", "-1.02 * coefficient"),
+        Fault("cable.planar", "cells", "2 * D[V] + S[U] * D_phi", "2 * D[V] + 0.9 * S[U] * D_phi"),
     ],
+    ids=str,
 )
-def test_a_wrong_term_spoils_the_balance(module, old, new):
+def test_a_wrong_term_spoils_the_balance(fault):
     """A sign in M, 2 % of drag or 10 % of a term of K: the balance no longer closes with order 2."""
-    with planted(module, old, new) as faulty:
+    with planted(fault) as faulty:
         try:
             gaps = [gap for _, gap in imbalance(DAMPED, "planar", faulty)]
         except faulty.outcome.ConvergenceError:

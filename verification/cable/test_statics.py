@@ -18,7 +18,8 @@ from scipy.optimize import root
 from ..cases.cables import OC3, OC3_SEABED
 from ..exact import catenary_mp
 from ..tools.orders import assert_order
-from .problems import SOLVERS, graded, planted, system
+from ..tools.planting import Fault, planted
+from .problems import SOLVERS, graded, system
 
 NODES = (51, 101, 201)
 DIGITS = 25
@@ -275,18 +276,29 @@ def test_a_method_that_is_none_is_refused():
 
 # ---------------------------------------------------------------- planted faults
 @pytest.mark.parametrize(
-    ("module", "old", "new"),
+    "fault",
     [
-        ("cable.planar", "- c.w0 * cos + Fdt", "+ c.w0 * cos + Fdt"),
-        ("cable.planar", "F[1] += S_T * D_phi", "F[1] -= S_T * D_phi"),
-        ("cable.planar", "F[1] += S_T * D_phi", "F[1] += 2 * T[1:] * D_phi"),
-        ("cable.statics", "- tangent[:, 1:] - tangent[:, :-1]", "- 2 * tangent[:, 1:]"),
+        Fault("cable.planar", "_local", "m * (v * phi_t - u_t) - c.w0 * cos", "m * (v * phi_t - u_t) + c.w0 * cos"),
+        Fault("cable.planar", "cells", "F[1] += S_T * D_phi", "F[1] -= S_T * D_phi"),
+        Fault(
+            "cable.planar",
+            "cells",
+            "F[0] += 2 * (T[1:] - T[:-1]) / ds\nF[1] += S_T * D_phi",
+            "F[0] += 2 * (T[1:] - T[:-1]) / ds\nF[1] += 2 * T[1:] * D_phi",
+        ),
+        Fault(
+            "cable.statics",
+            "_Statics.rows",
+            "2 * (place[:, 1:] - place[:, :-1]) / system.ds - tangent[:, 1:] - tangent[:, :-1]",
+            "2 * (place[:, 1:] - place[:, :-1]) / system.ds - 2 * tangent[:, 1:]",
+        ),
     ],
+    ids=str,
 )
-def test_a_wrong_equation_is_seen_by_the_catenary(module, old, new):
+def test_a_wrong_equation_is_seen_by_the_catenary(fault):
     """A wrong sign finds no catenary, a one-sided mean only one of first order."""
     truth = catenary(OC3)
-    with planted(module, old, new) as faulty:
+    with planted(fault) as faulty:
         gaps = []
         for nodes in NODES:
             state = faulty.statics.solve_static(system(OC3, nodes, faulty), throw=False)

@@ -16,11 +16,13 @@ import pytest
 
 from solvers.numerics.modes import natural_modes
 
-from ..cable.problems import LENGTH, SOLVERS, TERMS, Manufactured, chosen_fields, planted, system
-from ..cases.cables import HEAVE_5, OC3, SURGE_5, SURGE_9, TIME_FAULTS, CableCase
+from ..cable.problems import LENGTH, SOLVERS, TERMS, Manufactured, chosen_fields, system
+from ..cases.cables import HEAVE_5, OC3, SURGE_5, SURGE_9, CableCase
+from ..defects.dynamics import TIME_FAULTS
 from ..exact import frequencies, travelling_wave
 from ..reference import EPS
 from ..tools.orders import assert_order, extrapolated
+from ..tools.planting import planted
 
 solve = SOLVERS.time_domain.solve_time_domain
 Scheme = SOLVERS.generalized_alpha.Scheme
@@ -518,10 +520,10 @@ def test_the_checks_pass_without_a_fault():
     time_checks(SOLVERS)
 
 
-@pytest.mark.parametrize(("module", "old", "new", "what"), TIME_FAULTS, ids=[fault[3] for fault in TIME_FAULTS])
-def test_a_fault_of_the_time_integration_is_seen(module, old, new, what):
+@pytest.mark.parametrize("fault", [fault for fault, _ in TIME_FAULTS], ids=[what for _, what in TIME_FAULTS])
+def test_a_fault_of_the_time_integration_is_seen(fault):
     """A wrong weight, a wrong level of time or a wrong sign of the hold: one of the checks turns red."""
-    with planted(module, old, new) as faulty:
+    with planted(fault) as faulty:
         red = AssertionError, faulty.outcome.ConvergenceError, FloatingPointError
         with np.errstate(all="ignore"), pytest.raises(red):  # a planted fault may overflow
             time_checks(faulty)
