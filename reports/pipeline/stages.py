@@ -83,7 +83,7 @@ IN_QUICK = {"test_exact": "not 50_digits and not random_lines"}
 WHOLE_TREE = {"test_architecture": ("solvers", "verification", "benchmarks", "reference_data", "reports")}
 """Tests that read sources which they do not name one by one."""
 
-ELSEWHERE = ("test_report", "test_report_runs", "test_dynamics_report", "test_page", "test_defects")
+ELSEWHERE = ("test_report", "test_report_runs", "test_dynamics_report", "test_page", "test_defects", "test_planting")
 """Tests of what makes a report, which show nothing in one that it does not show itself; `pytest` runs them."""
 
 
