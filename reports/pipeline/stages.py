@@ -83,7 +83,8 @@ IN_QUICK = {"catenary/test_exact": "not 50_digits and not random_lines"}
 WHOLE_TREE = {"suite/test_architecture": ("solvers", "verification", "benchmarks", "reference_data", "reports")}
 """Tests that read sources which they do not name one by one."""
 
-ELSEWHERE = ("suite/test_report", "suite/test_report_runs", "suite/test_dynamics_report", "suite/test_page", "suite/test_defects")
+ELSEWHERE = ("suite/test_report", "suite/test_report_runs", "suite/test_dynamics_report", "suite/test_page", "suite/test_defects",
+             "suite/test_planting")  # fmt: skip
 """Tests of what makes a report, which show nothing in one that it does not show itself; `pytest` runs them."""
 
 

@@ -1,46 +1,23 @@
 """Scenes and systems of the cable cases, the manufactured problems on them, and what checks a system without solving.
 
-The checks take the package of solvers they look at, so that they can look at one with a planted fault (``planted``).
+The checks take the package of solvers they look at, so that they can look at one with a planted fault.
 """
 
 from __future__ import annotations
 
-import ast
-import importlib
 import math
-import sys
-from contextlib import contextmanager
 from dataclasses import replace
-from pathlib import Path
-from types import ModuleType, SimpleNamespace
 
 import numpy as np
 
 import solvers
 
-from ..cases.cables import EVERYTHING, LEVEL, SIGNS, CableCase
+from ..cases.cables import EVERYTHING, LEVEL, CableCase
 from ..exact import cable_mp
 from ..exact.cable_mp import Fields
 
-MODULES = {
-    "cable": "cable.system",
-    "chain": "numerics.chain",
-    "generalized_alpha": "time_domain.generalized_alpha",
-    "motion": "common.motion",
-    "outcome": "common.outcome",
-    "properties": "common.properties",
-    "scene": "io.scene",
-    "statics": "cable.statics",
-    "time_domain": "time_domain.solve",
-}
-
-
-def package(name="solvers") -> SimpleNamespace:
-    """The modules of a package of solvers: ``solvers`` itself or one that ``planted`` made."""
-    return SimpleNamespace(**{key: importlib.import_module(f"{name}.{module}") for key, module in MODULES.items()})
-
-
-SOLVERS = package()
+SOLVERS = solvers
+"""The solvers as they are; a package with a planted fault has the same rooms."""
 
 
 # ---------------------------------------------------------------- scenes and systems
@@ -49,20 +26,20 @@ def scene(case: CableCase, of=SOLVERS):
     section = (case.EA, case.diameter, case.mass_per_length, case.submerged_weight)
     loads = {name: getattr(case, name) for name in ("Cdn", "Cdb", "Cdt", "Ca", "damping")}
     water = {"depth": case.depth, "current": case.current, "seabed_stiffness": case.seabed_stiffness}
-    return of.scene.Scene(
+    return of.io.scene.Scene(
         case.name,
-        of.properties.CableProperties(*section, **loads),
+        of.common.properties.CableProperties(*section, **loads),
         case.length,
         case.anchor,
         case.fairlead,
-        of.properties.Environment(case.rho, **water),
-        motion=of.motion.Motion(case.frequency, [case.amplitude], [case.quadrature]) if case.amplitude else None,
+        of.common.properties.Environment(case.rho, **water),
+        motion=of.common.motion.Motion(case.frequency, [case.amplitude], [case.quadrature]) if case.amplitude else None,
     )
 
 
 def system(case: CableCase, nodes=50, of=SOLVERS, **options):
     """solvers.cable_system of a case."""
-    return of.cable.cable_system(scene(case, of), nodes, **options)
+    return of.cable.system.cable_system(scene(case, of), nodes, **options)
 
 
 def graded(length, nodes, ratio=4.0) -> np.ndarray:
@@ -201,13 +178,13 @@ class Manufactured:
     def errors(self, *, dt, duration, **options) -> np.ndarray:
         """Error of a run from the exact start, at its end: the largest over the nodes relative to the field, (n_f,)."""
         y, _, ydot = self.state(0.0)
-        scheme = options.get("scheme") or self.of.generalized_alpha.Scheme.from_spectral_radius(
+        scheme = options.get("scheme") or self.of.time_domain.generalized_alpha.Scheme.from_spectral_radius(
             options.setdefault("rho_inf", 0.5)
         )
         steps = np.arange(round(duration / dt)) * dt
         self.source.at(steps + scheme.alpha_f * dt)
         self.system.motion.velocity.at(steps + dt)
-        history = self.of.time_domain.solve_time_domain(
+        history = self.of.time_domain.solve.solve_time_domain(
             self.system, dt=dt, duration=duration, start=(y, ydot), hold=None, **options
         )
         exact = self.state(duration)[0]
@@ -312,7 +289,7 @@ def _mask(y, field, nodes):
 def statics_jacobian_error(case: CableCase, of=SOLVERS, **options) -> float:
     """The same for the rows of the equilibrium, at its start moved off by some per cent."""
     chain = system(case, 8, of, **options)
-    statics = of.statics._Statics(chain)
+    statics = of.cable.statics._Statics(chain)
     x = statics.catenary() * np.random.default_rng(2026).uniform(0.97, 1.03, (2 * chain.dimension, chain.nodes))
     exact, worst = statics.rows(x, True)[1].y, 0.0
     full, origin = statics.full, statics.full(0 * x)
@@ -386,80 +363,3 @@ def _values(planar, of):
     y, ydot = random_state(chain, 2026)
     parts = chain.residual(y, ydot, 3.3), chain.drift(y, 3.3), chain.positions(y), chain.direction(y)
     return np.concatenate([np.ravel(part) for part in parts])
-
-
-@contextmanager
-def planted(module: str, old: str, new: str):
-    """A second copy of the solvers in which one text of one module, found exactly once, is replaced by another."""
-    name, folder = "planted_solvers", Path(solvers.__file__).parent
-    path = folder / f"{module.replace('.', '/')}.py"
-    text = path.read_text(encoding="utf-8")
-    if text.count(old) != 1:
-        raise ValueError(f"{module}: {old!r} stands there {text.count(old)} times, not once")
-    room, _, last = f"{name}.{module}".rpartition(".")
-    for package_name, place in ((name, folder), (room, path.parent)):
-        copy = sys.modules[package_name] = ModuleType(package_name)
-        copy.__path__ = [str(place)]
-    try:
-        faulty = sys.modules[f"{name}.{module}"] = ModuleType(f"{name}.{module}")
-        faulty.__package__, faulty.__file__ = room, str(path)
-        setattr(copy, last, faulty)
-        # numba keeps compiled loops by the name of their file: those with a fault must not be taken for the true ones
-        file = f"<{path.name} with a fault>" if "compiled import" in text else str(path)
-        exec(compile(text.replace(old, new), file, "exec"), faulty.__dict__)
-        yield package(name)
-    finally:
-        for key in [key for key in sys.modules if key == name or key.startswith(f"{name}.")]:
-            del sys.modules[key]
-
-
-def sign_faults(module: str, functions) -> list[tuple[str, str, str, str]]:
-    """(module, old text, new text, what): each term of each sum, and of each entry that is set, with the other sign."""
-    text = (Path(solvers.__file__).parent / f"{module.replace('.', '/')}.py").read_text(encoding="utf-8")
-    lines, faults = text.splitlines(), {}
-    for function in ast.walk(ast.parse(text)):
-        if not isinstance(function, ast.FunctionDef) or function.name not in functions:
-            continue
-        for term in _terms(function):
-            old = lines[term.lineno - 1]
-            piece = old[term.col_offset : term.end_col_offset]
-            new = f"{old[: term.col_offset]}(-({piece})){old[term.end_col_offset :]}"
-            what = f"{function.name}: -({piece}) in {old.strip()}"
-            place = term.lineno, term.col_offset, term.end_col_offset
-            faults[place] = (module, *_unique(lines, term.lineno, new), what)
-    return list(faults.values())
-
-
-def _terms(function):
-    """Nodes of a function that carry a sign: operands of + and -, and values of entries, but nothing in a subscript."""
-    inside = {id(node) for s in ast.walk(function) if isinstance(s, ast.Subscript) for node in ast.walk(s.slice)}
-    sums = (ast.Add, ast.Sub)
-    is_sum = lambda node: isinstance(node, ast.BinOp) and isinstance(node.op, sums)
-    for node in ast.walk(function):
-        if id(node) in inside:
-            continue
-        if is_sum(node):
-            found = [node.left, node.right]
-        elif isinstance(node, ast.Assign | ast.AugAssign):
-            target = node.targets[0] if isinstance(node, ast.Assign) else node.target
-            places = target.elts if isinstance(target, ast.Tuple) else [target]
-            values = node.value.elts if isinstance(node.value, ast.Tuple) else [node.value]
-            found = values if all(isinstance(place, ast.Subscript) for place in places) else []
-        else:
-            continue
-        yield from (term for term in found if not is_sum(term))
-
-
-def _unique(lines, number, new) -> tuple[str, str]:
-    """Old and new text of one line, with as many lines before it as make the old one unique."""
-    text = "\n".join(lines)
-    for first in range(number - 1, -1, -1):
-        before = lines[first : number - 1]
-        old = "\n".join([*before, lines[number - 1], ""])
-        if text.count(old) == 1:
-            return old, "\n".join([*before, new, ""])
-    raise ValueError(f"line {number} cannot be told from others")
-
-
-SIGNS_OF_TERMS = [fault for module, functions in SIGNS.items() for fault in sign_faults(module, functions)]
-"""Every term of the modules of HB (1)-(12) with the other sign: (module, old text, new text, what)."""

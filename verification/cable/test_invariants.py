@@ -11,10 +11,11 @@ import pytest
 from ..cases.cables import EVERYTHING, LEVEL, OC3, OC3_SEABED, SURGE_5, TABLE_2
 from ..reference import EPS
 from ..tools.orders import assert_order
-from .problems import SOLVERS, planted, system
+from ..tools.planting import Fault, planted
+from .problems import SOLVERS, system
 
-solve = SOLVERS.time_domain.solve_time_domain
-Scheme = SOLVERS.generalized_alpha.Scheme
+solve = SOLVERS.time_domain.solve.solve_time_domain
+Scheme = SOLVERS.time_domain.generalized_alpha.Scheme
 FIELDS = pytest.mark.parametrize("fields", ["planar", "spatial"])
 TIGHT = {"dt": 0.1, "periods": 0.5, "tolerance": 1e-13}  # Newton's tolerance at rounding
 
@@ -46,7 +47,7 @@ def test_a_cable_at_rest_stays_at_rest(case, fields, dt):
 def test_a_start_from_elsewhere_does_not_rest():
     """The same measure sees a start from the continuous catenary, 0.26 kN from the discrete equilibrium."""
     chain = system(OC3, 50)
-    statics = SOLVERS.statics._Statics(chain)
+    statics = SOLVERS.cable.statics._Statics(chain)
     start = statics.full(statics.catenary())
     history = solve(chain, dt=0.1, duration=10.0, start=(start, np.zeros_like(start)))
     assert abs(history.y[1:3]).max() > 1e4 * STILL
@@ -186,7 +187,7 @@ def imbalance(case, fields, of=SOLVERS):
     for nodes, dt in ((26, 0.1), (51, 0.05), (101, 0.025)):
         chain = system(case, nodes, of, fields=fields)
         start = (swing(chain), None)
-        history = of.time_domain.solve_time_domain(chain, dt=dt, duration=10.0, start=start, rho_inf=1.0, hold=None)
+        history = of.time_domain.solve.solve_time_domain(chain, dt=dt, duration=10.0, start=start, rho_inf=1.0, hold=None)
         E, P = energy(chain, history.y), loss(case, chain, history.y, history.ydot)
         work = np.concatenate([[0.0], np.cumsum((P[1:] + P[:-1]) / 2 * np.diff(history.time))])
         first = E[0] - energy(chain, chain.rest()[..., None])[0]
@@ -210,20 +211,26 @@ def test_work_and_energy_of_a_swing_balance(case, fields):
 
 
 @pytest.mark.parametrize(
-    ("module", "old", "new"),
+    "fault",
     [
-        ("cable_planar", "a[0] = m * (v * phi_t - u_t)", "a[0] = m * (-v * phi_t - u_t)"),
-        ("cable_planar", "turning = m * u if", "turning = -m * u if"),
-        ("loads", "slope = -coefficient", "slope = -1.02 * coefficient"),
-        ("cable_planar", "F[3] += 2 * D[V] + S[U] * D_phi", "F[3] += 2 * D[V] + 0.9 * S[U] * D_phi"),
+        Fault("cable.planar", "_local", "v * phi_t - u_t", "-v * phi_t - u_t"),
+        Fault(
+            "cable.planar",
+            "_local",
+            "m * u if c.current is None else m * u + c.inertia * along",
+            "-m * u if c.current is None else m * u + c.inertia * along",
+        ),
+        Fault("cable.loads", "quadratic_drag", "-coefficient", "-1.02 * coefficient"),
+        Fault("cable.planar", "cells", "2 * D[V] + S[U] * D_phi", "2 * D[V] + 0.9 * S[U] * D_phi"),
     ],
+    ids=str,
 )
-def test_a_wrong_term_spoils_the_balance(module, old, new):
+def test_a_wrong_term_spoils_the_balance(fault):
     """A sign in M, 2 % of drag or 10 % of a term of K: the balance no longer closes with order 2."""
-    with planted(module, old, new) as faulty:
+    with planted(fault) as faulty:
         try:
             gaps = [gap for _, gap in imbalance(DAMPED, "planar", faulty)]
-        except faulty.outcome.ConvergenceError:
+        except faulty.common.outcome.ConvergenceError:
             return
     with pytest.raises(AssertionError):
         assert_order([4, 2, 1], gaps, 2, ceiling=BALANCE)

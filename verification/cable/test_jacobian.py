@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from ..cases.cables import EVERYTHING, OC3, OC3_SEABED
+from ..tools.planting import Fault, planted
 from .problems import (
     SOLVERS,
     by_complex_step,
     jacobian_error,
-    planted,
     random_state,
     statics_jacobian_error,
     system,
@@ -76,7 +76,7 @@ def test_the_band_is_the_whole_matrix(case, fields):
     chain = system(case, 7, fields=fields)
     y, ydot = (part.astype(complex) for part in random_state(chain, 11))
     rows = [part(y, ydot, 1.0) for part in (chain.start, chain.cells, chain.end)]
-    band = SOLVERS.chain.BandedJacobian(len(chain.fields), chain.nodes, chain.start_rows)
+    band = SOLVERS.numerics.chain.BandedJacobian(len(chain.fields), chain.nodes, chain.start_rows)
     assert band.factorise(*((0.3 * part.y + 0.7 * part.ydot).real for part in rows))
     n = y.size
     masks = np.eye(n).reshape(n, *y.shape[::-1]).swapaxes(1, 2)  # unknowns node after node
@@ -105,15 +105,15 @@ def test_complex_step_is_exact():
 
 
 STATICS_FAULTS = [
-    ("statics", "J[side, n:, :n] = -slope", "J[side, n:, :n] = slope"),
-    ("statics", "sign * 2 / system.ds", "sign / system.ds"),
-    ("statics", "J[:, :n, n] = cells.y[:, :n, -1]", "J[:, :n, n] = -cells.y[:, :n, -1]"),
-    ("loads", "np.where(touching, -stiffness, 0.0)", "np.where(touching, stiffness, 0.0)"),
+    Fault("cable.statics", "_Statics.rows", "-slope[:, self.angles, at]", "slope[:, self.angles, at]"),
+    Fault("cable.statics", "_Statics.rows", "sign * 2 / system.ds", "sign / system.ds"),
+    Fault("cable.statics", "_Statics.rows", "cells.y[:, :n, -1]", "-cells.y[:, :n, -1]"),
+    Fault("cable.loads", "seabed_support", "np.where(touching, -stiffness, 0.0)", "np.where(touching, stiffness, 0.0)"),
 ]
 
 
-@pytest.mark.parametrize("fault", STATICS_FAULTS, ids=lambda fault: fault[1])
+@pytest.mark.parametrize("fault", STATICS_FAULTS, ids=str)
 def test_a_wrong_tangent_of_the_equilibrium_is_seen(fault):
     """A sign or a factor in the tangents of the positions or of the seabed turns the check red."""
-    with planted(*fault) as faulty:
+    with planted(fault) as faulty:
         assert statics_jacobian_error(EVERYTHING, faulty) > TANGENT

@@ -10,13 +10,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ..cases.cables import ERRATA_FAULTS, LOAD_FAULTS
+from ..defects.cables import ERRATA_FAULTS, LOAD_FAULTS
 from ..exact import cable_mp
 from ..reference import EPS
 from ..tools.orders import assert_order, differences, extrapolated, observed_orders
+from ..tools.planting import Fault, planted, sign_faults
 from .problems import (
     LENGTH,
-    SIGNS_OF_TERMS,
     SOLVERS,
     TERMS,
     Manufactured,
@@ -24,7 +24,6 @@ from .problems import (
     geometry_error,
     graded,
     patch_error,
-    planted,
     red_checks,
 )
 
@@ -111,8 +110,8 @@ SCHEMES = {
     "box method": ({"rho_inf": 1.0}, 2),
     "rho_inf 0.5": ({"rho_inf": 0.5}, 2),
     "rho_inf 0": ({"rho_inf": 0.0}, 2),
-    "trapezoid": ({"scheme": SOLVERS.generalized_alpha.Scheme.trapezoid()}, 2),
-    "backward Euler": ({"scheme": SOLVERS.generalized_alpha.Scheme.backward_euler()}, 1),
+    "trapezoid": ({"scheme": SOLVERS.time_domain.generalized_alpha.Scheme.trapezoid()}, 2),
+    "backward Euler": ({"scheme": SOLVERS.time_domain.generalized_alpha.Scheme.backward_euler()}, 1),
 }
 FINE = (1 / 128, 1 / 256)  # s: strong damping needs finer steps to show its order
 
@@ -208,12 +207,17 @@ def test_tables_that_are_none_are_refused(steps):
 
 # ---------------------------------------------------------------- planted faults
 SHARE = 15  # every fifteenth sign by default; all of them in the long version
+SIGNS = {
+    "cable.planar": ("_loads", "_local", "cells", "velocity", "stretched_tangent"),
+    "cable.spatial": ("__init__", "_local", "cells", "velocity", "stretched_tangent"),
+}
+"""Functions of the two modules of HB (1)-(12) in which each term in turn is planted with the wrong sign."""
 
 
-@pytest.mark.parametrize(("module", "old", "new", "what"), ERRATA_FAULTS + LOAD_FAULTS, ids=lambda v: None)
-def test_a_planted_misprint_is_seen(module, old, new, what):
+@pytest.mark.parametrize(("fault", "what"), ERRATA_FAULTS + LOAD_FAULTS, ids=lambda v: None)
+def test_a_planted_misprint_is_seen(fault, what):
     """Each erratum of HB and each wrong load turns a check of values red, a wrong tangent the complex step."""
-    with planted(module, old, new) as faulty:
+    with planted(fault) as faulty:
         assert red_checks(faulty), what
 
 
@@ -223,16 +227,17 @@ def test_planted_signs_are_seen(deep):
     A fault that changes a value must be seen by the values; the tangents' checks see the others.
     """
     survivors = []
-    for module, old, new, what in SIGNS_OF_TERMS[:: 1 if deep else SHARE]:
-        with planted(module, old, new) as faulty:
-            if not red_checks(faulty):
-                survivors.append(what)
+    for module, functions in SIGNS.items():
+        for fault in sign_faults(module, functions, every=1 if deep else SHARE):
+            with planted(fault) as faulty:
+                if not red_checks(faulty):
+                    survivors.append(str(fault))
     assert not survivors, "\n".join(survivors)
 
 
 def test_no_fault_no_red():
-    """The same checks pass on a copy of the solvers in which nothing is planted, and a text not found is refused."""
-    with planted("loads", "import numpy as np", "import numpy as np  # a comment") as copy:
+    """The same checks pass on a copy of the solvers with a change that is none, and a fault not found is refused."""
+    with planted(Fault("cable.loads", "quadratic_drag", "2 * slope", "2 * slope * 1")) as copy:
         assert not red_checks(copy)
-    with pytest.raises(ValueError, match="not once"), planted("loads", "no such text", ""):
+    with pytest.raises(ValueError, match="not once"), planted(Fault("cable.loads", "quadratic_drag", "no_such_code()", "1")):
         pass

@@ -18,11 +18,12 @@ from scipy.optimize import root
 from ..cases.cables import OC3, OC3_SEABED
 from ..exact import catenary_mp
 from ..tools.orders import assert_order
-from .problems import SOLVERS, graded, planted, system
+from ..tools.planting import Fault, planted
+from .problems import SOLVERS, graded, system
 
 NODES = (51, 101, 201)
 DIGITS = 25
-solve_static = SOLVERS.statics.solve_static
+solve_static = SOLVERS.cable.statics.solve_static
 
 
 # ---------------------------------------------------------------- truth
@@ -210,10 +211,10 @@ MET = 1e-13  # of the length: a hundred cells sum to it
 
 @pytest.mark.parametrize("case", [OC3_SEABED, ACROSS, IN_PLANE], ids=lambda case: case.name)
 def test_shooting_agrees_with_the_truth(case):
-    """solve_static(method="shooting") has the truth's forces to nine digits, on any number of nodes."""
+    """solve_static(method="cable.shooting") has the truth's forces to nine digits, on any number of nodes."""
     truth = shot(case)
     for nodes in (11, 50):
-        state = solve_static(system(case, nodes), method="shooting")
+        state = solve_static(system(case, nodes), method="cable.shooting")
         assert state.fairlead_force == pytest.approx(truth.fairlead_force, rel=1e-9, abs=1e-3)
         assert state.anchor_force == pytest.approx(truth.anchor_force, rel=1e-9, abs=1e-3)
         assert state.r == pytest.approx(truth.r(state.system.s), abs=1e-7)
@@ -236,8 +237,8 @@ def test_a_strong_current_is_reached_in_steps():
 def test_no_equilibrium_is_a_status(case, why):
     """A line without a stressed equilibrium ends in NO_EQUILIBRIUM_FOUND, raised or returned."""
     state = solve_static(system(case), throw=False)
-    assert state.status is SOLVERS.outcome.Status.NO_EQUILIBRIUM_FOUND and not state.success, why
-    with pytest.raises(SOLVERS.outcome.ConvergenceError, match="no equilibrium") as raised:
+    assert state.status is SOLVERS.common.outcome.Status.NO_EQUILIBRIUM_FOUND and not state.success, why
+    with pytest.raises(SOLVERS.common.outcome.ConvergenceError, match="no equilibrium") as raised:
         solve_static(system(case))
     assert raised.value.outcome.status is state.status
 
@@ -263,33 +264,44 @@ def test_no_equilibrium_is_a_status(case, why):
 )
 def test_bad_systems_are_refused(case, options, message):
     """Too few nodes, a mesh that is none, fields that do not hold the loads, missing numbers: named with units."""
-    with pytest.raises(SOLVERS.outcome.InputError, match=message):
+    with pytest.raises(SOLVERS.common.outcome.InputError, match=message):
         system(case, **options)
 
 
 def test_a_method_that_is_none_is_refused():
     """An unknown method is named."""
-    with pytest.raises(SOLVERS.outcome.InputError, match=r"method: 'magic' must be 'box' or 'shooting'"):
+    with pytest.raises(SOLVERS.common.outcome.InputError, match=r"method: 'magic' must be 'box' or 'shooting'"):
         solve_static(system(OC3), method="magic")
 
 
 # ---------------------------------------------------------------- planted faults
 @pytest.mark.parametrize(
-    ("module", "old", "new"),
+    "fault",
     [
-        ("cable_planar", "- c.w0 * cos + Fdt", "+ c.w0 * cos + Fdt"),
-        ("cable_planar", "F[1] += S_T * D_phi", "F[1] -= S_T * D_phi"),
-        ("cable_planar", "F[1] += S_T * D_phi", "F[1] += 2 * T[1:] * D_phi"),
-        ("statics", "- tangent[:, 1:] - tangent[:, :-1]", "- 2 * tangent[:, 1:]"),
+        Fault("cable.planar", "_local", "m * (v * phi_t - u_t) - c.w0 * cos", "m * (v * phi_t - u_t) + c.w0 * cos"),
+        Fault("cable.planar", "cells", "F[1] += S_T * D_phi", "F[1] -= S_T * D_phi"),
+        Fault(
+            "cable.planar",
+            "cells",
+            "F[0] += 2 * (T[1:] - T[:-1]) / ds\nF[1] += S_T * D_phi",
+            "F[0] += 2 * (T[1:] - T[:-1]) / ds\nF[1] += 2 * T[1:] * D_phi",
+        ),
+        Fault(
+            "cable.statics",
+            "_Statics.rows",
+            "2 * (place[:, 1:] - place[:, :-1]) / system.ds - tangent[:, 1:] - tangent[:, :-1]",
+            "2 * (place[:, 1:] - place[:, :-1]) / system.ds - 2 * tangent[:, 1:]",
+        ),
     ],
+    ids=str,
 )
-def test_a_wrong_equation_is_seen_by_the_catenary(module, old, new):
+def test_a_wrong_equation_is_seen_by_the_catenary(fault):
     """A wrong sign finds no catenary, a one-sided mean only one of first order."""
     truth = catenary(OC3)
-    with planted(module, old, new) as faulty:
+    with planted(fault) as faulty:
         gaps = []
         for nodes in NODES:
-            state = faulty.statics.solve_static(system(OC3, nodes, faulty), throw=False)
+            state = faulty.cable.statics.solve_static(system(OC3, nodes, faulty), throw=False)
             gaps.append(np.linalg.norm(state.fairlead_force - truth.fairlead_force) if state.success else np.nan)
     with pytest.raises(AssertionError):
         assert_order([1 / (n - 1) for n in NODES], gaps, 2, ceiling=CEILING * np.linalg.norm(truth.fairlead_force))

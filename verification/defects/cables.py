@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from ..cases.cables import ERRATA_FAULTS, LOAD_FAULTS
+from ..tools.planting import Fault
 from .defect import Defect
 
 _PATCH = "cable/test_order.py::test_fields_linear_in_s_leave_no_residual"
@@ -35,15 +35,154 @@ def _check(module: str, what: str) -> str:
     return f"{_PATCH} -k 'all{fields}'"
 
 
-def reused(faults: Iterable[tuple[str, str, str, str]], kind: str, check) -> tuple[Defect, ...]:
-    """Defects of a table (module, old, new, what); those that begin with "HB (n)" are misprints."""
-    found = []
-    for module, old, new, what in faults:
+def reused(faults: Iterable[tuple[Fault, str]], kind: str, check) -> tuple[Defect, ...]:
+    """Return the defects of a table (fault, what); those that begin with "HB (n)" are misprints."""
+    defects = []
+    for fault, what in faults:
         misprint = what.split(":")[0] if what.startswith("HB (") else ""
-        name = f"{what.removeprefix(misprint).strip(': ')}, {module}"
+        name = f"{what.removeprefix(misprint).strip(': ')}, {fault.module}"
         own = "misprint" if misprint else kind
-        found.append(Defect(name, module, old, new, own, what, check(module, what), misprint=misprint))
-    return tuple(found)
+        defects.append(Defect(name, fault, own, what, check(fault.module, what), misprint=misprint))
+    return tuple(defects)
+
+
+ERRATA_FAULTS = [
+    (
+        Fault(
+            "cable.system",
+            "CableSystem.__init__",
+            "(1 + cable.Ca) * rho * cable.area",
+            "(1 + cable.Ca) * rho * d**2 / 4",
+            where="0.5 * rho * math.pi * d",
+        ),
+        "HB (22): C_m rho d^2/4",
+    ),
+    (
+        Fault("cable.planar", "cells", "F[1] += S_T * D_phi", "F[1] -= S_T * D_phi"),
+        "HB (30): f2 with -EA eps cos(theta) dphi/ds",
+    ),
+    (
+        Fault("cable.spatial", "cells", "F[1] += S25 * D_phi", "F[1] -= S25 * D_phi"),
+        "HB (30): f2 with -EA eps cos(theta) dphi/ds",
+    ),
+    (
+        Fault(
+            "cable.spatial", "cells", "2 * D[W] - S65 * D_phi - S66 * D_theta", "2 * D[W] - S65 * D_phi + S66 * D_theta"
+        ),
+        "HB (34): f6, +u dtheta/ds",
+    ),
+    (Fault("cable.planar", "cells", "2 * D[U]", "4 * D[U]"), "HB (37): the constant part of K counted twice, row 4"),
+    (Fault("cable.spatial", "cells", "F[2] -= S_T * D_theta", "F[2] -= 2 * S_T * D_theta"), "HB (37): the same, row 3"),
+    (
+        Fault(
+            "cable.planar",
+            "_local",
+            "m * (v * phi_t - u_t)",
+            "EA * c.beta * eps_t + m * (v * phi_t - u_t)",
+            where="EA * (eps + c.beta * eps_t)",
+        ),
+        "HB (1), (28): damping EA beta d(eps)/dt in the momentum balance",
+    ),
+    (
+        Fault(
+            "cable.spatial",
+            "_local",
+            "m * (v * cos_t * phi_t - w * theta_t - u_t)",
+            "EA * c.beta * eps_t + m * (v * cos_t * phi_t - w * theta_t - u_t)",
+            where="EA * (eps + c.beta * eps_t)",
+        ),
+        "HB (1), (28): damping EA beta d(eps)/dt in the momentum balance",
+    ),
+]
+"""The misprints of HB sections 2 and 3 that touch the equations of motion, as they would stand in the solvers."""
+
+LOAD_FAULTS = [
+    (
+        Fault("cable.system", "CableSystem.__init__", "0.5 * rho * math.pi * d", "0.5 * rho * d"),
+        "tangential drag on d l, not pi d l",
+    ),
+    (
+        Fault("cable.system", "CableSystem.__init__", "0.5 * rho * d * cable.Cdn", "rho * d * cable.Cdn"),
+        "normal drag without its half",
+    ),
+    (Fault("cable.system", "CableSystem.__init__", "cable.Cdb", "cable.Cdn"), "binormal drag with C_dn"),
+    (
+        Fault("cable.system", "CableSystem.__init__", "(1 + cable.Ca) * rho", "cable.Ca * rho"),
+        "C_m = C_a: no Froude-Krylov force",
+    ),
+    (Fault("cable.planar", "cells", "F[:2] += support * S_up", "F[:2] -= support * S_up"), "the seabed pulls"),
+    (Fault("cable.spatial", "cells", "F[:3] += support * S_up", "F[:3] -= support * S_up"), "the seabed pulls"),
+    (Fault("cable.planar", "cells", "S[Z] / 2", "S[Z]"), "the seabed at the sum of two heights"),
+    (Fault("cable.system", "CableSystem.cells", "np.subtract", "np.add"), "source with the wrong sign"),
+    (Fault("cable.system", "CableSystem.positions", "self.ds / 2", "self.ds"), "positions twice as far"),
+    (
+        Fault("cable.system", "CableSystem._weights", "weights[1:] += self.ds / 2", "weights[1:] += self.ds"),
+        "drift by a wrong quadrature",
+    ),
+    (
+        Fault(
+            "cable.system",
+            "CableSystem.end",
+            "value - self.axes @ self.motion.velocity(t)",
+            "value + self.axes @ self.motion.velocity(t)",
+        ),
+        "the end runs off",
+    ),
+    (Fault("cable.loads", "quadratic_drag", "-coefficient", "coefficient"), "(10): drag drives"),
+    (Fault("cable.loads", "quadratic_drag", "2 * slope", "slope"), "(10): d|q|q/dq = |q|"),
+    (
+        Fault(
+            "cable.loads",
+            "transverse_drag",
+            "-normal * v * speed, -binormal * w * speed",
+            "normal * v * speed, -binormal * w * speed",
+        ),
+        "(11): drag drives",
+    ),
+    (
+        Fault(
+            "cable.loads",
+            "transverse_drag",
+            "-normal * v * speed, -binormal * w * speed",
+            "-normal * v * speed, binormal * w * speed",
+        ),
+        "(12): drag drives",
+    ),
+    (
+        Fault("cable.loads", "transverse_drag", "(-normal * (speed + vv), -normal * vw)", "(-normal * speed, -normal * vw)"),
+        "(11): d|q|/dq left out",
+    ),
+    (
+        Fault(
+            "cable.loads",
+            "transverse_drag",
+            "(-binormal * vw, -binormal * (speed + ww))",
+            "(0 * vw, -binormal * (speed + ww))",
+        ),
+        "(12): cross tangent left out",
+    ),
+    (Fault("cable.loads", "transverse_drag", "v * v + w * w", "v * v"), "(11), (12): each component alone"),
+    (Fault("cable.loads", "seabed_support", "-depth - z", "-depth + z"), "seabed above the water"),
+    (Fault("cable.loads", "seabed_support", "np.where(touching, support, 0.0)", "support"), "the seabed holds the line down"),
+    (
+        Fault(
+            "cable.loads", "seabed_support", "np.where(touching, -stiffness, 0.0)", "-stiffness + 0.0 * z", where="-depth - z"
+        ),
+        "the seabed's tangent above it",
+    ),
+    (Fault("cable.planar", "_local", "np.sqrt(1 + eps)", "(1 + eps)"), "(10), (11): 1 + eps for its root"),
+    (Fault("cable.spatial", "_local", "np.sqrt(1 + eps)", "1 + eps"), "(10)-(12): 1 + eps for its root"),
+    (
+        Fault(
+            "cable.planar",
+            "cells",
+            "F[0] += 2 * (T[1:] - T[:-1]) / ds\nF[1] += S_T * D_phi",
+            "F[0] += 2 * (T[1:] - T[:-1]) / ds\nF[1] += 2 * T[1:] * D_phi",
+        ),
+        "(39): K of one node, not the mean",
+    ),
+]
+"""Loads, kinematics and their coefficients: each changes what a system is, not how it is solved."""
 
 
 DEFECTS = (
@@ -52,36 +191,35 @@ DEFECTS = (
     # ------------------------------------------------------------ outcome, properties, scene
     Defect(
         "a status that is no refusal is a success",
-        "common.outcome",
-        "return self.status is Status.SUCCESS",
-        "return self.status is not Status.INVALID_INPUT",
+        Fault("common.outcome", "Outcome.success", "self.status is Status.SUCCESS", "self.status is not Status.INVALID_INPUT"),
         "regime",
         "every result but that of bad input says that it can be used",
         "common/test_failures.py::test_undetermined_friction_without_throw",
     ),
     Defect(
         "failures are not thrown",
-        "common.outcome",
-        "if self.status is not Status.SUCCESS:",
-        "if self.status is Status.INVALID_INPUT:",
+        Fault(
+            "common.outcome", "Outcome.or_throw", "self.status is not Status.SUCCESS", "self.status is Status.INVALID_INPUT"
+        ),
         "regime",
         "a failed solve returns its numbers although throw is on",
         "common/test_failures.py::test_forces_out_of_range_are_an_error",
     ),
     Defect(
         "area from the diameter as radius",
-        "common.properties",
-        "return math.pi * self.diameter**2 / 4",
-        "return math.pi * self.diameter**2",
+        Fault("common.properties", "CableProperties.area", "math.pi * self.diameter**2 / 4", "math.pi * self.diameter**2"),
         "factor",
         "pi d^2 for pi d^2/4",
         "io/test_network_scene.py::test_weights_follow_the_environment_of_the_file",
     ),
     Defect(
         "weight in air",
-        "common.properties",
-        "environment.g * (self.mass_per_length - environment.rho * self.area)",
-        "environment.g * self.mass_per_length",
+        Fault(
+            "common.properties",
+            "CableProperties.weight_in",
+            "environment.g * (self.mass_per_length - environment.rho * self.area)",
+            "environment.g * self.mass_per_length",
+        ),
         "misprint",
         "section 5: 226.61 N/m is the mass times g, without the displaced water",
         "io/test_network_scene.py::test_weights_follow_the_environment_of_the_file",
@@ -89,63 +227,49 @@ DEFECTS = (
     ),
     Defect(
         "added mass counts the water twice",
-        "common.properties",
-        "return self.Ca * environment.rho * self.area",
-        "return (1 + self.Ca) * environment.rho * self.area",
+        Fault("common.properties", "CableProperties.added_mass", "self.Ca", "(1 + self.Ca)"),
         "symbol",
         "C_m for C_a in the added mass",
         _PATCH + " -k all",
     ),
     Defect(
         "zero lets through",
-        "common.properties",
-        "    if value <= 0:\n",
-        "    if value < 0:\n",
+        Fault("common.properties", "positive_number", "value <= 0", "value < 0"),
         "input",
         "a stiffness, length or depth of zero is accepted",
         "common/test_failures.py::test_properties_are_validated_when_built",
     ),
     Defect(
         "infinite is a number",
-        "common.properties",
-        "    if not math.isfinite(value):\n",
-        "    if math.isnan(value):\n",
+        Fault("common.properties", "real_number", "not math.isfinite(value)", "math.isnan(value)"),
         "input",
         "infinite inputs are accepted",
         "common/test_failures.py::test_numbers_must_be_finite",
     ),
     Defect(
         "span along x only",
-        "io.scene",
-        '"x": math.hypot(x1 - x0, y1 - y0)',
-        '"x": abs(x1 - x0)',
+        Fault("io.scene", "Scene.spans", "math.hypot(x1 - x0, y1 - y0)", "abs(x1 - x0)"),
         "term",
         "the horizontal distance forgets y",
         "catenary/test_invariants.py::test_a_scene_can_be_turned_about_the_vertical",
     ),
     Defect(
         "period taken for the frequency",
-        "io.scene",
-        "        frequency = 1 / frequency\n",
-        "        frequency = 1 * frequency\n",
+        Fault("io.scene", "_motion", "1 / frequency", "1 * frequency"),
         "unit",
         "a motion given by its period moves with so many hertz",
         "io/test_scene.py::test_every_key_arrives",
     ),
     Defect(
         "phase lost in the cosines",
-        "io.scene",
-        "amplitude * np.cos(phase), amplitude * np.sin(phase))",
-        "amplitude * np.cos(phase), amplitude * np.sin(np.radians(phase)))",
+        Fault("io.scene", "_motion", "np.sin(phase)", "np.sin(np.radians(phase))"),
         "unit",
         "the cosines of a motion take its phase for degrees",
         "io/test_scene.py",
     ),
     Defect(
         "fairlead below the seabed moves on",
-        "io.scene",
-        "        if lowest < -depth:\n",
-        "        if lowest < -10 * depth:\n",
+        Fault("io.scene", "Scene._check_dynamics", "-depth", "-10 * depth"),
         "input",
         "a motion may take the fairlead through the seabed",
         "io/test_scene.py::test_bad_scenes_with_motion",
@@ -153,72 +277,66 @@ DEFECTS = (
     # ------------------------------------------------------------ motion
     Defect(
         "velocity of the cosines",
-        "common.motion",
-        "return self._omega * self.sine.T, -self._omega * self.cosine.T",
-        "return self._omega * self.sine.T, self._omega * self.cosine.T",
+        Fault("common.motion", "Motion._rates", "-self._omega", "self._omega"),
         "sign",
         "d/dt cos = + sin",
         _RATES,
     ),
     Defect(
         "hertz for radians per second",
-        "common.motion",
-        "return 2 * math.pi * self.frequency * np.arange",
-        "return self.frequency * np.arange",
+        Fault("common.motion", "Motion._omega", "2 * math.pi * self.frequency", "self.frequency"),
         "unit",
         "the frequency is used as the angular one",
         "common/test_motion.py::test_harmonic_motion_is_a_sine_with_phase",
     ),
     Defect(
         "harmonics counted from zero",
-        "common.motion",
-        "np.arange(1, self.harmonics + 1)",
-        "np.arange(self.harmonics)",
+        Fault("common.motion", "Motion._omega", "np.arange(1, self.harmonics + 1)", "np.arange(self.harmonics)"),
         "index",
         "the first harmonic stands still, the second moves with the first's frequency",
         "common/test_motion.py::test_harmonic_motion_is_a_sine_with_phase",
     ),
     Defect(
         "rate of the ramp per step, not per second",
-        "common.motion",
-        "(1 - x) ** 2 / self.duration, 60",
-        "(1 - x) ** 2, 60",
+        Fault("common.motion", "Ramped._ramp", "30 * x**2 * (1 - x) ** 2 / self.duration", "30 * x**2 * (1 - x) ** 2"),
         "unit",
         "dq/dt of the ramp is dq/dx",
         _RATES,
     ),
     Defect(
         "product rule without its 2",
-        "common.motion",
-        "q_tt * r + 2 * q_t * v + q * a",
-        "q_tt * r + q_t * v + q * a",
+        Fault("common.motion", "Ramped.acceleration", "2 * q_t", "q_t"),
         "factor",
         "acceleration of a ramped motion",
         _RATES,
     ),
     Defect(
         "ramp that jumps",
-        "common.motion",
-        "q = x**3 * (10 - 15 * x + 6 * x**2)",
-        "q = x**3 * (10 - 15 * x + 7 * x**2)",
+        Fault("common.motion", "Ramped._ramp", "6 * x**2", "7 * x**2"),
         "factor",
         "the ramp ends at 2 and the motion at 1",
         _RATES,
     ),
     Defect(
         "spline one piece further",
-        "common.motion",
-        'side="right") - 1, 0, len(self.time) - 2)',
-        'side="right"), 0, len(self.time) - 2)',
+        Fault(
+            "common.motion",
+            "SampledMotion._locate",
+            'np.searchsorted(self.time, t.real, side="right") - 1',
+            'np.searchsorted(self.time, t.real, side="right")',
+        ),
         "index",
         "a time of a series is looked up in the next piece of the spline",
         "common/test_found_by_defects.py::test_a_series_goes_through_its_samples",
     ),
     Defect(
         "everything moves in a plane",
-        "common.motion",
-        "extent > _SAME_DIRECTION * max",
-        "extent > 0.5 * max",
+        Fault(
+            "common.motion",
+            "_span_of",
+            "_SAME_DIRECTION * max(extent[0], np.finfo(float).tiny)",
+            "0.5 * max(extent[0], np.finfo(float).tiny)",
+        ),
         "tolerance",
         "directions of a motion smaller than half its largest are left out",
         "common/test_motion.py::test_directions_span_the_motion_and_no_more",
@@ -226,109 +344,89 @@ DEFECTS = (
     # ------------------------------------------------------------ cable
     Defect(
         "anchor row one field early",
-        "cable.system",
-        "value = y[1 : 1 + self.start_rows, 0].copy()",
-        "value = y[0 : self.start_rows, 0].copy()",
+        Fault("cable.system", "CableSystem.start", "y[1 : 1 + self.start_rows, 0]", "y[0 : self.start_rows, 0]"),
         "boundary",
         "the anchor holds its strain instead of its last velocity",
         _TANGENTS + " -k planar",
     ),
     Defect(
         "anchor held at the next node",
-        "cable.system",
-        "value = y[1 : 1 + self.start_rows, 0].copy()",
-        "value = y[1 : 1 + self.start_rows, 1].copy()",
+        Fault("cable.system", "CableSystem.start", "y[1 : 1 + self.start_rows, 0]", "y[1 : 1 + self.start_rows, 1]"),
         "boundary",
         "the boundary condition of the anchor is that of its neighbour",
         _TANGENTS + " -k planar",
     ),
     Defect(
         "fairlead one node short",
-        "cable.system",
-        "self._rows.velocity(y[:, -1], tangents)",
-        "self._rows.velocity(y[:, -2], tangents)",
+        Fault("cable.system", "CableSystem.end", "y[:, -1]", "y[:, -2]"),
         "boundary",
         "the prescribed velocity acts on the last node but one",
         "cable/test_order.py::test_fields_linear_in_s_and_t_are_reproduced -k bare",
     ),
     Defect(
         "anchor's height is that of still water",
-        "cable.system",
-        "value[-1] = y[-1, 0] - self.anchor[2]",
-        "value[-1] = y[-1, 0]",
+        Fault("cable.system", "CableSystem.start", "y[-1, 0] - self.anchor[2]", "y[-1, 0]"),
         "boundary",
         "over a seabed the anchor is at z = 0",
         _MEETS + " -k seabed",
     ),
     Defect(
         "motion across the line forgotten",
-        "cable.system",
-        "for vector in (current, *moves))",
-        "for vector in (current,))",
+        Fault("cable.system", "_planar", "(current, *moves)", "(current,)"),
         "regime",
         "a sway is computed in the plane of the line, where it does nothing",
         "cable/test_invariants.py::test_the_scene_picks_the_fields",
     ),
     Defect(
         "out-of-plane axis to the other side",
-        "cable.system",
-        "[cx, cy, 0.0], [-cy, cx, 0.0]])",
-        "[cx, cy, 0.0], [cy, -cx, 0.0]])",
+        Fault("cable.system", "_axes", "[-cy, cx, 0.0]", "[cy, -cx, 0.0]"),
         "sign",
         "a left-handed frame: sideways motion and current are mirrored",
         _GEOMETRY + " -k spatial",
     ),
     Defect(
         "line always along x",
-        "cable.system",
-        "cx, cy = (dx / span, dy / span) if span > 0",
-        "cx, cy = (1.0, 0.0) if span > 0",
+        Fault("cable.system", "_axes", "(dx / span, dy / span)", "(1.0, 0.0)"),
         "term",
         "the azimuth of the line is not looked at",
         "cable/test_invariants.py::test_the_scene_picks_the_fields",
     ),
     Defect(
         "weights of the other cells",
-        "cable.system",
-        "weights[:-1] += self.ds / 2",
-        "weights[:-1] += self.ds[::-1] / 2",
+        Fault("cable.system", "CableSystem._weights", "weights[:-1] += self.ds / 2", "weights[:-1] += self.ds[::-1] / 2"),
         "index",
         "the trapezoidal rule is right on even meshes only",
         "common/test_found_by_defects.py::test_drift_is_the_end_of_the_positions_on_any_mesh",
     ),
     Defect(
         "damping out of the tension",
-        "cable.system",
-        "y[0] if ydot is None else y[0] + self.beta * ydot[0]",
-        "y[0] if ydot is None else y[0]",
+        Fault("cable.system", "CableSystem.tension", "y[0] + self.beta * ydot[0]", "y[0]"),
         "term",
         "the tension that is reported has no part of the material's damping",
         "common/test_found_by_defects.py::test_tension_has_its_part_of_damping",
     ),
     Defect(
         "mirror keeps the sideways velocity",
-        "cable.system",
-        "(1, 1, 1, -1, 1, -1, *z), (1, 1, -1, *z),",
-        "(1, 1, 1, 1, 1, -1, *z), (1, 1, -1, *z),",
+        Fault("cable.system", "CableSystem.mirror", "(1, 1, 1, -1, 1, -1, *z)", "(1, 1, 1, 1, 1, -1, *z)"),
         "sign",
         "the symmetry of the system has a wrong sign for w",
         "cable/test_invariants.py::test_the_mirror_of_the_system_is_its_symmetry",
     ),
     Defect(
         "compression anywhere is fine",
-        "cable.system",
-        "if y[0][least] < 0:",
-        "if y[0][least] < -1:",
+        Fault("cable.system", "CableSystem.invalid", "y[0][least] < 0", "y[0][least] < -1"),
         "regime",
         "a cable in compression is no event",
         "harmonic_balance/test_solve.py::test_compression_is_named",
     ),
     Defect(
         "equilibrium of another system",
-        "cable.system",
-        "        ramped = copy.copy(self)\n",
-        "        self.motion, self.__dict__['_equilibrium'] = self.motion, 0 * self.rest()\n"
-        "        ramped = copy.copy(self)\n",
+        Fault(
+            "cable.system",
+            "CableSystem.ramped",
+            "ramped = copy.copy(self)",
+            "self.motion, self.__dict__['_equilibrium'] = self.motion, 0 * self.rest()\nramped = copy.copy(self)",
+        ),
         "stale",
         "a copy of a system takes over an equilibrium that is none",
         "cable/test_invariants.py::test_shifting_the_line_changes_nothing",
@@ -336,36 +434,40 @@ DEFECTS = (
     # ------------------------------------------------------------ cable_planar, cable_spatial
     Defect(
         "drag by the length of the chord",
-        "cable.planar",
-        "value / (2 * stretch * stretch), slope",
-        "value / (stretch * stretch), slope",
+        Fault("cable.planar", "_loads", "2 * stretch", "stretch"),
         "derivative",
         "d/d(eps) of sqrt(1 + eps) without its half",
         _TANGENTS + " -k 'planar and tangential'",
     ),
     Defect(
         "current of the neighbour",
-        "cable.planar",
-        "by[1, PHI] -= c.inertia * across * phi_t",
-        "by[1, PHI] -= c.inertia * along * phi_t",
+        Fault(
+            "cable.planar",
+            "_local",
+            "c.inertia * across * phi_t",
+            "c.inertia * along * phi_t",
+            where="m * u + c.inertia * along",
+        ),
         "symbol",
         "tangent of the current's inertia with the wrong component",
         _TANGENTS + " -k 'planar and current'",
     ),
     Defect(
         "angles exchanged in the weight",
-        "cable.spatial",
-        "M36 * theta_t - c.w0 * cos_p * sin_t + Fdb",
-        "M36 * theta_t - c.w0 * sin_p * cos_t + Fdb",
+        Fault(
+            "cable.spatial",
+            "_local",
+            "-(m + ma) * w_t + M35 * phi_t + M36 * theta_t - c.w0 * cos_p * sin_t",
+            "-(m + ma) * w_t + M35 * phi_t + M36 * theta_t - c.w0 * sin_p * cos_t",
+            where="(1 + eps) * sin_p * cos_t",
+        ),
         "symbol",
         "row 3 with phi and theta exchanged",
         f"{_PATCH} -k 'all and spatial'",
     ),
     Defect(
         "twist of a binormal",
-        "cable.spatial",
-        "self.n_phi, self.t_theta, self.b_theta = -level, -self.b, self.t",
-        "self.n_phi, self.t_theta, self.b_theta = -level, self.b, self.t",
+        Fault("cable.spatial", "_Current.__init__", "-self.b", "self.b"),
         "sign",
         "derivative of the current along the tangent by theta",
         _TANGENTS + " -k 'spatial and current'",
@@ -373,9 +475,7 @@ DEFECTS = (
     *(
         Defect(
             f"the seabed pulls at the middle of a cell, {module}",
-            module,
-            f"{rows} += c.support(y[Z])[0] * _up(y)",
-            f"{rows} -= c.support(y[Z])[0] * _up(y)",
+            Fault(module, "point", f"{rows} += c.support(y[Z])[0] * _up(y)", f"{rows} -= c.support(y[Z])[0] * _up(y)"),
             "sign",
             "support of the seabed reversed in the rows of fourth order",
             f"cable/test_order.py::test_order_of_the_corrected_rows -k 'seabed and {fields}'",
@@ -384,19 +484,27 @@ DEFECTS = (
     ),
     Defect(
         "a seabed that carries the weight at most",
-        "cable.system",
-        "return seabed_support(self.seabed_stiffness, self.scene.environment.depth, z)",
-        "support, slope = seabed_support(self.seabed_stiffness, self.scene.environment.depth, z)\n"
-        "        return np.minimum(support, self.w0), np.where(support < self.w0, slope, 0.0)",
+        Fault(
+            "cable.system",
+            "CableSystem.support",
+            "return seabed_support(self.seabed_stiffness, self.scene.environment.depth, z)",
+            (
+                "support, slope = seabed_support(self.seabed_stiffness, self.scene.environment.depth, z)\n"
+                "return np.minimum(support, self.w0), np.where(support < self.w0, slope, 0.0)"
+            ),
+        ),
         "regime",
         "the limit of statics, HB 2.5, in motion: nothing stops a line that sinks deeper than at rest",
         "suite/test_stability.py::test_a_slack_chain_on_a_seabed_settles",
     ),
     Defect(
         "a hold as strong as on a fine mesh",
-        "cable.system",
-        "return min(1.0, float(_SMALL_TURN",
-        "return max(1.0, float(_SMALL_TURN",
+        Fault(
+            "cable.system",
+            "CableSystem.hold_gain",
+            "min(1.0, float(_SMALL_TURN**2 / max((turn**2).sum(axis=0).max(), _SMALL_TURN**2)))",
+            "max(1.0, float(_SMALL_TURN**2 / max((turn**2).sum(axis=0).max(), _SMALL_TURN**2)))",
+        ),
         "symbol",
         "the greater for the smaller: the gain of the hold is one on every mesh",
         "suite/test_stability.py::test_a_slack_chain_on_a_seabed_settles",
@@ -404,36 +512,28 @@ DEFECTS = (
     # ------------------------------------------------------------ chain
     Defect(
         "band one row off",
-        "numerics.chain",
-        "(self.kl + self.ku + i - j))",
-        "(self.kl + self.ku + i - j - (i > j)))",
+        Fault("numerics.chain", "BandedJacobian._position", "self.kl + self.ku + i - j", "self.kl + self.ku + i - j - (i > j)"),
         "index",
         "entries below the diagonal stand one row too high in the band storage",
         _BAND,
     ),
     Defect(
         "end rows where the last cell ends",
-        "numerics.chain",
-        "self._end = self._position(n - fields + first + row, n - fields + column)",
-        "self._end = self._position(n - fields + row, n - fields + column)",
+        Fault("numerics.chain", "BandedJacobian.__init__", "n - fields + first + row", "n - fields + row"),
         "boundary",
         "rows of the last node are written over rows of the last cell",
         _BAND,
     ),
     Defect(
         "product with the other neighbour",
-        "numerics.chain",
-        'np.einsum("ijn,jn->in", cells[1], x[:, 1:])',
-        'np.einsum("ijn,jn->in", cells[1], x[:, :-1])',
+        Fault("numerics.chain", "product", "x[:, 1:]", "x[:, :-1]"),
         "index",
         "tangents of the right nodes times the left ones",
         "common/test_found_by_defects.py::test_tangents_times_a_state_are_the_change_of_the_rows",
     ),
     Defect(
         "cells field after field",
-        "numerics.chain",
-        "middle = cells.value.swapaxes(0, 1).reshape(",
-        "middle = cells.value.reshape(",
+        Fault("numerics.chain", "stack", "cells.value.swapaxes(0, 1).reshape", "cells.value.reshape"),
         "index",
         "rows of the cells in another order than the unknowns",
         _BAND,
@@ -441,81 +541,78 @@ DEFECTS = (
     # ------------------------------------------------------------ statics, shooting
     Defect(
         "place by the tangent at the far end",
-        "cable.statics",
-        "- tangent[:, 1:] - tangent[:, :-1]",
-        "- 2 * tangent[:, 1:]",
+        Fault(
+            "cable.statics",
+            "_Statics.rows",
+            "2 * (place[:, 1:] - place[:, :-1]) / system.ds - tangent[:, 1:] - tangent[:, :-1]",
+            "2 * (place[:, 1:] - place[:, :-1]) / system.ds - 2 * tangent[:, 1:]",
+        ),
         "order",
         "positions of the equilibrium by a rule of first order",
         "cable/test_statics.py::test_box_scheme_converges_to_the_catenary -k 'uniform and OC3'",
     ),
     Defect(
         "tangent of the places",
-        "cable.statics",
-        "J[side, n:, :n] = -slope[:, self.angles, at]",
-        "J[side, n:, :n] = slope[:, self.angles, at]",
+        Fault("cable.statics", "_Statics.rows", "-slope[:, self.angles, at]", "slope[:, self.angles, at]"),
         "derivative",
         "rows of the places by strain and angles have the wrong sign in the Jacobian",
         _EQUILIBRIUM + " -k planar",
     ),
     Defect(
         "pull of the line on the vessel outwards",
-        "cable.statics",
-        "return -self.tension[-1] * self.system.direction(self.y)[:, -1]",
-        "return self.tension[-1] * self.system.direction(self.y)[:, -1]",
+        Fault("cable.statics", "StaticState.fairlead_force", "-self.tension[-1]", "self.tension[-1]"),
         "sign",
         "the force on the vessel points away from the line",
         _SHOT + " -k plane",
     ),
     Defect(
         "anchor's force in the direction of the fairlead's",
-        "cable.statics",
-        "return self.tension[0] * self.system.direction(self.y)[:, 0]",
-        "return self.tension[0] * self.system.direction(self.y)[:, -1]",
+        Fault(
+            "cable.statics",
+            "StaticState.anchor_force",
+            "self.system.direction(self.y)[:, 0]",
+            "self.system.direction(self.y)[:, -1]",
+        ),
         "index",
         "the force on the anchor has the tangent of the other end",
         _SHOT + " -k plane",
     ),
     Defect(
         "equilibrium to three digits",
-        "cable.statics",
-        "TOLERANCE = 1e-11",
-        "TOLERANCE = 1e-3",
+        Fault("cable.statics", "", "TOLERANCE = 1e-11", "TOLERANCE = 1e-3"),
         "tolerance",
         "Newton's method for the equilibrium stops after its first good step",
         _MEETS,
     ),
     Defect(
         "half the current is the current",
-        "cable.statics",
-        "_Statics(_eased(system, x, share)).newton(x, tolerance)",
-        "_Statics(_eased(system, x, share / 2)).newton(x, tolerance)",
+        Fault("cable.statics", "solve_static", "_eased(system, x, share)", "_eased(system, x, share / 2)"),
         "regime",
         "the continuation ends half way and calls it the equilibrium",
         "cable/test_statics.py::test_a_strong_current_is_reached_in_steps",
     ),
     Defect(
         "shot without stretch",
-        "cable.shooting",
-        "_direction(F)[0] * (1 + _direction(F)[1] / system.EA)",
-        "_direction(F)[0]",
+        Fault("cable.shooting", "shoot", "_direction(F)[0] * (1 + _direction(F)[1] / system.EA)", "_direction(F)[0]"),
         "term",
         "dr/ds = t in the shooting method",
         _SHOT + " -k plane",
     ),
     Defect(
         "drag of the binormal to the normal",
-        "cable.shooting",
-        "drag + (system.drag_b - system.drag_n)",
-        "drag - (system.drag_b - system.drag_n)",
+        Fault(
+            "cable.shooting",
+            "_load",
+            "drag + (system.drag_b - system.drag_n) * (binormal * across).sum(axis=0) * binormal",
+            "drag - (system.drag_b - system.drag_n) * (binormal * across).sum(axis=0) * binormal",
+        ),
         "sign",
         "C_db and C_dn exchanged about their mean in the shooting method",
         "common/test_found_by_defects.py::test_shooting_knows_the_binormal",
     ),
     Defect(
         "tangential drag on stretched length twice",
-        "cable.shooting",
-        "np.sqrt(1 + T / system.EA)",
-        "(1 + T / system.EA)",
+        Fault("cable.shooting", "_load", "np.sqrt(1 + T / system.EA)", "(1 + T / system.EA)"),
         "term",
         "1 + eps for its root in the drag of the shooting method",
         _SHOT + " -k plane",
@@ -523,9 +620,7 @@ DEFECTS = (
     # ------------------------------------------------------------ declared blind spots
     Defect(
         "start of the equilibrium too taut",
-        "cable.statics",
-        "        x[0] = T / system.EA\n",
-        "        x[0] = 1.05 * T / system.EA\n",
+        Fault("cable.statics", "_Statics.catenary", "T / system.EA", "1.05 * T / system.EA"),
         "factor",
         "the strain that the iteration for the equilibrium starts from",
         f"{_MEETS} {_SHOT} cable/test_statics.py::test_the_oc3_line_is_that_of_the_notes",
@@ -533,27 +628,21 @@ DEFECTS = (
     ),
     Defect(
         "two BLAS threads",
-        "numerics.threads",
-        "limits=1,",
-        "limits=2,",
+        Fault("numerics.threads", "one_blas_thread", "limits=1", "limits=2"),
         "factor",
         "the number of threads of the linear algebra",
         _OVERLAP,
     ),
     Defect(
         "threads of the first thread alone",
-        "numerics.threads",
-        'if hasattr(library, "clear_controlling_thread"):',
-        "if False:",
+        Fault("numerics.threads", "_let_others_set", 'hasattr(library, "clear_controlling_thread")', "False"),
         "regime",
         "after a solve in one thread of Python the linear algebra heeds no other one",
         _OVERLAP,
     ),
     Defect(
         "threads back before the last has left",
-        "numerics.threads",
-        "limits := _entered.pop()",
-        "limits := _entered.pop(0)",
+        Fault("numerics.threads", "one_blas_thread", "_entered.pop()", "_entered.pop(0)"),
         "stale",
         "of solves that overlap in threads of Python the second ends with all threads of the linear algebra",
         _OVERLAP,

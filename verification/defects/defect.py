@@ -1,11 +1,12 @@
-"""One seeded defect: a small patch of one solver module, and the check that was named for it beforehand."""
+"""One seeded defect: a fault in one solver module, and the check that was named for it beforehand."""
 
 from __future__ import annotations
 
 import re
 import shlex
 from dataclasses import dataclass
-from pathlib import Path
+
+from ..tools.planting import Fault
 
 KINDS = {
     "sign": "a sign",
@@ -27,7 +28,7 @@ KINDS = {
 
 @dataclass(frozen=True)
 class Defect:
-    """In the module of solvers the text ``old``, which stands there once, becomes ``new``.
+    """A fault in the solvers, and what is known of it.
 
     kind : one of KINDS; what : the mistake in one sentence
     check : what should find it, named beforehand: arguments of pytest, paths relative to verification/
@@ -37,9 +38,7 @@ class Defect:
     """
 
     name: str
-    module: str
-    old: str
-    new: str
+    fault: Fault
     kind: str
     what: str
     check: str
@@ -48,21 +47,16 @@ class Defect:
     survives: str = ""
 
     @property
-    def path(self) -> str:
-        """Path of the module's file from the root of the project."""
-        return f"solvers/{self.module.replace('.', '/')}.py"
+    def module(self) -> str:
+        """The module with the mistake, as its fault names it."""
+        return self.fault.module
 
     def applied_to(self, text: str) -> str:
-        """The module's text with the mistake. Raises ValueError unless ``old`` stands there exactly once."""
-        count = text.count(self.old)
-        if count != 1:
-            raise ValueError(f"{self.name}: {self.old!r} stands {count} times in {self.path}, not once")
-        return text.replace(self.old, self.new)
-
-    def plant(self, root: Path):
-        """Apply the patch to the copy of the project at ``root``."""
-        path = root / self.path
-        path.write_text(self.applied_to(path.read_text(encoding="utf-8")), encoding="utf-8", newline="")
+        """Return the module's text with the mistake. Raises ValueError where the fault does not apply to it."""
+        try:
+            return self.fault.apply_to(text)
+        except ValueError as error:
+            raise ValueError(f"{self.name}: {error}") from error
 
 
 def arguments(check: str) -> list[str]:

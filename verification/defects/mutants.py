@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
+from ..tools.planting import fault_at
 from .catalogue import LONG, PLANTING, files, frozen
 from .defect import Defect
 
@@ -74,15 +75,10 @@ def changes(text: str) -> Iterator[tuple[int, int, str]]:
 
 
 def mutant(module: str, text: str, start: int, end: int, new: str) -> Defect:
-    """A change as a defect: the old text is the line of the change, with as many before it as make it the only one."""
-    source = text.encode()
-    first, last = source.rfind(b"\n", 0, start) + 1, source.index(b"\n", end)
-    while text.count(source[first:last].decode()) > 1:
-        first = source.rfind(b"\n", 0, first - 1) + 1
-    line = source.count(b"\n", 0, start) + 1
-    old, became = source[first:last].decode(), (source[first:start] + new.encode() + source[end:last]).decode()
-    shown = became.splitlines()[-1].strip()
-    return Defect(f"{module}:{line}:{start}: {shown}", module, old, became, "factor", shown, check(module))
+    """Return a change as a defect, named by the function and the code that it changes there."""
+    fault = fault_at(module, text, start, end, new)
+    shown = " ".join(f"{fault.old} -> {fault.new}".split()) + (f" ({fault.occurrence})" if fault.occurrence else "")
+    return Defect(f"{module}.{fault.function}: {shown}", fault, "factor", shown, check(module))
 
 
 @cache

@@ -21,7 +21,7 @@ import threading
 import time
 from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor, as_completed
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, astuple, dataclass
 from pathlib import Path
 
 from .defect import Defect, arguments
@@ -117,16 +117,16 @@ class Copies:
             return Result(defect.name if defect else "", check, *run_check(interpreter, check, timeout))
         finally:
             if defect is not None:
-                name = defect.path
+                name = defect.fault.path
                 shutil.copy2(self.source / name, root / name)
             self.free.put(interpreter)
 
     def _plant(self, defect, root):
-        defect.plant(root)
+        defect.fault.write_to(root)
         with self.lock:
             self.stamp += 2
             stamp = self.stamp
-        os.utime(root / defect.path, (stamp, stamp))
+        os.utime(root / defect.fault.path, (stamp, stamp))
 
 
 def _copy(project: Path, to: Path):
@@ -155,7 +155,7 @@ def digest(project: Path) -> str:
 
 def key(tree: str, defect: Defect | None, check: str) -> str:
     """What a result is kept under."""
-    patch = [defect.module, defect.old, defect.new] if defect else []
+    patch = astuple(defect.fault) if defect else ()
     return hashlib.sha256(json.dumps([tree, patch, arguments(check)]).encode()).hexdigest()
 
 
@@ -227,7 +227,7 @@ def _check_patches(root: Path, defects: Iterable[Defect]):
     wrong = []
     for defect in defects:
         try:
-            defect.applied_to((root / defect.path).read_text(encoding="utf-8"))
+            defect.applied_to((root / defect.fault.path).read_text(encoding="utf-8"))
         except (OSError, ValueError) as error:
             wrong.append(str(error))
     if wrong:

@@ -86,5 +86,6 @@ def as_json(found: list[Verdict]) -> dict:
     rows = []
     for v in found:
         results = [asdict(r) | {"void": r.check in v.void, "frozen": frozen(r.test or r.check)} for r in v.results]
-        rows.append(asdict(v.defect) | {"results": results, "by_named": v.by_named, "by_other": v.by_other})
+        about = asdict(v.defect) | {"module": v.defect.module}
+        rows.append(about | {"results": results, "by_named": v.by_named, "by_other": v.by_other})
     return {"summary": summary(found), "kept": kept(summary(found)), "defects": rows}

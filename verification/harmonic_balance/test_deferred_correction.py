@@ -6,7 +6,6 @@ error. Then the four cases of the paper against their tension on finer meshes; f
 
 from __future__ import annotations
 
-import importlib
 import math
 from functools import cache
 
@@ -21,11 +20,12 @@ from solvers.common.outcome import ConvergenceError, InputError, Status
 from solvers.harmonic_balance.residual import HarmonicResidual
 from solvers.harmonic_balance.solve import solve_periodic
 
-from ..cable.problems import LENGTH, TERMS, Manufactured, graded, planted, sign_faults
+from ..cable.problems import LENGTH, TERMS, Manufactured, graded
 from ..cases.oscillators import MassChain, harmonic_force
 from ..exact import cable_mp
 from ..reference import EPS
 from ..tools.orders import assert_order, observed_orders
+from ..tools.planting import planted, sign_faults
 from .test_solve import scene
 from .test_solve import system as case_system
 
@@ -150,12 +150,12 @@ def test_rows_at_a_point_are_the_equations(name, planar):
 @SPATIAL
 def test_each_sign_at_a_point_is_seen(planar):
     """Every term of the rows at a point in turn with the wrong sign misses the equations."""
-    faults, survivors = sign_faults("cable_planar" if planar else "cable_spatial", ("point",)), []
-    for module, old, new, what in faults:
-        with planted(module, old, new) as faulty:
-            of = importlib.import_module(f"{faulty.cable.__package__}.{module}")
-            if not point_error("all", planar, of) > RATE:
-                survivors.append(what)
+    module, survivors = "cable.planar" if planar else "cable.spatial", []
+    faults = sign_faults(module, ("point",))
+    for fault in faults:
+        with planted(fault) as faulty:
+            if not point_error("all", planar, getattr(faulty, module)) > RATE:
+                survivors.append(str(fault))
     assert len(faults) >= 10 and not survivors, "\n".join(survivors)
 
 
@@ -368,7 +368,7 @@ def second_order_slopes(monkeypatch):
         slope[true.at == cell], slope[true.at == cell + 1] = -1 / np.diff(s), 1 / np.diff(s)
         return true._replace(slope=slope)
 
-    monkeypatch.setattr(cable, "stencils", planted)
+    monkeypatch.setattr(cable, "cable.midpoint_stencils", planted)
 
 
 def second_order_middle(monkeypatch):
@@ -376,7 +376,7 @@ def second_order_middle(monkeypatch):
         true, cell = stencils(s), np.arange(s.size - 1)[:, None]
         return true._replace(value=np.where((true.at == cell) | (true.at == cell + 1), 0.5, 0.0))
 
-    monkeypatch.setattr(cable, "stencils", planted)
+    monkeypatch.setattr(cable, "cable.midpoint_stencils", planted)
 
 
 def old_weights(monkeypatch):

@@ -7,7 +7,6 @@ coefficient; it takes from the solver the rows of the chain (verified in time) a
 from __future__ import annotations
 
 import copy
-import importlib
 import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -25,10 +24,10 @@ from solvers.harmonic_balance.krylov import HarmonicKrylov
 from solvers.harmonic_balance.residual import HarmonicResidual, find_mirror
 from solvers.numerics.fourier import Basis
 
-from ..cable.problems import planted
 from ..cases.oscillators import cubic_chain, duffing, towed_chain
 from ..numerics.test_bordered import Chain, backward_error
 from ..reference import EPS
+from ..tools.planting import Fault, planted
 
 NO_WORSE = 10  # times what LAPACK loses on the same matrix
 DATA = Path(__file__).parents[2] / "reference_data"
@@ -341,7 +340,7 @@ def test_products_agree_with_complex_step(name, setting):
     assert error.max() <= RESIDUAL
 
 
-@pytest.mark.parametrize("name", [name for name in CHAINS if "loads" not in name and "seabed" not in name])
+@pytest.mark.parametrize("name", [name for name in CHAINS if "cable.loads" not in name and "seabed" not in name])
 def test_harmonics_of_the_averaged_chain_are_the_inverse_at_rest(name):
     """At rest tangents do not change in time: the preconditioner of the iterative solver then is the exact inverse.
 
@@ -436,12 +435,12 @@ def test_interpreted_blocks_are_the_same(monkeypatch):
 
 def test_a_planted_fault_does_not_stay():
     """Loops compiled from a text with a fault are not kept on disk for the true ones, which are written alike."""
-    fault = "harmonic_blocks", "np.sqrt(block.dtype.type(2.0))", "np.sqrt(block.dtype.type(3.0))"
+    fault = Fault("harmonic_balance.blocks", "_add", "block.dtype.type(2.0)", "block.dtype.type(3.0)")
     basis, shape = Basis(2, 8, 1.0, True), (1, 1, 2, 8)
     tangent, every = np.random.default_rng(7).normal(size=shape), [np.arange(basis.harmonic.size)]
     made = lambda of: of(basis, every)(tangent, tangent, of.harmonics(every, basis), float)
-    with planted(*fault) as faulty:
-        module = importlib.import_module(f"{faulty.cable.__package__}.harmonic_blocks")
+    with planted(fault) as faulty:
+        module = faulty.harmonic_blocks
         wrong, kept = made(module.Blocks), module._add.stats.cache_path
     assert kept is None and abs(wrong - made(Blocks)).max() > 0.1
     assert abs(made(Blocks) - sums(basis, tangent, tangent, every, every)).max() <= PRECISIONS[float]

@@ -22,6 +22,7 @@ from ..defects.interpreter import Interpreter, Stopped
 from ..defects.mutants import changes, mutant, sample
 from ..defects.runner import CheckError, Copies, Log, Result, digest, key, run, run_check
 from ..defects.verdict import as_json, kept, summary, verdicts
+from ..tools.planting import Fault
 from .test_report import Page, broken_anchors, misaligned, missing_files, report, section
 
 ROOT = Path(__file__).parents[2]
@@ -42,17 +43,16 @@ by_name = pytest.mark.parametrize("defect", CATALOGUE, ids=lambda defect: defect
 # ---------------------------------------------------------------- the catalogue
 @by_name
 def test_every_patch_applies(defect):
-    """The old text stands once in its module, the new one differs from it and compiles to another programme."""
-    text = (ROOT / defect.path).read_text(encoding="utf-8")
+    """The old code is found once in its function, and the new one makes another programme of the module."""
+    text = (ROOT / defect.fault.path).read_text(encoding="utf-8")
     patched = defect.applied_to(text)
-    assert defect.old != defect.new
     assert ast.dump(ast.parse(patched)) != ast.dump(ast.parse(text))
     compile(patched, defect.module, "exec")
 
 
 def test_names_and_patches_are_unique():
     """No two defects have one name, and no two are the same mistake."""
-    assert len({d.name for d in CATALOGUE}) == len(CATALOGUE) == len({(d.module, d.old, d.new) for d in CATALOGUE})
+    assert len({d.name for d in CATALOGUE}) == len(CATALOGUE) == len({d.fault for d in CATALOGUE})
 
 
 def test_the_catalogue_is_large_enough_and_leaves_no_module_out():
@@ -192,11 +192,32 @@ def test_that_waits():
         time.sleep(0.05)
 """
 TINY = (
-    Defect("tripled", "numbers", "2 * x", "3 * x", "factor", "three for two", "test_numbers.py::test_double"),
-    Defect("plus", "numbers", "x / 2", "x + 2", "symbol", "plus for over", "test_numbers.py::test_half"),
-    Defect("unseen", "numbers", "x / 2", "x * 0.5", "factor", "the same", "test_numbers.py", blind="equal in doubles"),
-    Defect("slow", "numbers", "2 * x", "3 * x", "factor", "never ends", "test_numbers.py::test_that_waits"),
-    Defect("survivor", "numbers", "2 * x", "3 * x", "factor", "not looked at", "test_numbers.py::test_half -v"),
+    Defect(
+        "tripled",
+        Fault("numbers", "double", "2 * x", "3 * x"),
+        "factor",
+        "three for two",
+        "test_numbers.py::test_double",
+    ),
+    Defect("plus", Fault("numbers", "half", "x / 2", "x + 2"), "symbol", "plus for over", "test_numbers.py::test_half"),
+    Defect(
+        "unseen",
+        Fault("numbers", "half", "x / 2", "x * 0.5"),
+        "factor",
+        "the same",
+        "test_numbers.py",
+        blind="equal in doubles",
+    ),
+    Defect(
+        "slow", Fault("numbers", "double", "2 * x", "3 * x"), "factor", "never ends", "test_numbers.py::test_that_waits"
+    ),
+    Defect(
+        "survivor",
+        Fault("numbers", "double", "2 * x", "3 * x"),
+        "factor",
+        "not looked at",
+        "test_numbers.py::test_half -v",
+    ),
 )
 ENDING = tuple(d for d in TINY if d.name != "slow")
 
@@ -226,7 +247,7 @@ def test_outcomes_and_verdicts(tiny, tmp_path):
     results = finished(tiny, Log(tmp_path / "log"), ENDING, jobs=2)
     slow = TINY[3]
     anew = Interpreter(tiny, forks=False)  # as where nothing can be forked
-    slow.plant(tiny)  # whatever the load of the machine, it is not green after this time
+    slow.fault.write_to(tiny)  # whatever the load of the machine, it is not green after this time
     results.append(Result("slow", slow.check, *run_check(anew, slow.check, 1.0)))
     assert {r.defect: r.outcome for r in results if r.defect} == {
         "tripled": "caught", "plus": "caught", "unseen": "missed", "slow": "timeout", "survivor": "missed",
@@ -271,10 +292,11 @@ def test_a_check_that_does_not_exist_stops_the_run(tiny):
 
 
 def test_patches_that_do_not_fit_are_refused(tiny, tmp_path):
-    """A text that is not there, or twice, is refused before any work, with the name of the defect."""
-    for old in ("no such text", "return"):
-        with pytest.raises(CheckError, match=r"tripled: .* stands \d times in solvers/numbers.py"):
-            finished(tiny, Log(tmp_path / "log"), [replace(TINY[0], old=old)])
+    """What is not there, is no code, or has no such function, is refused before any work by the name of the defect."""
+    for change in ({"old": "3 * x"}, {"old": "2 * double(x"}, {"function": "treble"}):
+        refused = replace(TINY[0], fault=replace(TINY[0].fault, **change))
+        with pytest.raises(CheckError, match=r"^tripled: solvers/numbers.py, .*(found 0|neither|defined 0)"):
+            finished(tiny, Log(tmp_path / "log"), [refused])
     assert not Log(tmp_path / "log").results
 
 
@@ -295,7 +317,7 @@ def test_forked_and_anew_are_one(tiny):
         interpreter = Interpreter(tiny, forks)
         (tiny / "solvers" / "numbers.py").write_text(MODULE)
         answers.append([run_check(interpreter, "test_numbers.py::test_half", 120.0)[0]])
-        TINY[0].plant(tiny)
+        TINY[0].fault.write_to(tiny)
         os.utime(tiny / "solvers" / "numbers.py", (1e9 + len(answers), 1e9 + len(answers)))  # no stale bytecode
         answers[-1] += [run_check(interpreter, check, 120.0)[::2] for check in ("test_numbers.py::test_double",)]
         answers[-1] += [run_check(interpreter, "test_numbers.py::test_that_waits", 2.0)[0]]
@@ -320,7 +342,7 @@ def test_mutants_are_changes_of_one_place():
             assert misnamed(defect.check) == []
     drawn = sample(SOLVERS, 150)
     assert drawn == sample(SOLVERS, 150) != sample(SOLVERS, 150, seed=1)
-    assert plain <= {"elementary", "compiled"} and {d.module for d in drawn} == set(texts) - plain
+    assert plain <= {"numerics.elementary", "numerics.compiled"} and {d.module for d in drawn} == set(texts) - plain
     assert len({d.name for d in drawn}) == len(drawn) >= 150
 
 
@@ -331,7 +353,7 @@ def test_results_are_kept_and_go_stale(tiny, tmp_path):
     first = finished(tiny, Log(log), TINY[:2])
     again = finished(tiny, Log(log), TINY[:2])
     assert {repr(r) for r in again} == {repr(r) for r in first}  # times included: none was measured again
-    changed = [replace(TINY[0], new="4 * x"), TINY[1]]
+    changed = [replace(TINY[0], fault=replace(TINY[0].fault, new="4 * x")), TINY[1]]
     third = {r.defect: r for r in finished(tiny, Log(log), changed) if r.defect}
     assert third["plus"] in first and third["tripled"] not in first
     path = tiny / "verification" / "test_numbers.py"

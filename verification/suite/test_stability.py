@@ -20,11 +20,12 @@ from solvers.cable.system import CableSystem
 from solvers.time_domain.generalized_alpha import Scheme
 from solvers.time_domain.solve import solve_time_domain
 
-from ..cable.problems import planted, scene, system
+from ..cable.problems import scene, system
 from ..cases.cables import OC3, OC3_SEABED, SLACK_CHAIN, SURGE_5
 from ..cases.networks import chain
 from ..cases.spans import SpanCase
 from ..reference import exact_span, force_error
+from ..tools.planting import Fault, planted
 
 LIMITS = 100  # condition limits: what this project asks of its answers on its reference table
 BALANCE = 2e-9  # of the largest force: the tolerance of the network solver, summed in another order
@@ -323,11 +324,14 @@ def test_no_wave_grows_on_a_seabed(nodes, stiffness):
     assert growth(chain, chain.rest()) < GROWTH
 
 
-LIMITED = (
-    "cable",
+LIMITED = Fault(
+    "cable.system",
+    "CableSystem.support",
     "return seabed_support(self.seabed_stiffness, self.scene.environment.depth, z)",
-    "support, slope = seabed_support(self.seabed_stiffness, self.scene.environment.depth, z)\n"
-    "        return np.minimum(support, self.w0), np.where(support < self.w0, slope, 0.0)",
+    (
+        "support, slope = seabed_support(self.seabed_stiffness, self.scene.environment.depth, z)\n"
+        "return np.minimum(support, self.w0), np.where(support < self.w0, slope, 0.0)"
+    ),
 )
 
 
@@ -360,7 +364,7 @@ SINKS = 2.5  # depths w0/k of a line at rest, which a moving one exceeds; measur
 def unsettled(of=None, hold="position", steps=100, case=SLACK_CHAIN):
     """(change of the fairlead tension between the seventh period and the eighth, deepest sinking in w0/k)."""
     chain = system(case, 25, **({"of": of} if of else {}))
-    solve = of.time_domain.solve_time_domain if of else solve_time_domain
+    solve = of.time_domain.solve.solve_time_domain if of else solve_time_domain
     history = solve(chain, dt=chain.period / steps, periods=8, hold=hold)
     t = (7 + np.arange(100) / 100) * chain.period
     now, before = history.fairlead_tension(t), history.fairlead_tension(t - chain.period)
@@ -379,16 +383,20 @@ def test_a_slack_chain_on_a_seabed_settles(hold, steps):
 
 def test_a_seabed_that_carries_the_weight_at_most_is_seen():
     """With the limit of statics the line sinks on, and what meets it there shakes it: both checks turn red."""
-    with planted(*LIMITED) as faulty:
+    with planted(LIMITED) as faulty:
         change, sunk = unsettled(faulty, case=STILL)
     assert change > SETTLES and sunk > SINKS, (change, sunk)
 
 
 def test_a_hold_that_counts_cells_is_seen_to_feed_waves():
     """25 cells are no measure where each turns the line by ten degrees: the hold shakes the chain until it fails."""
-    first = "y = self.rest()\n        turn ="
-    by_count = f"return min(1.0, (self.nodes / 30) ** 2)\n        {first}"
-    with planted("cable", first, by_count) as faulty, pytest.raises(faulty.outcome.ConvergenceError):
+    by_count = Fault(
+        "cable.system",
+        "CableSystem.hold_gain",
+        "y = self.rest()",
+        "return min(1.0, (self.nodes / 30) ** 2)\ny = self.rest()",
+    )
+    with planted(by_count) as faulty, pytest.raises(faulty.common.outcome.ConvergenceError):
         unsettled(faulty, steps=200, case=replace(SLACK_CHAIN, current=(0.4, 0.0, 0.0)))
 
 

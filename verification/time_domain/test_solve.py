@@ -16,18 +16,20 @@ import pytest
 
 from solvers.numerics.modes import natural_modes
 
-from ..cable.problems import LENGTH, SOLVERS, TERMS, Manufactured, chosen_fields, planted, system
-from ..cases.cables import HEAVE_5, OC3, SURGE_5, SURGE_9, TIME_FAULTS, CableCase
+from ..cable.problems import LENGTH, SOLVERS, TERMS, Manufactured, chosen_fields, system
+from ..cases.cables import HEAVE_5, OC3, SURGE_5, SURGE_9, CableCase
+from ..defects.dynamics import TIME_FAULTS
 from ..exact import frequencies, travelling_wave
 from ..reference import EPS
 from ..tools.orders import assert_order, extrapolated
+from ..tools.planting import planted
 
-solve = SOLVERS.time_domain.solve_time_domain
-Scheme = SOLVERS.generalized_alpha.Scheme
+solve = SOLVERS.time_domain.solve.solve_time_domain
+Scheme = SOLVERS.time_domain.generalized_alpha.Scheme
 Status, InputError, ConvergenceError = (
-    getattr(SOLVERS.outcome, n) for n in ("Status", "InputError", "ConvergenceError")
+    getattr(SOLVERS.common.outcome, n) for n in ("Status", "InputError", "ConvergenceError")
 )
-Motion, SampledMotion, FunctionMotion = (getattr(SOLVERS.motion, f"{n}Motion") for n in ("", "Sampled", "Function"))
+Motion, SampledMotion, FunctionMotion = (getattr(SOLVERS.common.motion, f"{n}Motion") for n in ("", "Sampled", "Function"))
 PERIOD = 20.0  # s, of the 0.05 Hz of HB section 4
 
 
@@ -98,7 +100,7 @@ def _axial(modes):
     return modes.frequencies[np.argmax(u / (u + v))]
 
 
-class HangingChain(SOLVERS.cable.CableSystem):
+class HangingChain(SOLVERS.cable.system.CableSystem):
     """A vertical line whose lower end is free: no tension there, and its weight alone moves it sideways."""
 
     def start(self, y, ydot, t, tangents=True):
@@ -106,7 +108,7 @@ class HangingChain(SOLVERS.cable.CableSystem):
         m = self.m + self.ma
         J, Jt = np.zeros((2, 2, 4))
         J[0, 0], J[1, 3], Jt[1, 2] = 1.0, self.w0 * np.cos(y[3, 0]), -m
-        return SOLVERS.chain.Rows(np.array([y[0, 0], self.w0 * np.sin(y[3, 0]) - m * ydot[2, 0]]), J, Jt)
+        return SOLVERS.numerics.chain.Rows(np.array([y[0, 0], self.w0 * np.sin(y[3, 0]) - m * ydot[2, 0]]), J, Jt)
 
     def rest(self):
         """Strain w0 s / EA, straight down."""
@@ -174,7 +176,7 @@ def test_small_forced_motion(direction):
         chain = system(case, nodes)
         rest = chain.rest()
         rows = [part(rest, 0 * rest, 0.0) for part in (chain.start, chain.cells, chain.end)]
-        band = SOLVERS.chain.BandedJacobian(4, nodes, chain.start_rows, complex)
+        band = SOLVERS.numerics.chain.BandedJacobian(4, nodes, chain.start_rows, complex)
         assert band.factorise(*(part.y + omega * part.ydot for part in rows))
         right = np.zeros(4 * nodes, complex)
         right[-2:] = chain.axes @ np.array(direction) * omega
@@ -480,7 +482,7 @@ def test_bad_runs_are_refused(options, message):
 
 
 @pytest.mark.parametrize(
-    ("motion", "options", "message"),
+    ("common.motion", "options", "message"),
     [
         (None, {"periods": 1}, r"periods: the motion has no period; give duration \(s\)"),
         (None, {"duration": 1.0, "hold": "mean"}, r"hold: 'mean' takes a motion with a period"),
@@ -503,9 +505,9 @@ def time_checks(of):
     problem = Manufactured(BARE, fields, 3, planar=True, of=of)
     errors = [problem.errors(dt=dt, duration=1.0).max() for dt in (1 / 32, 1 / 64)]
     assert_order([2, 1], errors, 2, ceiling=0.01)
-    scheme = of.generalized_alpha.Scheme.from_spectral_radius(0.5)
+    scheme = of.time_domain.generalized_alpha.Scheme.from_spectral_radius(0.5)
     assert abs(scheme.amplification(1e12j)) == pytest.approx([0.5, 0.5], abs=1e-5)
-    history = of.time_domain.solve_time_domain(system(SURGE_5, 50, of), dt=0.1, periods=1)
+    history = of.time_domain.solve.solve_time_domain(system(SURGE_5, 50, of), dt=0.1, periods=1)
     assert history.drift()[-1] <= DRIFT / 2  # measured 0.06 mm
     assert abs(history.at(history.time + 0.0) - history.y).max() <= 1e-12
     middle, h = np.array([3.33, 7.77]), 1e-6
@@ -518,10 +520,10 @@ def test_the_checks_pass_without_a_fault():
     time_checks(SOLVERS)
 
 
-@pytest.mark.parametrize(("module", "old", "new", "what"), TIME_FAULTS, ids=[fault[3] for fault in TIME_FAULTS])
-def test_a_fault_of_the_time_integration_is_seen(module, old, new, what):
+@pytest.mark.parametrize("fault", [fault for fault, _ in TIME_FAULTS], ids=[what for _, what in TIME_FAULTS])
+def test_a_fault_of_the_time_integration_is_seen(fault):
     """A wrong weight, a wrong level of time or a wrong sign of the hold: one of the checks turns red."""
-    with planted(module, old, new) as faulty:
-        red = AssertionError, faulty.outcome.ConvergenceError, FloatingPointError
+    with planted(fault) as faulty:
+        red = AssertionError, faulty.common.outcome.ConvergenceError, FloatingPointError
         with np.errstate(all="ignore"), pytest.raises(red):  # a planted fault may overflow
             time_checks(faulty)

@@ -1,1 +1,1 @@
-"""What tests share: observed orders, derivatives by complex step, random draws."""
+"""Tools of the checks that do not depend on what is checked."""
