@@ -61,4 +61,4 @@ class Defect:
 
 def arguments(check: str) -> list[str]:
     """A check as arguments of pytest, run from the root of the project."""
-    return [f"verification/{word}" if re.match(r"\w+/test_", word) else word for word in shlex.split(check)]
+    return [f"verification/{word}" if re.match(r"(\w+/)?test_", word) else word for word in shlex.split(check)]

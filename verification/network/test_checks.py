@@ -283,7 +283,7 @@ def test_a_start_taken_for_the_solution_is_seen(monkeypatch):
         monkeypatch,
     )
     assert status_misses(monkeypatch)
-    plant_in_place(Fault("network.nested", "numerics.newton", "bound(elements)", "1e9 * bound(elements)"), monkeypatch)
+    plant_in_place(Fault("network.nested", "newton", "bound(elements)", "1e9 * bound(elements)"), monkeypatch)
     assert turns_red("printed digits, nested")
 
 
