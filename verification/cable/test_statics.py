@@ -211,10 +211,10 @@ MET = 1e-13  # of the length: a hundred cells sum to it
 
 @pytest.mark.parametrize("case", [OC3_SEABED, ACROSS, IN_PLANE], ids=lambda case: case.name)
 def test_shooting_agrees_with_the_truth(case):
-    """solve_static(method="cable.shooting") has the truth's forces to nine digits, on any number of nodes."""
+    """solve_static(method="shooting") has the truth's forces to nine digits, on any number of nodes."""
     truth = shot(case)
     for nodes in (11, 50):
-        state = solve_static(system(case, nodes), method="cable.shooting")
+        state = solve_static(system(case, nodes), method="shooting")
         assert state.fairlead_force == pytest.approx(truth.fairlead_force, rel=1e-9, abs=1e-3)
         assert state.anchor_force == pytest.approx(truth.anchor_force, rel=1e-9, abs=1e-3)
         assert state.r == pytest.approx(truth.r(state.system.s), abs=1e-7)

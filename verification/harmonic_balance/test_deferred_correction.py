@@ -368,7 +368,7 @@ def second_order_slopes(monkeypatch):
         slope[true.at == cell], slope[true.at == cell + 1] = -1 / np.diff(s), 1 / np.diff(s)
         return true._replace(slope=slope)
 
-    monkeypatch.setattr(cable, "cable.midpoint_stencils", planted)
+    monkeypatch.setattr(cable, "stencils", planted)
 
 
 def second_order_middle(monkeypatch):
@@ -376,7 +376,7 @@ def second_order_middle(monkeypatch):
         true, cell = stencils(s), np.arange(s.size - 1)[:, None]
         return true._replace(value=np.where((true.at == cell) | (true.at == cell + 1), 0.5, 0.0))
 
-    monkeypatch.setattr(cable, "cable.midpoint_stencils", planted)
+    monkeypatch.setattr(cable, "stencils", planted)
 
 
 def old_weights(monkeypatch):

@@ -213,21 +213,21 @@ def test_a_fault_is_the_same_on_disk_in_memory_and_in_place(tmp_path, monkeypatc
     """Each plants it where it should, and nowhere else; the solvers are whole again afterwards."""
     length = lambda module: module.hanging_length(SCALAR, 3.0, 0.1)
     true, finders = length(catenary_regimes), list(sys.meta_path)
-    (tmp_path / "solvers").mkdir()
     copy = tmp_path / WAYS.path
+    copy.parent.mkdir(parents=True)
     copy.write_text((ROOT / WAYS.path).read_text(encoding="utf-8"), encoding="utf-8")
     WAYS.write_to(tmp_path)
     assert copy.read_text(encoding="utf-8") == WAYS.apply_to((ROOT / WAYS.path).read_text(encoding="utf-8"))
     with planted(WAYS) as faulty:
-        assert length(faulty.catenary_regimes) == 3.0 and length(catenary_regimes) == true
-        assert faulty.catenary_solve.regimes is faulty.catenary_regimes  # what imports it has it, too
+        assert length(faulty.catenary.regimes) == 3.0 and length(catenary_regimes) == true
+        assert faulty.catenary.solve.regimes is faulty.catenary.regimes  # what imports it has it, too
     with monkeypatch.context() as patch:
         plant_in_place(WAYS, patch)
         assert length(catenary_regimes) == 3.0
     assert length(catenary_regimes) == true != 3.0
     assert sys.meta_path == finders and not any(name.startswith("planted") for name in sys.modules)
     with planted(replace(WAYS, new="2 * h")) as faulty:  # nothing of the first one is left
-        assert length(faulty.catenary_regimes) == 6.0
+        assert length(faulty.catenary.regimes) == 6.0
 
 
 def test_properties_are_planted_in_place(monkeypatch):

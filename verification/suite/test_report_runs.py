@@ -472,7 +472,7 @@ called after its imports (that `from solvers import Span` also loads what Span d
 
 RUNS = {
     "forces": ("benchmarks.scenes.measure", "reference_data/scenes/shallow_chain.toml", "--forces"),
-    "io.scene": ("benchmarks.scenes.measure", "reference_data/scenes/shallow_chain.toml"),
+    "scene": ("benchmarks.scenes.measure", "reference_data/scenes/shallow_chain.toml"),
     "dynamics": ("benchmarks.cable.measure", "--parts", "profile", "growth", "--quick"),
     "tests": ("pytest", "verification/io/test_network_scene.py"),
 }

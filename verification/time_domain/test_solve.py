@@ -482,7 +482,7 @@ def test_bad_runs_are_refused(options, message):
 
 
 @pytest.mark.parametrize(
-    ("common.motion", "options", "message"),
+    ("motion", "options", "message"),
     [
         (None, {"periods": 1}, r"periods: the motion has no period; give duration \(s\)"),
         (None, {"duration": 1.0, "hold": "mean"}, r"hold: 'mean' takes a motion with a period"),
