@@ -89,7 +89,7 @@ _FILES = {
     "cable.shooting": _CABLE,
     **dict.fromkeys(("time_domain.generalized_alpha", "time_domain.solve", "time_domain.step_control",
                      "time_domain.drift_control"), (*_TIME, "cable/test_failures.py")),
-    "numerics.continuation": (*_PERIODIC, "cable/test_statics.py"),
+    "numerics.continuation": ("numerics/test_continuation.py", *_PERIODIC, "cable/test_statics.py"),
     **dict.fromkeys(("numerics.fourier", "harmonic_balance.solve", "harmonic_balance.residual", "harmonic_balance.krylov", "harmonic_balance.blocks", "harmonic_balance.start"),
                     _PERIODIC),
     **dict.fromkeys(("numerics.lu.bordered", "numerics.compiled", "numerics.memory", "numerics.threads"), (*_PERIODIC, "harmonic_balance/test_start.py")),

@@ -746,7 +746,7 @@ DEFECTS = (
         ),
         "sign",
         "the guess of the next load is taken far beyond it",
-        "harmonic_balance/test_oscillators.py::test_continuation_in_amplitude_is_internal",
+        "numerics/test_continuation.py",
     ),
     Defect(
         "no prediction of the rate",
