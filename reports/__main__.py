@@ -9,9 +9,7 @@ import signal
 import sys
 from pathlib import Path
 
-from .evidence import published
-from .pipeline import compare, history
-from .pipeline import external_solvers as brought
+from .pipeline import compare, external_solvers, history, published
 from .pipeline.ledger import digests, write_atomically
 from .pipeline.runner import BusyError, Ended, run_all
 from .pipeline.sources import ROOT, files_of
@@ -63,7 +61,7 @@ def _checked(parser: argparse.ArgumentParser, argv) -> argparse.Namespace:
     for path in arguments.scenes:
         if not path.is_file():
             parser.error(f"{path}: there is no such scene file")
-    if trouble := brought.bring(arguments.solver):
+    if trouble := external_solvers.bring(arguments.solver):
         parser.error(trouble)
     stems = [path.stem for path in arguments.scenes]
     if len(set(stems)) < len(stems):
@@ -86,7 +84,7 @@ def main(argv=None) -> int:
         print(f"{out}: no results can be written there ({error.strerror}): give another --out", file=sys.stderr)
         return 2
     stages, name = _planned(arguments, out)
-    stages = brought.depending(stages)
+    stages = external_solvers.depending(stages)
     wanted = arguments.only or [group for group in GROUPS if not (arguments.quick and group in SLOW)]
     chosen = [stage for stage in stages if stage.group in wanted]
     if not chosen:
@@ -124,10 +122,10 @@ def _page(out: Path, name: str, stages: list[Stage], ended: list[Ended], whole: 
     made_of += [hashlib.sha256(file.read_bytes()).hexdigest() if file.exists() else None for file in results]
     now = hashlib.sha256(json.dumps(made_of).encode()).hexdigest()
     if not ((out / name).exists() and record.exists() and record.read_text(encoding="utf-8") == now):
-        from .page import site as page  # matplotlib only where something is drawn
+        from .page import site  # matplotlib only where something is drawn
 
         record.unlink(missing_ok=True)  # from here on until the end the page is between two states
-        page.build(out, name, stages, ended, whole)
+        site.build(out, name, stages, ended, whole)
         write_atomically(record, now)
     return out / name
 

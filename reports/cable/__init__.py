@@ -1,1 +1,1 @@
-"""The section on moving cables."""
+"""The section on the moving cable in time."""

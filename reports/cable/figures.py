@@ -1,4 +1,4 @@
-"""What the figures of the dynamics share, and those of the moving cable in time. Captions come from the same data."""
+"""The figures on the moving cable in time. Captions come from the same data."""
 
 from __future__ import annotations
 
@@ -6,80 +6,17 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib import pyplot as plt
-from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, NullLocator
+from matplotlib.ticker import MaxNLocator
 
 from ..drawing import style
-from ..evidence.published import stated
-from ..page.formatting import DASH, number, plural, seconds, slug, times
-from ..scenes.figures import COLOURS
-
-KN = 1e-3
-CASES = {
-    "case_1": "Case 1: surge 5 m",
-    "case_2": "Case 2: heave 5 m",
-    "case_3": "Case 3: sway 5 m",
-    "case_4": "Case 4: surge and sway",
-    "case_1_large": "Surge 9 m",
-}
-METHODS = {
-    "harmonic balance": {"color": style.PALETTE[0], "marker": "o"},
-    "harmonic balance, corrected": {"color": style.PALETTE[3], "marker": "P"},
-    "time domain": {"color": style.PALETTE[1], "marker": "s"},
-    "time domain, extrapolated": {"color": style.PALETTE[1], "marker": "X"},
-    "MoorDyn": {"color": style.PALETTE[2], "marker": "D"},
-    "reference": {"color": style.INK, "marker": ""},
-}
-LOOKS = [{"color": c, "marker": m} for c, m in zip(style.PALETTE, style.MARKERS, strict=True)]
+from ..drawing.axes import KN, LOOKS, add_legend, draw_order_line, panel, set_decade_ticks, set_size_ticks
+from ..page.figures import Group
+from ..page.formatting import DASH, number, plural, seconds, status_words, times
+from ..pipeline.published import printed_value
+from .cases import METHODS, motion_of, save
 
 
-def panel(title: str, xlabel: str, ylabel: str, **axes_options):
-    """(figure, axes) of one panel."""
-    figure, axes = plt.subplots(figsize=style.PANEL)
-    axes.set(title=title, xlabel=xlabel, ylabel=ylabel, **axes_options)
-    return figure, axes
-
-
-def legend(figure, axes, columns: int = 2, **options):
-    """Above the axes; as many columns as fit."""
-    handles, labels = axes.get_legend_handles_labels()
-    if labels:
-        figure.legend(handles, labels, loc="outside upper center", ncols=min(columns, len(labels)), **options)
-
-
-def decades(axes, which: str = "xy", most: int = 8):
-    """At most so many decades on logarithmic axes; where there are fewer than two, numbers between them as well."""
-    for name in which:
-        axis, (low, high) = getattr(axes, f"{name}axis"), getattr(axes, f"get_{name}lim")()
-        close = high / low < 100
-        axis.set_major_locator(LogLocator(subs=(1, 2, 5) if close else (1,), numticks=most))
-        axis.set_minor_formatter(NullFormatter())
-        if close:
-            axis.set_major_formatter("{x:g}")
-
-
-def sizes(axes, values):
-    """These sizes as the ticks of a logarithmic x axis."""
-    axes.set_xticks(values, [str(value) for value in values])
-    axes.xaxis.set_minor_locator(NullLocator())
-
-
-def metres(case: str) -> str:
-    """Surge 5 m, of Case 1: surge 5 m."""
-    return CASES[case].split(": ")[-1].capitalize()
-
-
-def save(figure, folder: Path, name: str, title: str, alt: str) -> style.Figure:
-    """As style.save, named as all figures of the dynamics are."""
-    return style.save(figure, folder, f"dynamics_{slug(name)}", title, alt)
-
-
-def slope(axes, x, y, order: int = 2):
-    """A dashed line of this order through the last point."""
-    x = np.array([min(x), max(x)], dtype=float)
-    axes.plot(x, y * (x / x.min()) ** order, "--", color=style.PALE, linewidth=1, label=f"order {order}", zorder=1)
-
-
-def profile(data: dict, folder: Path) -> style.Group:
+def profile(data: dict, folder: Path) -> Group:
     """HB Fig. 2."""
     nodes, exact, fairlead = data["nodes"], data["catenary"], data["fairlead"]
     figures = []
@@ -91,7 +28,7 @@ def profile(data: dict, folder: Path) -> style.Group:
         axes.plot(exact[along], np.array(exact[key]) * scale, color=style.PALETTE[0], label="catenary")
         axes.plot(nodes[along], np.array(nodes[key]) * scale, "o", color=style.PALETTE[1], markersize=3.5,
                   markerfacecolor="none", label=f"box scheme, {len(nodes['s'])} nodes")  # fmt: skip
-        legend(figure, axes)
+        add_legend(figure, axes)
         figures.append(save(figure, folder, f"profile_{key}", title, f"{title} of the OC3 line: catenary and nodes."))
     box, shooting, catenary = (fairlead[name] for name in ("box scheme", "shooting", "catenary"))
     caption = (
@@ -100,10 +37,10 @@ def profile(data: dict, folder: Path) -> style.Group:
         f"catenary, and shooting agrees with it to {number(abs(shooting / catenary - 1), 1)}. The moving cable starts "
         "from the nodes, so that it stays at rest when nothing moves it."
     )
-    return style.Group(caption, figures)
+    return Group(caption, figures)
 
 
-def settling(rows: list[dict], folder: Path) -> style.Group:
+def settling(rows: list[dict], folder: Path) -> Group:
     """HB Fig. 5, and the distance of each period from the last."""
     figures = []
     for row in rows:
@@ -118,9 +55,9 @@ def settling(rows: list[dict], folder: Path) -> style.Group:
         axes.plot(range(1, len(away) + 1), away, label=f"drag coefficient {row['drag']:g}", linewidth=1, **look)
     for level in rows[0]["settled"]:
         axes.axhline(float(level), color=style.PALE, linestyle="--", linewidth=1)
-    decades(axes, "y")
+    set_decade_ticks(axes, "y")
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
-    legend(figure, axes)
+    add_legend(figure, axes)
     figures.append(save(figure, folder, "settling_away", title, f"{title}, logarithmic, for both drag coefficients."))
     said = "; ".join(
         f"drag {row['drag']:g}: "
@@ -128,27 +65,27 @@ def settling(rows: list[dict], folder: Path) -> style.Group:
         for row in rows
     )
     caption = (
-        f"HB Fig. 5 remade: surge of {stated('least amplitude of the convergence study')} m that grows in half a "
+        f"HB Fig. 5 remade: surge of {printed_value('least amplitude of the convergence study')} m that grows in half a "
         f"period. The first period that equals the last: {said} of "
         "the range of the tension. The paper gives "
-        f"{stated('periods to steady state at Cdn 1.6')} periods, and at least "
-        f"{stated('periods to steady state at Cdn 0.1')} with the small drag."
+        f"{printed_value('periods to steady state at Cdn 1.6')} periods, and at least "
+        f"{printed_value('periods to steady state at Cdn 0.1')} with the small drag."
     )
-    return style.Group(caption, figures)
+    return Group(caption, figures)
 
 
 def _period(first) -> str:
     return "later than computed" if first is None else f"period {first}"
 
 
-def spacetime(rows: list[dict], folder: Path) -> style.Group:
+def spacetime(rows: list[dict], folder: Path) -> Group:
     """Tension over unstretched length and time."""
     figures, said = [], []
     for row in rows:
-        title = metres(row["case"])
+        title = motion_of(row["case"])
         figure, axes = plt.subplots(figsize=(style.PANEL[0], 4.2))
         tension = np.array(row["tension"]) * KN
-        mesh = axes.pcolormesh(row["time"], row["s"], tension, cmap=COLOURS, shading="gouraud", rasterized=True)
+        mesh = axes.pcolormesh(row["time"], row["s"], tension, cmap=style.TENSION_COLOURS, shading="gouraud", rasterized=True)
         axes.set(title=title, xlabel="time in the period, s", ylabel="s, m of unstretched line from the anchor")
         axes.grid(False)
         axes.plot(row["at"], row["s"][row["node"] - 1], "*", color="white", markeredgecolor=style.INK, markersize=13)
@@ -162,7 +99,7 @@ def spacetime(rows: list[dict], folder: Path) -> style.Group:
             f"{title}: {number(row['least'] * KN)} kN at node {row['node']} of {len(row['s'])}, {number(row['at'])} s"
         )
     caption = f"Tension over one period; the star is where it comes nearest to zero. {'; '.join(said)}."
-    return style.Group(caption, figures)
+    return Group(caption, figures)
 
 
 STATIC = {"fairlead": "fairlead tension", "along": "tension along the line", "place": "place of the nodes, m"}
@@ -171,7 +108,7 @@ STEP = {"undamped": "no structural damping", "damped": "with structural damping"
         "extrapolated": "the same, against its extrapolation"}  # fmt: skip
 
 
-def orders(data: dict, folder: Path) -> style.Group:
+def orders(data: dict, folder: Path) -> Group:
     """Errors against cell and step, with lines of order 2."""
     figures = []
     for name, key, xlabel, ylabel, labels in (
@@ -186,11 +123,11 @@ def orders(data: dict, folder: Path) -> style.Group:
             shown = rows if name == "statics" or "damped" in column else rows[:-1]  # the last makes the limit
             axes.plot([r[key] for r in shown], [r[column] for r in shown], label=label, linewidth=1, **look)
         least = min(min(r[c] for c in labels) for r in rows[:-1])
-        slope(axes, [r[key] for r in rows[:-1]], least)
-        decades(axes)
-        legend(figure, axes, 2 if name != "step" else 1)
+        draw_order_line(axes, [r[key] for r in rows[:-1]], least)
+        set_decade_ticks(axes)
+        add_legend(figure, axes, 2 if name != "step" else 1)
         figures.append(save(figure, folder, f"orders_{name}", title, f"{title}: errors, logarithmic, near order 2."))
-    return style.Group(_orders_caption(data), figures)
+    return Group(_orders_caption(data), figures)
 
 
 def _orders_caption(data: dict) -> str:
@@ -215,26 +152,26 @@ def _ends(values) -> tuple[str, ...]:
     return (low,) if low == high else (low, high)
 
 
-def drift(rows: list[dict], folder: Path) -> style.Group:
+def drift(rows: list[dict], folder: Path) -> Group:
     """Distance of the fairlead from its prescribed place by period."""
     figure, axes = panel("Drift of the fairlead", "periods", "distance from the prescribed place, m", yscale="log")
     for row, look in zip(rows, LOOKS, strict=False):
-        name = metres(row["case"])
+        name = motion_of(row["case"])
         held = "held" if row["hold"] else "free"
         distance = np.maximum(row["drift"][1:], 1e-12)
         axes.plot(row["period"][1:], distance, label=f"{name}, {held}", linewidth=1, markevery=0.1, **look)
-    decades(axes, "y")
-    legend(figure, axes)
+    set_decade_ticks(axes, "y")
+    add_legend(figure, axes)
     drawn = save(figure, folder, "drift", "Drift of the fairlead", "Drift by period, logarithmic, held and free.")
     said = "; ".join(
-        f"{metres(row['case'])}, {'held' if row['hold'] else 'free'}: "
+        f"{motion_of(row['case'])}, {'held' if row['hold'] else 'free'}: "
         f"{number(1e3 * row['drift'][-1], 2)} mm"
-        + ("" if row["status"] == "SUCCESS" else f" ({row['status'].lower().replace('_', ' ')})")
+        + ("" if row["status"] == "SUCCESS" else f" ({status_words(row['status'])})")
         for row in rows
     )
     periods = len(rows[0]["period"]) - 1
     held = [row for row in rows if row["hold"] and "within" in row]
-    within = " and ".join(f"{number(1e3 * row['within'], 2)} mm ({metres(row['case'])})" for row in held)
+    within = " and ".join(f"{number(1e3 * row['within'], 2)} mm ({motion_of(row['case'])})" for row in held)
     caption = (
         f"After {plural(periods, 'period')} with dt = {rows[0]['dt']:g} s: {said}. The rows of the fairlead see only "
         "its velocity, and the paper accepts the drift that follows; here a small velocity leads the end back at every "
@@ -242,18 +179,18 @@ def drift(rows: list[dict], folder: Path) -> style.Group:
     )
     if within:
         caption += f" Within the last period the held end is up to {within} away, which does not add up."
-    return style.Group(caption, [drawn])
+    return Group(caption, [drawn])
 
 
-def growth(data: dict, folder: Path) -> style.Group:
+def growth(data: dict, folder: Path) -> Group:
     """Seconds of one period by nodes."""
     rows, p = data["rows"], data["exponent"]
     figure, axes = panel(
         "Time stepping, growth with nodes", "nodes N", "time of one period, s", xscale="log", yscale="log"
     )
     axes.plot([r["nodes"] for r in rows], [r["seconds"] for r in rows], linewidth=1, **METHODS["time domain"])
-    decades(axes, "y")
-    sizes(axes, [r["nodes"] for r in rows])
+    set_decade_ticks(axes, "y")
+    set_size_ticks(axes, [r["nodes"] for r in rows])
     drawn = save(figure, folder, "growth_time", "Growth with nodes", "Time of one period by nodes, logarithmic.")
     first, last = rows[0], rows[-1]
     caption = (
@@ -264,4 +201,4 @@ def growth(data: dict, folder: Path) -> style.Group:
         f"more than its arithmetic; {times(last['nodes'] / first['nodes'])} the nodes cost "
         f"{times(last['seconds'] / first['seconds'])} the time."
     )
-    return style.Group(caption, [drawn])
+    return Group(caption, [drawn])

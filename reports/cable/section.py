@@ -1,55 +1,49 @@
-"""The sections on moving cables: what the page shows of dynamics.json and harmonic_balance.json."""
+"""The section on the moving cable in time: what the page shows of dynamics.json."""
 
 from __future__ import annotations
 
-from pathlib import Path
 from statistics import median
 
-from ..evidence.published import other_times, stated
-from ..harmonic_balance import section as dynamics_harmonic
-from ..page.formatting import number, seconds, times
-from ..page.tables import short
+from ..page.figures import FigureWithTable
+from ..page.formatting import number, seconds, times, two_digits
+from ..page.section import Content, Inputs, Section
+from ..pipeline.published import other_times, printed_value, read
 from . import figures
-from . import verdicts as dynamics_verdicts
-from .tables import Shown, long, written
-from .verdicts import THREE_PERIODS
+from .tables import to_long_form, write_table
+from .verdicts import THREE_PERIODS, verdicts
 
 
-def section(results: dict, figure_folder: Path, table_folder: Path) -> dict:
-    """What the template dynamics.html.j2 takes of both result files (name -> content or None), and the verdicts."""
-    stepped, balanced = (results.get(name) or {} for name in ("dynamics", "harmonic_balance"))
-    return {
-        "dynamics": _parts(stepped, figure_folder, table_folder) if stepped else None,
-        "harmonic": dynamics_harmonic.parts(balanced, figure_folder, table_folder) if balanced else None,
-        "dynamics_verdicts": dynamics_verdicts.strip(stepped, balanced),
-    }
+def build(inputs: Inputs) -> Content:
+    """Return figures and tables of every part that was measured, and the verdicts on them."""
+    data = inputs.results["dynamics"]
+    if not data:
+        return Content({"dynamics": None})
+    shown = {name: show(data[name], inputs.figures, inputs.tables) if data.get(name) else None
+             for name, show in PARTS.items()}  # fmt: skip
+    frequency = read("hb_paper")[0]["cases"]["case 1"]["Y"][1]
+    return Content({"dynamics": shown, "frequency": frequency}, list(verdicts(data)))
 
 
-def _parts(data: dict, folder: Path, tables: Path) -> dict:
-    made = {name: _SHOWN[name](data[name], folder, tables) for name in _SHOWN if data.get(name)}
-    return dict.fromkeys(_SHOWN) | made
+def _profile(data, folder, tables) -> FigureWithTable:
+    rows = to_long_form(data["nodes"], of="node") + to_long_form(data["catenary"], of="catenary")
+    return FigureWithTable(figures.profile(data, folder), write_table(tables, "profile", "Static profile", rows))
 
 
-def _profile(data, folder, tables) -> Shown:
-    rows = long(data["nodes"], of="node") + long(data["catenary"], of="catenary")
-    return Shown(figures.profile(data, folder), written(tables, "profile", "Static profile", rows))
-
-
-def _settling(rows, folder, tables) -> Shown:
+def _settling(rows, folder, tables) -> FigureWithTable:
     points = [
-        point for row in rows for point in long({"time": row["time"], "tension": row["tension"]}, drag=row["drag"])
+        point for row in rows for point in to_long_form({"time": row["time"], "tension": row["tension"]}, drag=row["drag"])
     ]
-    return Shown(figures.settling(rows, folder), written(tables, "settling", "Tension from rest", points))
+    return FigureWithTable(figures.settling(rows, folder), write_table(tables, "settling", "Tension from rest", points))
 
 
-def _spacetime(rows, folder, tables) -> Shown:
+def _spacetime(rows, folder, tables) -> FigureWithTable:
     points = [
         {"case": row["case"], "s": s, "time": t, "tension": value}
         for row in rows
         for s, values in zip(row["s"], row["tension"], strict=True)
         for t, value in zip(row["time"], values, strict=True)
     ]
-    return Shown(figures.spacetime(rows, folder), written(tables, "spacetime", "Tension in space and time", points))
+    return FigureWithTable(figures.spacetime(rows, folder), write_table(tables, "spacetime", "Tension in space and time", points))
 
 
 ORDER_TABLES = {
@@ -70,8 +64,8 @@ def _orders(data, folder, tables) -> dict:
         for key in measured:
             columns |= {key: "error", f"{key}_order": "order"}
         groups = (("", len(given)), *((label, 2) for label in measured.values()))
-        formats = dict.fromkeys(measured, short) | {f"{key}_order": _order for key in measured}
-        made["tables"].append(written(tables, f"orders_{name}", title, rows, columns, formats=formats, groups=groups))
+        formats = dict.fromkeys(measured, two_digits) | {f"{key}_order": _order for key in measured}
+        made["tables"].append(write_table(tables, f"orders_{name}", title, rows, columns, formats=formats, groups=groups))
     return made
 
 
@@ -79,15 +73,15 @@ def _order(value) -> str:
     return number(value, 4)
 
 
-def _drift(rows, folder, tables) -> Shown:
+def _drift(rows, folder, tables) -> FigureWithTable:
     points = [
         point
         for row in rows
-        for point in long(
+        for point in to_long_form(
             {"period": row["period"], "drift": row["drift"]}, case=row["case"], hold=row["hold"] or "free"
         )
     ]
-    return Shown(figures.drift(rows, folder), written(tables, "drift", "Drift", points))
+    return FigureWithTable(figures.drift(rows, folder), write_table(tables, "drift", "Drift", points))
 
 
 def _speed(data, folder, tables) -> dict:
@@ -104,10 +98,10 @@ def _speed(data, folder, tables) -> dict:
         "median": "median",
         "ratio": "times the first",
     }
-    formats = {"least": seconds, "median": seconds, "ratio": short}
+    formats = {"least": seconds, "median": seconds, "ratio": two_digits}
     printed = other_times("OpenMOOR")["three periods"]
     words = (
-        f"Three periods on {stated('nodes')} nodes with dt = {stated('time step')} s take {seconds(min(base))} "
+        f"Three periods on {printed_value('nodes')} nodes with dt = {printed_value('time step')} s take {seconds(min(base))} "
         f"({data['steps']} steps, "
         f"{data['iterations']} Newton iterations, {data['factorisations']} factorisations); wanted was at most "
         f"{seconds(THREE_PERIODS)}, and the C++ program of the paper's authors took {seconds(printed)} on another day. "
@@ -116,16 +110,16 @@ def _speed(data, folder, tables) -> dict:
     )
     return {
         "words": words,
-        "table": written(tables, "speed", "Three periods, turn and turn about", rows, columns, formats=formats),
+        "table": write_table(tables, "speed", "Three periods, turn and turn about", rows, columns, formats=formats),
     }
 
 
-def _growth_time(data, folder, tables) -> Shown:
-    table = written(tables, "growth_time", "Time stepping, growth with nodes", data["rows"])
-    return Shown(figures.growth(data, folder), table)
+def _growth_time(data, folder, tables) -> FigureWithTable:
+    table = write_table(tables, "growth_time", "Time stepping, growth with nodes", data["rows"])
+    return FigureWithTable(figures.growth(data, folder), table)
 
 
-_SHOWN = {
+PARTS = {
     "profile": _profile,
     "orders": _orders,
     "settling": _settling,
@@ -134,3 +128,33 @@ _SHOWN = {
     "speed": _speed,
     "growth": _growth_time,
 }
+"""Part of dynamics.json -> what the template takes of it."""
+
+DYNAMICS = Section(
+    id="dynamics",
+    title="Moving cable in time",
+    part="error-for-time",
+    needs=("dynamics",),
+    template="cable/section.html.j2",
+    build=build,
+    tests={
+        "dynamics": (
+            "cable/test_exact.py::test_the_vector_form_gives_the_rows_of_the_paper",
+            "time_domain/test_solve.py::test_the_converged_line_meets_the_reference",
+            "time_domain/test_solve.py::test_frequencies_of_the_oc3_line_in_water",
+            "cable/test_jacobian.py",
+        ),
+        "rest": (
+            "cable/test_statics.py::test_box_scheme_converges_to_the_catenary",
+            "cable/test_statics.py::test_shooting_agrees_with_the_truth",
+        ),
+        "orders": (
+            "cable/test_order.py::test_order_in_ds",
+            "cable/test_order.py::test_order_in_dt",
+            "cable/test_order.py::test_order_in_ds_and_dt_together",
+            "cable/test_order.py::test_planted_orders_are_found",
+        ),
+        "settling": ("time_domain/test_solve.py::test_the_motion_becomes_periodic",),
+        "drift": ("time_domain/test_solve.py::test_the_fairlead_stays_where_it_is_prescribed",),
+    },
+)

@@ -1,1 +1,1 @@
-"""The sections on one line at rest."""
+"""The sections on lines at rest: their accuracy, and error against run time."""

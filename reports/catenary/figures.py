@@ -8,92 +8,51 @@ from pathlib import Path
 import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.colors import ListedColormap
-from matplotlib.ticker import LogLocator, NullFormatter
 
 from ..drawing import style
+from ..drawing.axes import GREATEST_ERROR, clip_error, draw_work_points, set_time_ticks
 from ..page import analysis
+from ..page.figures import Figure, Group
 from ..page.formatting import MINUS, across, number, ratio, slug, times
 
-EXACT, HOPELESS = 1e-17, 10.0
-"""Where errors of exactly zero and above any use are drawn: below what doubles can show, and ten times the force."""
-
 MAP_RANGE = (-1, 13)  # log10 of the error in units of the limit: one colour a decade
-LEGEND_LINE = 40  # letters of all labels that fit beside each other above a panel
 MAP_LINES = 12  # tick labels of the slackness at most
 
 
-def work_precision(data: dict, looks: dict, folder: Path) -> style.Group:
+def work_precision(data: dict, looks: dict, folder: Path) -> Group:
     """Error against time: all cases together, then one panel per case."""
     points = data["points"]
-    total, common, left = analysis.over_cases(points)
-    limits = _limits(analysis.usable(points))
+    total, common, left = analysis.sum_over_cases(points)
+    limits = _limits(analysis.select_answered(points))
     figures = []
     if total:
         title = f"All {len(common)} cases: greatest error, total time"
         figures.append(_panel(total, title, "work_precision_all", looks, folder, (None, limits[1])))
     for case in dict.fromkeys(p["case"] for p in points):
-        mine = [p for p in analysis.usable(points) if p["case"] == case]
+        mine = [p for p in analysis.select_answered(points) if p["case"] == case]
         if mine:
-            title = case if analysis.single(mine[0]) else f"{case}: median error, time per line"
+            title = case if analysis.is_single_line(mine[0]) else f"{case}: median error, time per line"
             figures.append(_panel(mine, title, f"work_precision_{slug(case)}", looks, folder, limits))
-    return style.Group(_work_caption(points, total, common, left), figures)
+    return Group(_work_caption(points, total, common, left), figures)
 
 
 def _limits(points):
     seconds = [p["seconds"] for p in points] or [1e-6, 1]
-    errors = [drawn(p) for p in points] or [1e-16, 1]
-    return (1e6 * min(seconds) / 1.6, 1e6 * max(seconds) * 1.6), (min(errors) / 4, min(max(errors), HOPELESS) * 4)
+    errors = [clip_error(p) for p in points] or [1e-16, 1]
+    return (1e6 * min(seconds) / 1.6, 1e6 * max(seconds) * 1.6), (min(errors) / 4, min(max(errors), GREATEST_ERROR) * 4)
 
 
-def _panel(points, title: str, name: str, looks: dict, folder: Path, limits) -> style.Figure:
+def _panel(points, title: str, name: str, looks: dict, folder: Path, limits) -> Figure:
     figure, axes = plt.subplots(figsize=style.PANEL)
-    draw_points(axes, points, looks)
+    draw_work_points(axes, points, looks)
     axes.set_title(title)
     if limits[0]:
         axes.set_xlim(limits[0])
     axes.set_ylim(limits[1])
-    time_ticks(axes)
+    set_time_ticks(axes)
     labels = {p["label"] for p in points}
     alt = f"Error against run time, both logarithmic, {title}: {', '.join(sorted(labels))}."
     return style.save(figure, folder, name, title, alt)
-
-
-def draw_points(axes, points, looks: dict):
-    """Points of each solver joined in the order of the tolerance; failed ones crossed; the Pareto front ringed."""
-    good = analysis.usable(points)
-    for name in analysis.sort_solvers({p["solver"] for p in good}):
-        mine = [p for p in good if p["solver"] == name]
-        mine.sort(key=lambda p: -(p["tolerance"] or 0))
-        xy = [1e6 * p["seconds"] for p in mine], [drawn(p) for p in mine]
-        axes.plot(*xy, label=mine[0]["label"], alpha=0.95, linewidth=1, zorder=3, **looks[name])
-        wrong = [(s, e) for s, e, p in zip(*xy, mine, strict=True) if analysis.off_the_mark(p)]
-        if wrong:
-            axes.plot(*zip(*wrong, strict=True), "x", color=style.WRONG, markersize=10, markeredgewidth=2, zorder=5)
-    front = analysis.pareto([p for p in good if not analysis.off_the_mark(p)])
-    axes.plot([1e6 * p["seconds"] for p in front], [drawn(p) for p in front], "o", markersize=11,
-              markerfacecolor="none", markeredgecolor=style.INK, markeredgewidth=1, zorder=4)  # fmt: skip
-    axes.set(
-        xscale="log", yscale="log", xlabel="run time of one call, µs", ylabel="relative error of the fairlead force"
-    )
-    axes.yaxis.set_major_locator(LogLocator(numticks=7))
-    axes.yaxis.set_minor_formatter(NullFormatter())
-    labels = axes.get_legend_handles_labels()[1]
-    axes.figure.legend(loc="outside upper center", ncols=len(labels) if sum(map(len, labels)) < LEGEND_LINE else 2)
-
-
-def drawn(point: dict) -> float:
-    """The error, kept within the panel."""
-    return min(max(point["error"], EXACT), HOPELESS)
-
-
-def time_ticks(axes):
-    """Decades; where there are fewer than two of them, numbers between them as well."""
-    low, high = axes.get_xlim()
-    close = high / low < 100
-    axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if close else (1,), numticks=9))
-    axes.xaxis.set_minor_formatter(NullFormatter())
-    if close:
-        axes.xaxis.set_major_formatter("{x:g}")
 
 
 def _work_caption(points, total, common, left) -> str:
@@ -117,13 +76,13 @@ def _work_caption(points, total, common, left) -> str:
         "Each point is one tolerance, joined from the loosest to the tightest. Rings: the Pareto front, points that no "
         "other beats in both time and error. Red crosses: an error above the bound of a wrong answer although a "
         "tolerance ten times smaller was asked for. "
-        f"Errors above {HOPELESS:g} are drawn at {HOPELESS:g}; refused settings have no point."
+        f"Errors above {GREATEST_ERROR:g} are drawn at {GREATEST_ERROR:g}; refused settings have no point."
     )
     return " ".join(filter(None, said))
 
 
 def _front(total) -> str:
-    front = analysis.pareto(total)
+    front = analysis.pareto_front(total)
     if not front:
         return ""
     ours = sum(p["solver"].startswith(analysis.OURS) for p in front)
@@ -133,7 +92,7 @@ def _front(total) -> str:
 # --- the error map ---------------------------------------------------------------------------------------------------
 
 
-def error_map(accuracy: dict, looks: dict, folder: Path) -> style.Group | None:
+def error_map(accuracy: dict, looks: dict, folder: Path) -> Group | None:
     """Slackness by stiffness, one panel per solver that supports the map."""
     rows = [row for row in accuracy["rows"] if row["set"] == "map"]
     figures, said = [], []
@@ -150,7 +109,7 @@ def error_map(accuracy: dict, looks: dict, folder: Path) -> style.Group | None:
         f"{10.0 ** MAP_RANGE[0]:g} and {number(10.0 ** MAP_RANGE[1], 1)}; red cross: returned as success with an error "
         "above the bound of a wrong answer; black dot: refused. Rows are evenly spaced, dense near L = chord."
     )
-    return style.Group(" ".join(said), figures) if figures else None
+    return Group(" ".join(said), figures) if figures else None
 
 
 def _map_sentence(label: str, found: dict) -> str:
@@ -164,7 +123,7 @@ def _map_sentence(label: str, found: dict) -> str:
     )
 
 
-def _map_panel(rows, name: str, label: str, folder: Path) -> style.Figure:
+def _map_panel(rows, name: str, label: str, folder: Path) -> Figure:
     slackness = sorted({row["slackness"] for row in rows})
     columns = {(i, j): row for i, j, row in _grid(rows, slackness)}
     width = 1 + max(j for _, j in columns)
@@ -229,7 +188,7 @@ def _near_one(value: float) -> str:
 # --- cost ------------------------------------------------------------------------------------------------------------
 
 
-def cold_times(rows: list[dict], looks: dict, folder: Path) -> style.Group | None:
+def cold_times(rows: list[dict], looks: dict, folder: Path) -> Group | None:
     """Dots: seconds of one cold solve per case and solver, with the quartiles; from pytest-benchmark."""
     rows = [row for row in rows if row["group"].startswith("span-cold")]
     cases = list(dict.fromkeys(row["case"] for row in rows))
@@ -253,7 +212,7 @@ def cold_times(rows: list[dict], looks: dict, folder: Path) -> style.Group | Non
     columns = ("case", "label", "median", "q1", "q3", "rounds")  # s
     kept = [{key: row[key] for key in columns} for row in rows]
     drawn = style.save(figure, folder, "cold_solve", "One cold solve", alt, kept)
-    return style.Group(_cold_caption(rows, names), [drawn])
+    return Group(_cold_caption(rows, names), [drawn])
 
 
 def _cold_caption(rows, names) -> str:

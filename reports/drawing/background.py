@@ -1,4 +1,4 @@
-"""Work in forked processes beside the program that goes on: pictures are written while the next one is made."""
+"""Work in forked processes: a figure is written to its file while the program draws the next one."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ _children: list[int] = []
 
 
 def start(work: Callable[[], object]):
-    """``work()`` in a process of its own, at most CORES at a time; at once where processes are not to be forked."""
-    if sys.platform != "linux" or CORES < 2:  # elsewhere forking a program that draws is not safe, or not there
+    """Run ``work()`` in a process of its own, at most CORES at a time; in this process where forking is not safe."""
+    if sys.platform != "linux" or CORES < 2:  # elsewhere a program that draws cannot be forked safely
         work()
         return
     if len(_children) >= CORES:
-        _ended(_children.pop(0))
+        _wait_for(_children.pop(0))
     sys.stdout.flush()
     sys.stderr.flush()
     if pid := os.fork():
@@ -31,15 +31,15 @@ def start(work: Callable[[], object]):
     except Exception:
         traceback.print_exc()
     finally:
-        os._exit(code)  # also where it is interrupted: it must not go on as the program
+        os._exit(code)  # also where it is interrupted: a child must not go on as the program
 
 
 def finish():
-    """Wait for all of it. Raises RuntimeError where some has failed."""
+    """Wait for all processes. Raises RuntimeError where one has failed."""
     while _children:
-        _ended(_children.pop(0))
+        _wait_for(_children.pop(0))
 
 
-def _ended(pid: int):
+def _wait_for(pid: int):
     if code := os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]):
-        raise RuntimeError(f"a process that writes a picture ended with status {code}; its message is above")
+        raise RuntimeError(f"a process that writes a figure ended with status {code}; its message is above")

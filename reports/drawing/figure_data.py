@@ -15,26 +15,26 @@ COLUMNS = ("panel", "series", "x axis", "x", "y axis", "y", "z axis", "z", "valu
 """value: what colour stands for. Columns that a figure does not use are left out."""
 
 
-def rows(figure) -> list[dict]:
-    """Every point drawn, in long form. Guides such as grids and limits of one whole axis are no data."""
+def drawn_rows(figure) -> list[dict]:
+    """Return every point drawn, in long form. Guides such as grids and limits of one whole axis are no data."""
     bars = {id(axes) for axes in figure.axes if hasattr(axes, "_colorbar")}
     panels = [axes for axes in figure.axes if axes.get_visible() and id(axes) not in bars]
     return [row for axes in panels for row in _panel(axes, _value_label(figure, axes))]
 
 
-def text(found: list[dict]) -> str:
-    """The CSV of such rows."""
-    keys = dict.fromkeys(key for row in found for key in row)
+def to_csv(rows: list[dict]) -> str:
+    """Return the CSV of such rows."""
+    keys = dict.fromkeys(key for row in rows for key in row)
     used = [key for key in COLUMNS if key in keys] + [key for key in keys if key not in COLUMNS]
     out = io.StringIO()
     writer = csv.DictWriter(out, used, lineterminator="\n")
     writer.writeheader()
-    writer.writerows(found)
+    writer.writerows(rows)
     return out.getvalue()
 
 
-def unlabelled(figure) -> list[str]:
-    """Axes with data that say nothing about what they show: neither on themselves nor, shared, on a neighbour."""
+def unlabelled_axes(figure) -> list[str]:
+    """Return the axes without a label: neither their own nor, where they are shared, that of a neighbour."""
     bars = [axes for axes in figure.axes if hasattr(axes, "_colorbar")]
     panels = [axes for axes in figure.axes if axes.get_visible() and axes not in bars]
     missing = [f"{a.get_title() or 'panel'}: {name}" for a in panels for name in "xy" if not _label(a, name)]
@@ -43,7 +43,7 @@ def unlabelled(figure) -> list[str]:
 
 
 def _label(axes, name: str) -> str:
-    """The label of an axis; of a shared one that of the neighbour that carries it; else the title, where it names y."""
+    """Return the label of an axis; of a shared axis without one, that of a neighbour."""
     own = getattr(axes, f"get_{name}label")()
     if own:
         return own
@@ -68,7 +68,7 @@ def _panel(axes, value_label: str) -> Iterator[dict]:
     for artist in axes.get_lines():
         if artist.get_transform().contains_branch(data):
             points = np.column_stack(np.broadcast_arrays(*(_float(v) for v in artist.get_data())))
-            if not _guide(axes, artist, points):
+            if not _is_guide(axes, artist, points):
                 yield from _rows(names, artist, points)
     for artist in axes.collections:
         yield from _collection(names, artist, value_label)
@@ -77,8 +77,8 @@ def _panel(axes, value_label: str) -> Iterator[dict]:
         yield from _rows(names, bars, np.array(points))
 
 
-def _guide(axes, artist, points) -> bool:
-    """A line over a whole axis, as axhline draws, is a level and not data; one drawn with a label is kept."""
+def _is_guide(axes, artist, points) -> bool:
+    """Return whether a line is a level over a whole axis, as axhline draws, and no data; one with a label is data."""
     return artist.get_transform() != axes.transData and len(points) == 2 and artist.get_label().startswith("_")
 
 

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import io
 import re
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import matplotlib
 
 matplotlib.use("Agg")
+import numpy as np
 from matplotlib import pyplot as plt
+from matplotlib.colors import ListedColormap
 
 from ..page.analysis import sort_solvers
+from ..page.figures import Figure
 from ..pipeline.ledger import write_atomically
 from . import background, figure_data
 
@@ -24,6 +26,10 @@ PALETTE = ("#2a7fb8", "#d9701a", "#1a9a72", "#b35aa0", "#a3851a", "#6f6fc0")
 """Colour-blind safe (after Okabe and Ito), dark enough for white paper and light enough for a dark page."""
 MARKERS = "osD^vP"
 WRONG, REFUSED = "#cc2936", "#1c1d20"
+RECOMMENDED = "#f2c230"
+SEABED, WATER = "#a3851a", "#2a7fb8"
+# Without the ends of the map, which white or black paper would swallow.
+TENSION_COLOURS = ListedColormap(plt.get_cmap("plasma")(np.linspace(0.15, 0.9, 256)))
 
 PANEL = (4.7, 3.5)  # inches: one of two columns on the page, and the width of a telephone
 WIDE = (9.6, 3.6)
@@ -42,39 +48,19 @@ plt.rcParams.update(
 )  # fmt: skip
 
 
-@dataclass
-class Figure:
-    """A figure of the page: files, the SVG to embed, what is seen (alt) and what the data say (caption)."""
-
-    name: str
-    title: str
-    alt: str
-    svg: str
-    wide: bool = False
-
-
-@dataclass
-class Group:
-    """Figures under one caption; anchor: id on the page, where something links to it."""
-
-    caption: str
-    figures: list[Figure] = field(default_factory=list)
-    anchor: str = ""
-
-
-def looks(names) -> dict[str, dict]:
-    """Colour and marker of every solver; the batch call of this project shares its colour."""
-    found = {}
+def assign_looks(names) -> dict[str, dict]:
+    """Return colour and marker of every solver; the batch call of this project shares its colour."""
+    looks = {}
     for name in sort_solvers(names):
         base = name.removesuffix("-batch")
-        kept = {key: found[base][key] for key in ("color",)} if base in found else {}
-        rank = len({value["color"] for value in found.values()}) % len(PALETTE)
-        found[name] = {"color": PALETTE[rank], "marker": MARKERS[len(found) % len(MARKERS)]} | kept
-    return found
+        shared = {"color": looks[base]["color"]} if base in looks else {}
+        rank = len({look["color"] for look in looks.values()}) % len(PALETTE)
+        looks[name] = {"color": PALETTE[rank], "marker": MARKERS[len(looks) % len(MARKERS)]} | shared
+    return looks
 
 
-def completed(known: dict, names) -> dict[str, dict]:
-    """``known`` looks, and one for each of the names that has none: a code that was brought along."""
+def add_missing_looks(known: dict, names) -> dict[str, dict]:
+    """Return ``known`` looks, and one for each of the names that has none, such as an external solver."""
     new = [name for name in names if name not in known]
     return known | {
         name: {"color": PALETTE[-1 - k % len(PALETTE)], "marker": "*<>hX"[k % 5]} for k, name in enumerate(new)
@@ -82,33 +68,33 @@ def completed(known: dict, names) -> dict[str, dict]:
 
 
 def save(figure, folder: Path, name: str, title: str, alt: str, rows: list[dict] | None = None) -> Figure:
-    """Write name.svg, name.png and name.csv to ``folder`` and return the figure for the page.
+    """Write name.svg, name.png and name.csv to ``folder``; return the figure for the page.
 
     rows : the data where they are more than what is drawn, such as a map over numbered cells; else read off the figure.
     Raises ValueError where an axis does not say what it shows.
     """
-    if missing := figure_data.unlabelled(figure):
+    if missing := figure_data.unlabelled_axes(figure):
         raise ValueError(f"figure {name!r}: axes without a label: {', '.join(missing)}")
-    write_atomically(folder / f"{name}.csv", figure_data.text(figure_data.rows(figure) if rows is None else rows))
+    write_atomically(folder / f"{name}.csv", figure_data.to_csv(figure_data.drawn_rows(figure) if rows is None else rows))
     width = figure.get_size_inches()[0]
     drawn = io.StringIO()
     nothing = dict.fromkeys(("Creator", "Date", "Format", "Type"))
     with plt.rc_context({"svg.hashsalt": name}):
         figure.savefig(drawn, format="svg", metadata=nothing, transparent=True)
-        write_atomically(folder / f"{name}.svg", _white(drawn.getvalue()))
-    figure.set_layout_engine("none")  # it has found its places
+        write_atomically(folder / f"{name}.svg", _add_white_background(drawn.getvalue()))
+    figure.set_layout_engine("none")  # the layout is done: the PNG is drawn with the same places
     background.start(lambda: figure.savefig(folder / f"{name}.png", dpi=200, facecolor="white"))
     plt.close(figure)
-    return Figure(name, title, alt, _embedded(drawn.getvalue(), name, alt, width), width > 6)
+    return Figure(name, title, alt, _embed(drawn.getvalue(), name, alt, width), width > 6)
 
 
-def _white(svg: str) -> str:
-    """The same picture on white paper, for a file of its own."""
+def _add_white_background(svg: str) -> str:
+    """Return the same drawing on white paper, for a file of its own."""
     return re.sub(r"(<svg [^>]*>)", r'\1<rect width="100%" height="100%" fill="#ffffff"/>', svg, count=1)
 
 
-def _embedded(svg: str, name: str, alt: str, width: float) -> str:
-    """The <svg> element for the page: theme colours as variables, ids of its own, described in words."""
+def _embed(svg: str, name: str, alt: str, width: float) -> str:
+    """Return the <svg> element for the page: theme colours as variables, ids of its own, described in words."""
     svg = svg[svg.index("<svg") :]
     svg = re.sub(r"<metadata>.*?</metadata>\s*", "", svg, flags=re.DOTALL)
     svg = re.sub(r'\bid="([^"]+)"', rf'id="{name}-\1"', svg)

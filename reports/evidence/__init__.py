@@ -1,1 +1,1 @@
-"""The sections on papers, published values, other codes and seeded defects."""
+"""The sections on claims and tests, seeded defects, other codes and the machine."""

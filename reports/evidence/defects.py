@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from ..page.formatting import plural
+from ..page.section import Content, Inputs, Section
 from ..page.tables import Table
 from ..page.verdicts import Verdict
 
@@ -24,10 +23,11 @@ KINDS = {
 }  # fmt: skip
 
 
-def section(data: dict | None, table_folder: Path) -> dict | None:
-    """What the template defects.html.j2 takes; None without a result file."""
+def build(inputs: Inputs) -> Content:
+    """Return the defects by module, kind and check, those that no check found, and the verdicts."""
+    data = inputs.results["defects"]
     if not data:
-        return None
+        return Content({"defects": None})
     real = [row for row in data["defects"] if not row["blind"]]
     everything = Table("defects", "Every defect and every check", {
         key: key for key in ("module", "name", "kind", "what", "named", "found", "others", "misprint", "blind")
@@ -36,8 +36,8 @@ def section(data: dict | None, table_folder: Path) -> dict | None:
     shown = [_shown(row) for row in real]
     matrix = _matrix(shown)
     for table in (everything, kinds, matrix):
-        table.write(table_folder)
-    return {
+        table.write(inputs.tables)
+    defects = {
         "everything": everything,
         "kinds": kinds,
         "summary": data["summary"],
@@ -48,13 +48,13 @@ def section(data: dict | None, table_folder: Path) -> dict | None:
         "blind": [_shown(row) for row in data["defects"] if row["blind"]],
         "wider": any(len(row["results"]) > 1 for row in real),
     }
-
-
-def verdicts(data: dict | None) -> list[Verdict]:
-    """For the strip at the top of the page."""
-    if not data:
-        return []
     counts = data["summary"]
+    text = f"The checks themselves are checked: {counts['caught']} of {plural(counts['defects'], 'planted mistake')} are found."
+    return Content({"defects": defects}, verdicts(counts), [text])
+
+
+def verdicts(counts: dict) -> list[Verdict]:
+    """Return the share of planted mistakes that the checks found, and the misprints they did not find."""
     text = f"of {plural(counts['defects'], 'planted mistake')}, by checks without stored numbers, wanted {WANTED:.0%}"
     missed = len(counts["missed_misprints"])
     return [
@@ -150,3 +150,14 @@ def outcome(result: dict) -> str:
     if result["void"]:
         return "red without it"
     return {"caught": "found", "timeout": "did not end", "crash": "crashed"}.get(result["outcome"], "not seen")
+
+
+DEFECTS = Section(
+    id="defects",
+    title="Seeded defects",
+    part="verified",
+    needs=("defects",),
+    template="evidence/defects.html.j2",
+    build=build,
+    tests={"defects": ("suite/test_defects.py::test_planted_defects_are_found", "catenary/test_checks.py")},
+)

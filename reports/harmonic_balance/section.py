@@ -1,27 +1,41 @@
-"""The section on harmonic balance: tables and words from harmonic_balance.json."""
+"""The section on harmonic balance: figures, tables and sentences from harmonic_balance.json."""
 
 from __future__ import annotations
 
 from itertools import pairwise
-from pathlib import Path
 from statistics import median
 
-from ..cable import work_figures as dynamics_work_figures
-from ..cable.figures import CASES, KN, metres
-from ..cable.tables import Shown, condition, long, written
-from ..cable.verdicts import FIELDS_GAIN, fields_gain
-from ..evidence import published
-from ..evidence.published import stated
-from ..page.formatting import MINUS, number, seconds, times
-from ..page.tables import Table, short
-from . import figures
+from ..cable.cases import CASES, motion_of
+from ..cable.tables import to_long_form, write_table
+from ..drawing.axes import KN
+from ..page.figures import FigureWithTable
+from ..page.formatting import MINUS, number, seconds, status_words, times, two_digits
+from ..page.pareto import front_verdict, moving_fronts, summarise_fronts
+from ..page.section import Content, Inputs, Section
+from ..page.tables import Table
+from ..pipeline import published
+from ..pipeline.published import printed_value
+from . import figures, paper_figures, work_figures
+from .verdicts import FIELDS_GAIN, fields_gain, verdicts
 
 
-def parts(data: dict, folder: Path, tables: Path) -> dict:
-    made = {name: _SHOWN[name](data[name], folder, tables) for name in _SHOWN if data.get(name)}
-    if "constant" in made:
-        made["constant"] = _constant(data["constant"], data.get("cases"), folder, tables)
-    return dict.fromkeys(_SHOWN) | made
+def build(inputs: Inputs) -> Content:
+    """Return figures and tables of every part that was measured, and the verdicts on them."""
+    data = inputs.results["harmonic_balance"]
+    if not data:
+        return Content({"harmonic": None})
+    shown = {name: show(data[name], inputs.figures, inputs.tables) if data.get(name) else None
+             for name, show in PARTS.items()}  # fmt: skip
+    constant = data.get("constant")
+    shown["constant"] = _constant(constant, data.get("cases"), inputs.figures, inputs.tables) if constant else None
+    content = Content({"harmonic": shown, "fronts": []}, list(verdicts(data)))
+    if work := data.get("work"):
+        fronts = moving_fronts(work["points"], CASES)
+        content.context["fronts"] = fronts
+        content.verdicts.append(front_verdict("moving cables", fronts, "dynamics-work"))
+        content.sentences.append(f"Moving cable: {summarise_fronts(fronts)}")
+        content.figures += [("a moving cable", figure) for figure in shown["work"]["points"].group.figures[:1]]
+    return content
 
 
 def _newton(rows, folder, tables) -> dict:
@@ -36,8 +50,8 @@ def _newton(rows, folder, tables) -> dict:
         for row in rows for i, value in enumerate(row["tension"])
     ]  # fmt: skip
     return {
-        "steps": Shown(figures.newton(rows, folder), written(tables, "newton", "Newton steps", points)),
-        "tension": Shown(figures.tension(rows, folder), written(tables, "tension", "Tension over a period", waves)),
+        "steps": FigureWithTable(paper_figures.newton(rows, folder), write_table(tables, "newton", "Newton steps", points)),
+        "tension": FigureWithTable(paper_figures.tension(rows, folder), write_table(tables, "tension", "Tension over a period", waves)),
     }
 
 
@@ -55,7 +69,7 @@ def _cases(data, folder, tables) -> dict:
                "error",
                "uncertainty": "uncertainty of the reference"}  # fmt: skip
     formats = dict.fromkeys(("seconds", "median", "printed"), seconds) | dict.fromkeys(
-        ("rms", "error", "uncertainty"), short
+        ("rms", "error", "uncertainty"), two_digits
     )
     waves = [
         {"case": row["case"], "method": row["method"], "instant": i, "tension": value}
@@ -69,11 +83,11 @@ def _cases(data, folder, tables) -> dict:
         for i, value in enumerate(values)
     ]
     return {
-        "table": written(tables, "table2", "HB Table 2 remade", shown, columns, formats=formats),
+        "table": write_table(tables, "table2", "HB Table 2 remade", shown, columns, formats=formats),
         "words": _table2_words(rows),
-        "states": figures.states(data, folder),
-        "waves": written(tables, "waves", "Tension of the cases", waves),
-        "fields": written(tables, "states", f"State at node {data['node']}", states),
+        "states": paper_figures.states(data, folder),
+        "waves": write_table(tables, "waves", "Tension of the cases", waves),
+        "fields": write_table(tables, "states", f"State at node {data['node']}", states),
         "independent": _independent(data, tables),
         "levels": data["levels"],
     }
@@ -86,8 +100,8 @@ def _table2_words(rows) -> str:
             gains.append(min(stepped["seconds"]) / min(balanced["seconds"]))
             paper.append(published.hb_table2(balanced["case"], balanced["method"]) / min(balanced["seconds"]))
     return (
-        f"The paper's settings: {stated('nodes')} nodes, {stated('harmonics sufficient')} harmonics and "
-        f"{stated('samples sufficient')} samples, dt = {stated('time step')} s and {stated('periods simulated')} "
+        f"The paper's settings: {printed_value('nodes')} nodes, {printed_value('harmonics sufficient')} harmonics and "
+        f"{printed_value('samples sufficient')} samples, dt = {printed_value('time step')} s and {printed_value('periods simulated')} "
         "periods. "
         "Errors are those "
         "of the fairlead tension over a period against the converged one, over its range. Harmonic balance is "
@@ -110,18 +124,18 @@ def _independent(data, tables) -> Table:
     ]  # fmt: skip
     columns = {"what": "fairlead tension of case 1", "ours": "this project, kN", "theirs": "two other programs, kN",
                "difference": "difference", "within": f"within {within:g} kN"}  # fmt: skip
-    formats = {"ours": "{:.3f}".format, "theirs": "{:.2f}".format, "difference": short,
+    formats = {"ours": "{:.3f}".format, "theirs": "{:.2f}".format, "difference": two_digits,
                "within": lambda v: "yes" if v else "no"}  # fmt: skip
-    return written(tables, "independent", "Converged tension of case 1", rows, columns, formats=formats)
+    return write_table(tables, "independent", "Converged tension of case 1", rows, columns, formats=formats)
 
 
 def _constant(rows, cases, folder, tables) -> dict:
     shown = [
-        {"case": metres(row["case"]), "harmonics": row["harmonics"],
+        {"case": motion_of(row["case"]), "harmonics": row["harmonics"],
          "mean": "kept" if row["mean"] else "dropped", "max": row["max"] * KN, "min": row["min"] * KN,
          "average": row["average"] * KN,
          **{f"h{k}": value * KN for k, value in enumerate(row["amplitudes"], 1)}, "least": row["least"] * KN,
-         "iterations": row["iterations"], "rms": row["rms"], "status": condition(row["status"]),
+         "iterations": row["iterations"], "rms": row["rms"], "status": status_words(row["status"]),
          "apart": _apart(row)}
         for row in rows
     ]  # fmt: skip
@@ -130,12 +144,12 @@ def _constant(rows, cases, folder, tables) -> dict:
                **{f"h{k}": f"{k}" for k in range(1, 6)}, "least": "least on the line", "iterations": "steps",
                "apart": "apart from other programs", "rms": "rms error", "status": "status"}  # fmt: skip
     fixed = dict.fromkeys(("max", "min", "average", "least", *(f"h{k}" for k in range(1, 6))), _kN)
-    fixed |= {"rms": short, "apart": short}
+    fixed |= {"rms": two_digits, "apart": two_digits}
     groups = (("", 3), ("fairlead tension, kN", 3), ("harmonics, kN", 5), ("", 5))
-    table = written(
+    table = write_table(
         tables, "constant", "With and without the constant term", shown, columns, formats=fixed, groups=groups
     )
-    return {"figures": figures.constant(rows, cases, folder), "table": table}
+    return {"figures": paper_figures.constant(rows, cases, folder), "table": table}
 
 
 def _apart(row) -> float | None:
@@ -154,8 +168,8 @@ def _kN(value) -> str:
 def _work(data, folder, tables) -> dict:
     keys = ("case", "method", "size", "harmonics", "dt", "seconds", "rms", "error", "status", "message")
     columns = {key: key for key in keys}
-    table = written(tables, "work", "Error against run time", data["points"], columns)
-    return {"points": Shown(dynamics_work_figures.work(data, folder), table), "levels": _levels(data, tables)}
+    table = write_table(tables, "work", "Error against run time", data["points"], columns)
+    return {"points": FigureWithTable(work_figures.work(data, folder), table), "levels": _levels(data, tables)}
 
 
 def _levels(data, tables) -> Table:
@@ -176,20 +190,20 @@ def _levels(data, tables) -> Table:
         columns |= {method: method, f"{method} ratio": "over harmonic balance"}
     formats = dict.fromkeys(("ours", *others), seconds) | {f"{method} ratio": _times for method in others}
     formats["level"] = "{:g}".format
-    return written(tables, "equal_errors", "Least times to an error", rows, columns, formats=formats)
+    return write_table(tables, "equal_errors", "Least times to an error", rows, columns, formats=formats)
 
 
 def _times(value) -> str:
     return number(value, 2)
 
 
-def _needed(data, folder, tables) -> Shown:
+def _needed(data, folder, tables) -> FigureWithTable:
     levels = [key for key in data["summary"][0] if key not in ("case", "rate")]
     rows = [row | {"case": CASES[row["case"]]} for row in data["summary"]]
     columns = {"case": "case", **{level: f"Nh for {level}" for level in levels}, "rate": "exponent of the decay"}
-    written(tables, "needed_points", "Error by harmonics", data["rows"])
-    table = written(tables, "needed", "Harmonics that are needed", rows, columns, formats={"rate": short})
-    return Shown(figures.needed(data, folder), table)
+    write_table(tables, "needed_points", "Error by harmonics", data["rows"])
+    table = write_table(tables, "needed", "Harmonics that are needed", rows, columns, formats={"rate": two_digits})
+    return FigureWithTable(figures.needed(data, folder), table)
 
 
 def _spectra(rows, folder, tables) -> dict:
@@ -201,30 +215,30 @@ def _spectra(rows, folder, tables) -> dict:
     along = [
         point
         for row in rows
-        for point in long({key: row[key] for key in ("s", "rest", "min", "mean", "max")}, case=row["case"])
+        for point in to_long_form({key: row[key] for key in ("s", "rest", "min", "mean", "max")}, case=row["case"])
     ]
     return {
-        "spectra": Shown(figures.spectra(rows, folder), written(tables, "spectra", "Harmonics of the tension", lines)),
-        "envelope": Shown(figures.envelope(rows, folder), written(tables, "envelope", "Tension along the line", along)),
+        "spectra": FigureWithTable(figures.spectra(rows, folder), write_table(tables, "spectra", "Harmonics of the tension", lines)),
+        "envelope": FigureWithTable(figures.envelope(rows, folder), write_table(tables, "envelope", "Tension along the line", along)),
     }
 
 
-def _limit(data, folder, tables) -> Shown:
+def _limit(data, folder, tables) -> FigureWithTable:
     rows = [
         row | {"least": row["least"] * KN, "fairlead": row["fairlead"] * KN,
-               "status": condition(row["status"])}
+               "status": status_words(row["status"])}
         for row in data["rows"]
     ]  # fmt: skip
     columns = {"amplitude": "amplitude, m", "least": "least tension, kN", "node": "node", "s": "s, m", "at": "time, s",
                "fairlead": "least at the fairlead, kN", "iterations": "steps", "reached": "share reached",
                "status": "status"}  # fmt: skip
     formats = {"amplitude": "{:g}".format, "least": _kN, "fairlead": _kN}
-    table = written(tables, "limit", "Amplitude raised", rows, columns, formats=formats)
-    return Shown(figures.limit(data, folder), table)
+    table = write_table(tables, "limit", "Amplitude raised", rows, columns, formats=formats)
+    return FigureWithTable(figures.limit(data, folder), table)
 
 
-def _growth(data, folder, tables) -> Shown:
-    return Shown(figures.growth(data, folder), written(tables, "growth", "Growth of harmonic balance", data["rows"]))
+def _growth(data, folder, tables) -> FigureWithTable:
+    return FigureWithTable(figures.growth(data, folder), write_table(tables, "growth", "Growth of harmonic balance", data["rows"]))
 
 
 def _fields(data, folder, tables) -> str:
@@ -253,7 +267,7 @@ def _oscillators(rows, folder, tables) -> dict:
                "full": "without", "iterations": "steps", "dense LU": "dense LU", "pyHarm": "pyHarm", "mousai": "mousai",
                "harmonicbalance": "harmonicbalance"}  # fmt: skip
     groups = (("", 3), ("this project, ms, measured now", 3), ("measured on another day, CPU ms", 4))
-    table = written(tables, "oscillators", "Chains of masses with cubic springs", shown, columns, groups=groups)
+    table = write_table(tables, "oscillators", "Chains of masses with cubic springs", shown, columns, groups=groups)
     libraries = ("pyHarm", "mousai", "harmonicbalance")
     ahead = [
         row["full"] < min(row[name] for name in libraries if row.get(name))
@@ -271,11 +285,10 @@ def _oscillators(rows, folder, tables) -> dict:
     return {"words": words, "table": table}
 
 
-_SHOWN = {
+PARTS = {
     "cases": _cases,
     "work": _work,
     "newton": _newton,
-    "constant": lambda *_: None,
     "needed": _needed,
     "spectra": _spectra,
     "limit": _limit,
@@ -283,3 +296,37 @@ _SHOWN = {
     "fields": _fields,
     "oscillators": _oscillators,
 }
+"""Part of harmonic_balance.json -> what the template takes of it."""
+
+SOLVE = "harmonic_balance/test_solve.py::"
+HARMONIC = Section(
+    id="harmonic",
+    title="Harmonic balance",
+    part="error-for-time",
+    needs=("harmonic_balance",),
+    template="harmonic_balance/section.html.j2",
+    build=build,
+    tests={
+        "harmonic": (
+            f"{SOLVE}test_refined_time_integration_is_the_response",
+            f"{SOLVE}test_case_1_converges_to_the_independent_reference",
+            f"{SOLVE}test_convergence_in_nodes_is_of_second_order",
+            "harmonic_balance/test_jacobian.py",
+            "harmonic_balance/test_oscillators.py",
+        ),
+        "table2": (f"{SOLVE}test_paper_cases_converge_from_zero",),
+        "constant": (
+            f"{SOLVE}test_table_of_the_constant_term",
+            f"{SOLVE}test_the_constant_term_explains_fig_8",
+            f"{SOLVE}test_9_m_without_the_constant_shows_the_papers_zero_tension",
+        ),
+        "needed": (
+            f"{SOLVE}test_needed_harmonics",
+            f"{SOLVE}test_four_samples_a_harmonic_are_enough",
+        ),
+        "limit": (
+            f"{SOLVE}test_compression_is_named",
+            f"{SOLVE}test_a_motion_too_large_is_named",
+        ),
+    },
+)

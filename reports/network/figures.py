@@ -8,9 +8,10 @@ import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from ..catenary.figures import draw_points, drawn, time_ticks
 from ..drawing import style
+from ..drawing.axes import clip_error, draw_work_points, set_time_ticks
 from ..page import analysis
+from ..page.figures import Group
 from ..page.formatting import across, number, seconds, slug, times
 
 TALL = (4.7, 3.9)  # inches: a panel with three lines of legend
@@ -29,23 +30,23 @@ METHOD_LOOKS = {
 
 
 # ---------------------------------------------------------------- error against time
-def work(points: list[dict], folder: Path) -> style.Group | None:
+def work(points: list[dict], folder: Path) -> Group | None:
     """One panel a system."""
-    good, figures = analysis.usable(points), []
-    looks = style.completed(METHOD_LOOKS, dict.fromkeys(point["solver"] for point in points))
+    good, figures = analysis.select_answered(points), []
+    looks = style.add_missing_looks(METHOD_LOOKS, dict.fromkeys(point["solver"] for point in points))
     for case in dict.fromkeys(point["case"] for point in good):
         figure, axes = plt.subplots(figsize=TALL)
-        draw_points(axes, [point for point in points if point["case"] == case], looks)
+        draw_work_points(axes, [point for point in points if point["case"] == case], looks)
         axes.set(ylabel="relative error of the end tensions", ylim=_errors(good))
-        time_ticks(axes)
+        set_time_ticks(axes)
         axes.set_title(case)
         alt = f"Error against run time of the methods for networks, both logarithmic: {case}."
         figures.append(style.save(figure, folder, f"networks_work_{slug(case)}", case, alt))
-    return style.Group(_work_caption(points), figures) if figures else None
+    return Group(_work_caption(points), figures) if figures else None
 
 
 def _errors(points: list[dict]) -> tuple[float, float]:
-    errors = [drawn(point) for point in points]
+    errors = [clip_error(point) for point in points]
     return min(errors) / 4, max(errors) * 4
 
 
@@ -65,7 +66,7 @@ def _work_caption(points: list[dict]) -> str:
 def _ranking(points: list[dict]) -> str:
     """Time of each method over that of the plain monolithic one, both at their least for an error of at most TIGHT."""
     least = {}
-    for p in analysis.usable(points):
+    for p in analysis.select_answered(points):
         if p["error"] <= TIGHT:
             key = p["case"], p["solver"]
             least[key] = min(p["seconds"], least.get(key, np.inf))
@@ -88,7 +89,7 @@ def _span(values) -> str:
 
 
 # ---------------------------------------------------------------- growth with size
-def growth(data: dict, folder: Path) -> style.Group | None:
+def growth(data: dict, folder: Path) -> Group | None:
     """Seconds against elements, one line a family, with the fitted power law."""
     solved = [row for row in data["rows"] if row["status"] == "SUCCESS"]
     if not solved:
@@ -108,7 +109,7 @@ def growth(data: dict, folder: Path) -> style.Group | None:
     figure.legend(loc="outside upper center", ncols=3)
     alt = "Time of one solve against the number of elements, both logarithmic: chain, net and tree."
     drawn = style.save(figure, folder, "networks_growth", "Growth with size", alt)
-    return style.Group(_growth_caption(data), [drawn])
+    return Group(_growth_caption(data), [drawn])
 
 
 def _growth_caption(data: dict) -> str:
@@ -134,7 +135,7 @@ def _growth_caption(data: dict) -> str:
 
 
 # ---------------------------------------------------------------- gain
-def gain(rows: list[dict], folder: Path) -> style.Group | None:
+def gain(rows: list[dict], folder: Path) -> Group | None:
     """Time of both methods for chains of growing size."""
     chains = sorted((row for row in rows if row["system"].startswith("chain")), key=lambda row: row["elements"])
     if len(chains) < 2:
@@ -161,7 +162,7 @@ def gain(rows: list[dict], folder: Path) -> style.Group | None:
         f"and {times(last['ratio'])} as long at {last['elements']}. Warm re-solves of a chain whose end moves by 1 %, "
         "least times of all turns."
     )
-    return style.Group(caption, [drawn])
+    return Group(caption, [drawn])
 
 
 def _decades(axes):

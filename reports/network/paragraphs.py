@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ..evidence import published
 from ..page.formatting import DASH, across, number, plural, ratio, times
+from ..pipeline import published
 
 PRINTED_WEIGHT = published.values("msqs_paper")["inputs", "weight"]
 """N/m, as MSQS prints it; reference_data/errata.toml says why it is not the weight that its results were made with."""
@@ -16,13 +16,13 @@ INSIDE, OUTSIDE, WHOLE = 4, 3, 7
 """Sizes of matrices in (5.6): (H, V) of both lines, the position of the joint, all of them."""
 
 
-def counted(iterations: int, unknowns: int) -> float:
-    """Operations of dense factorizations, (5.6)."""
+def count_operations(iterations: int, unknowns: int) -> float:
+    """Return the operations of dense factorizations, (5.6)."""
     return iterations * 2 / 3 * unknowns**3
 
 
 def solved(rows: list[dict]) -> list[dict]:
-    """The rows that ended in success."""
+    """Return the rows that ended in success."""
     return [row for row in rows if row["status"] == "SUCCESS"]
 
 
@@ -105,11 +105,11 @@ def _nested(rows, nested) -> str:
 def _operations(rows, nested, whole) -> str:
     n, m = nested["iterations"], nested["inner_iterations"]
     full = [row for row in rows if row["method"] == "monolithic" and not _eliminates(row)]
-    agree = sum(abs(row["operations"] - counted(row["iterations"], WHOLE)) < 1 for row in full)
+    agree = sum(abs(row["operations"] - count_operations(row["iterations"], WHOLE)) < 1 for row in full)
     text = (
         f"the printed ones follow from (5.6), 2n³/3 for each matrix of n unknowns: {n} of {OUTSIDE} and {m} of "
-        f"{INSIDE} make {number(round(counted(n, OUTSIDE) + counted(m, INSIDE)))}, {whole['iterations']} of {WHOLE} "
-        f"make {number(round(counted(whole['iterations'], WHOLE)))} (printed {number(whole['operations'])}). So they "
+        f"{INSIDE} make {number(round(count_operations(n, OUTSIDE) + count_operations(m, INSIDE)))}, {whole['iterations']} of {WHOLE} "
+        f"make {number(round(count_operations(whole['iterations'], WHOLE)))} (printed {number(whole['operations'])}). So they "
         f"do here for {agree} of the {len(full)} monolithic settings that factorize the whole matrix"
     )
     if agree < len(full):

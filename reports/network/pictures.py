@@ -11,8 +11,8 @@ from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d.art3d import Line3DCollection
 
 from ..drawing import style
+from ..page.figures import Figure, Group
 from ..page.formatting import number, plural
-from ..scenes.figures import COLOURS, SEABED
 
 SIZE = (4.7, 3.9)  # inches
 ELEVATION, AZIMUTH, BROADSIDE = 26, -38, -64  # degrees, of the view; broadside: on a network that is all but plane
@@ -23,13 +23,13 @@ LABEL_ROOM = 7  # points between the ends of the tick labels and the name of an 
 CROWD = 20  # nodes beyond which markers are small
 
 
-def pictures(rows: list[dict], folder: Path) -> style.Group:
+def pictures(rows: list[dict], folder: Path) -> Group:
     """One picture a network, each with its own scale of tension."""
     told = "; ".join(f"{row['title']}: {_told(row)}" for row in rows if not row.get("near"))
     with plt.rc_context({"figure.constrained_layout.use": False}):  # it does not know boxes in space
         figures = [_picture(row, folder) for row in rows]
     said = "Colour is the tension, each picture in a scale of its own; the axes have one scale unless z is enlarged."
-    return style.Group(f"{said} {told}.", figures)
+    return Group(f"{said} {told}.", figures)
 
 
 def _told(row: dict) -> str:
@@ -43,7 +43,7 @@ def _tensions(row: dict) -> tuple[float, float]:
     return float(tension.min()), float(tension.max())
 
 
-def _picture(row: dict, folder: Path) -> style.Figure:
+def _picture(row: dict, folder: Path) -> Figure:
     figure = plt.figure(figsize=SIZE)
     axes = figure.add_axes((-0.1, 0.13, 1.16, 0.79), projection="3d")  # its edge would cut lines
     lines = _lines(axes, row, _tensions(row)[1])
@@ -84,7 +84,7 @@ def _lines(axes, row: dict, top: float):
         pieces.append(np.stack([points[:-1], points[1:]], axis=1))
         values.append((tension[:-1] + tension[1:]) / 2e3)
     width = 3.0 if len(row["elements"]) < CROWD else 2.0
-    lines = Line3DCollection(np.concatenate(pieces), cmap=COLOURS, linewidths=width, capstyle="round")
+    lines = Line3DCollection(np.concatenate(pieces), cmap=style.TENSION_COLOURS, linewidths=width, capstyle="round")
     lines.set_array(np.concatenate(values))
     lines.set_clim(0, top or 1.0)
     axes.add_collection3d(lines)
@@ -129,5 +129,5 @@ def _nodes(axes, nodes: list[dict]) -> list:
 def _seabed(axes, height: float) -> Patch:
     """A plane over the whole box."""
     x, y = np.meshgrid(axes.get_xlim(), axes.get_ylim())
-    axes.plot_surface(x, y, np.full_like(x, height), color=SEABED, alpha=0.16, shade=False, linewidth=0, zorder=0)
-    return Patch(color=SEABED, alpha=0.3, label="seabed")
+    axes.plot_surface(x, y, np.full_like(x, height), color=style.SEABED, alpha=0.16, shade=False, linewidth=0, zorder=0)
+    return Patch(color=style.SEABED, alpha=0.3, label="seabed")

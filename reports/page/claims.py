@@ -39,7 +39,7 @@ class Question:
     claims: list[Claim]
 
     def total(self, outcome: str) -> int:
-        """Number of tests in this file with that outcome."""
+        """Return the number of tests in this file with that outcome."""
         return sum(claim.counts[outcome] for claim in self.claims)
 
     @property
@@ -49,23 +49,23 @@ class Question:
 
 
 def first_sentence(docstring: str | None) -> str:
-    """First paragraph up to its first full stop, on one line."""
+    """Return the first paragraph up to its first full stop, on one line."""
     paragraph = " ".join((docstring or "").strip().split("\n\n")[0].split())
     return re.split(r"(?<=[.?!])\s+(?=[A-Z])", paragraph)[0]
 
 
 def read_sources(folder: Path) -> dict[str, tuple[str, dict[str, str]]]:
-    """Test file ("room/test_x") -> (question, {test function: claim}) of every test file, without importing any."""
-    found = {}
+    """Return test file ("room/test_x") -> (question, {test function: claim}), read without importing any."""
+    files = {}
     for path in sorted(folder.rglob("test_*.py")):
         tree = ast.parse(path.read_text(encoding="utf-8"))
         functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef) and _is_test(node.name)]
         functions.sort(key=lambda node: node.lineno)
-        found[path.relative_to(folder).with_suffix("").as_posix()] = (
+        files[path.relative_to(folder).with_suffix("").as_posix()] = (
             first_sentence(ast.get_docstring(tree)),
             {node.name: first_sentence(ast.get_docstring(node)) or _words(node.name) for node in functions},
         )
-    return found
+    return files
 
 
 def _is_test(name: str) -> bool:
@@ -76,24 +76,24 @@ def _words(name: str) -> str:
     return name.removeprefix("test_").replace("_", " ")
 
 
-def questions(folder: Path, outcomes: Iterable[Path]) -> list[Question]:
-    """The test files by name, their claims in the order of the file, with the outcomes of the last run."""
-    found = {
+def read_questions(folder: Path, outcomes: Iterable[Path]) -> list[Question]:
+    """Return the test files by name, their claims in the order of the file, with the outcomes of the last run."""
+    by_module = {
         module: Question(module, text, [Claim(name, claim) for name, claim in claims.items()])
         for module, (text, claims) in read_sources(folder).items()
     }
     for xml in outcomes:
         for case in ElementTree.parse(xml).iter("testcase"):
-            _count(case, found)
-    return list(found.values())
+            _count(case, by_module)
+    return list(by_module.values())
 
 
-def _count(case, found: dict[str, Question]):
+def _count(case, by_module: dict[str, Question]):
     """Add one test case of the XML to its claim; cases of unknown files or functions get an entry of their own."""
     path = (case.get("classname") or case.get("name")).removeprefix("verification.").split(".")
     file = next((i for i, part in enumerate(path) if _is_test(part)), None)
     module = "elsewhere" if file is None else "/".join(path[: file + 1])
-    question = found.setdefault(module, Question(module, "", []))
+    question = by_module.setdefault(module, Question(module, "", []))
     name = case.get("name").split("[")[0]
     claim = next((claim for claim in question.claims if claim.name == name), None)
     if claim is None:
@@ -106,17 +106,17 @@ def _count(case, found: dict[str, Question]):
         claim.message = f"{case.get('name')}: {trouble[0].get('message') or ''}"[:600]
 
 
-def find(found: list[Question], test: str) -> Claim | None:
-    """The claim of a path such as verification/room/test_x.py::test_y."""
+def find_claim(questions: list[Question], test: str) -> Claim | None:
+    """Return the claim of a path such as verification/room/test_x.py::test_y."""
     module, _, name = test.removeprefix("verification/").partition(".py::")
-    return next((c for q in found if q.module == module for c in q.claims if c.name == name.split("[")[0]), None)
+    return next((c for q in questions if q.module == module for c in q.claims if c.name == name.split("[")[0]), None)
 
 
 def claim_id(module: str, name: str) -> str:
-    """Id of the row of a test on the page."""
+    """Return the id of the row of a test on the page."""
     return f"claim-{module.replace('/', '-')}-{name}"
 
 
 def file_id(module: str) -> str:
-    """Id of the entry of a test file on the page."""
+    """Return the id of the entry of a test file on the page."""
     return f"tests-{module.replace('/', '-')}"

@@ -1,1 +1,1 @@
-"""The page of a user's own line."""
+"""The section on scene files, which is also the page about somebody's own lines."""

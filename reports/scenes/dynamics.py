@@ -6,20 +6,21 @@ from pathlib import Path
 
 import numpy as np
 
-from ..cable.figures import KN, METHODS, decades, legend, panel
+from ..cable.cases import METHODS
 from ..drawing import style
-from ..page.analysis import pareto
-from ..page.formatting import DASH, number, plural, seconds, slug
+from ..drawing.axes import KN, add_legend, panel, set_decade_ticks
+from ..page.analysis import pareto_front
+from ..page.figures import Figure, Group
+from ..page.formatting import DASH, number, plural, seconds, slug, status_words
 from ..page.tables import Table
 
-STAR = "#f2c230"
 OWN = ("harmonic balance", "harmonic balance, corrected", "time domain")
 OTHERS = {"REFUSED": "refused", "UNSUPPORTED": "not modelled"}
 """How other codes that give no tension are shown."""
 
 
-def section(scene: dict, stem: str, figure_folder: Path, table_folder: Path) -> dict | None:
-    """What scene_dynamics.html.j2 shows; None for a scene at rest."""
+def build(scene: dict, stem: str, figure_folder: Path, table_folder: Path) -> dict | None:
+    """Return what dynamics.html.j2 shows; None for a scene at rest."""
     found = scene.get("dynamics")
     if found is None or "failed" in found:
         return found
@@ -38,7 +39,7 @@ def section(scene: dict, stem: str, figure_folder: Path, table_folder: Path) -> 
         "facts": _facts(found),
         "python": found["python"] and found["python"].replace("FILE", scene["file"]),
         "warnings": found["warnings"],
-        "figures": style.Group(_caption(found), figures),
+        "figures": Group(_caption(found), figures),
         "tables": [table.write(table_folder) for table in tables],
     }
 
@@ -117,37 +118,37 @@ def _caption(found: dict) -> str:
     return f"{said}. {tail}"
 
 
-def _work(found, name, folder) -> style.Figure:
+def _work(found, name, folder) -> Figure:
     title = "Error against run time"
     figure, axes = panel(title, "run time, s", "error / greatest tension", xscale="log", yscale="log")
     solved = [row for row in found["ladder"] if row["error"]]
-    for method, look in style.completed(METHODS, dict.fromkeys(row["method"] for row in solved)).items():
+    for method, look in style.add_missing_looks(METHODS, dict.fromkeys(row["method"] for row in solved)).items():
         rows = [row for row in solved if row["method"] == method]
         if rows:
             axes.plot([r["seconds"] for r in rows], [r["error"] for r in rows], look["marker"], label=method,
                       color=look["color"])  # fmt: skip
-    front = pareto(solved)
+    front = pareto_front(solved)
     axes.plot([r["seconds"] for r in front], [r["error"] for r in front], "o", markerfacecolor="none",
               markeredgecolor=style.INK, markersize=10)  # fmt: skip
     axes.axhline(found["tolerance"], color=style.INK, linestyle="--", linewidth=1)
     best = found["recommended"]
     if best and best["error"]:
-        axes.plot(best["seconds"], best["error"], "*", color=STAR, markeredgecolor=style.INK, markersize=14, zorder=6)
-    decades(axes)
-    legend(figure, axes)
+        axes.plot(best["seconds"], best["error"], "*", color=style.RECOMMENDED, markeredgecolor=style.INK, markersize=14, zorder=6)
+    set_decade_ticks(axes)
+    add_legend(figure, axes)
     return style.save(figure, folder, f"{name}_work", title, f"{title} of {plural(len(solved), 'setting')}.")
 
 
-def _waveform(found, name, folder) -> style.Figure:
+def _waveform(found, name, folder) -> Figure:
     title, wave = "Fairlead tension over a period", found["waveform"]
     figure, axes = panel(title, "time, s", "tension, kN")
     axes.plot(wave["time"], KN * np.array(wave["tension"]), color=METHODS["reference"]["color"])
     axes.axhline(KN * found["statics"]["exact"], color=style.PALE, linestyle=":", label="at rest")
-    legend(figure, axes)
+    add_legend(figure, axes)
     return style.save(figure, folder, f"{name}_tension", title, f"{title}, converged, and the tension at rest.")
 
 
-def _spectrum(found, name, folder) -> style.Figure:
+def _spectrum(found, name, folder) -> Figure:
     title, harmonics = "Harmonics of the fairlead tension", np.array(found["harmonics"][1:])
     number_of = np.arange(1, harmonics.size + 1)
     figure, axes = panel(title, "harmonic of the frequency", "amplitude, kN", yscale="log")
@@ -156,7 +157,7 @@ def _spectrum(found, name, folder) -> style.Figure:
     return style.save(figure, folder, f"{name}_harmonics", title, f"{title}, 1 to {harmonics.size}.")
 
 
-def _envelope(found, name, folder) -> style.Figure:
+def _envelope(found, name, folder) -> Figure:
     title, shape = "Tension along the line", {key: np.array(value) for key, value in found["envelope"].items()}
     figure, axes = panel(title, "s, m of unstretched line from the anchor", "tension, kN")
     axes.fill_between(shape["s"], KN * shape["low"], KN * shape["high"], color=style.PALETTE[0], alpha=0.25,
@@ -164,7 +165,7 @@ def _envelope(found, name, folder) -> style.Figure:
     axes.plot(shape["s"], KN * shape["mean"], color=style.PALETTE[0], label="mean")
     least = found["smallest"]
     axes.plot(least["s"], KN * least["tension"], "v", color=style.WRONG, label="smallest")
-    legend(figure, axes, 3)
+    add_legend(figure, axes, 3)
     return style.save(figure, folder, f"{name}_envelope", title, f"{title} over a period: envelope and mean.")
 
 
@@ -191,7 +192,7 @@ def _ended(row, best) -> str:
     if row["status"] in OTHERS:
         return f"{OTHERS[row['status']]}: {row['sentence']}"
     if row["status"] != "SUCCESS":
-        return row["status"].lower().replace("_", " ")
+        return status_words(row["status"])
     same = best and all(best.get(key) == row.get(key) for key in ("method", "nodes", "harmonics", "dt"))
     return "recommended" if same else ""
 

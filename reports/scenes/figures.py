@@ -7,31 +7,29 @@ from pathlib import Path
 import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.collections import LineCollection
-from matplotlib.colors import ListedColormap
 
-from ..catenary.figures import draw_points, drawn, time_ticks
 from ..drawing import style
+from ..drawing.axes import clip_error, draw_work_points, set_time_ticks
+from ..drawing.style import SEABED, TENSION_COLOURS, WATER
 from ..page import analysis
+from ..page.figures import Figure, Group
 from ..page.formatting import number, plural, seconds, slug
 
 EQUAL_UNTIL = 6
 """Width over height up to which both axes have the same scale; a longer picture is stretched, and says so."""
 
-# Without the ends of the map, which white or black paper would swallow.
-COLOURS = ListedColormap(plt.get_cmap("plasma")(np.linspace(0.15, 0.9, 256)))
-SEABED, WATER = "#a3851a", "#2a7fb8"
 DASHES = ("-", "--", ":", "-.")
 
 
-def profiles(scene: dict, place: dict, folder: Path) -> style.Group:
+def profiles(scene: dict, surroundings: dict, folder: Path) -> Group:
     """Every line of the scene in its surroundings, the tension in colour; one scale for all of them."""
     top = max(max(line["profile"]["tension"]) for line in scene["lines"]) / 1e3
-    figures = [_profile(scene, line, place, top, folder) for line in scene["lines"]]
-    figures.append(tension(scene, place, folder))
+    figures = [_profile(scene, line, surroundings, top, folder) for line in scene["lines"]]
+    figures.append(tension(scene, surroundings, folder))
     said = [_sentence(scene, line) for line in scene["lines"]]
     if any(0 < line["grounded_length"] < line["inputs"]["L"] for line in scene["lines"]):
         said.append("Triangle: touchdown.")
-    return style.Group(" ".join(said), figures)
+    return Group(" ".join(said), figures)
 
 
 def _start(scene: dict, line: dict) -> str:
@@ -53,52 +51,52 @@ def _sentence(scene: dict, line: dict) -> str:
     )
 
 
-def _profile(scene, line, place, top: float, folder: Path) -> style.Figure:
+def _profile(scene, line, surroundings, top: float, folder: Path) -> Figure:
     x, z, tension = (np.array(line["profile"][key], dtype=float) for key in ("x", "z", "tension"))
-    z = z + place["anchor_z"]
-    figure, axes = plt.subplots(figsize=(style.PANEL[0], _height(x, z, place)))
+    z = z + surroundings["anchor_z"]
+    figure, axes = plt.subplots(figsize=(style.PANEL[0], _height(x, z, surroundings)))
     points = np.column_stack([x, z])
     pieces = LineCollection(
-        np.stack([points[:-1], points[1:]], axis=1), cmap=COLOURS, linewidth=3.2, capstyle="round", zorder=3
+        np.stack([points[:-1], points[1:]], axis=1), cmap=TENSION_COLOURS, linewidth=3.2, capstyle="round", zorder=3
     )
     pieces.set_array((tension[:-1] + tension[1:]) / 2e3)
     pieces.set_clim(0, top)
     axes.add_collection(pieces)
     axes.plot(x[[0, -1]], z[[0, -1]], "o", color=style.INK, markersize=5, zorder=4)
-    heights = _surroundings(axes, z, place)
+    heights = _draw_surroundings(axes, z, surroundings)
     grounded = line["grounded_length"]
     if grounded and grounded < line["inputs"]["L"]:
         at = np.interp(grounded, line["profile"]["s"], x), np.interp(grounded, line["profile"]["s"], z)
         axes.plot(*at, "^", color=style.INK, markersize=8, zorder=5)
     note = _scale(axes, x, heights)
-    axes.set(title=line["label"] or scene["name"], xlabel="x, m from the anchor", ylabel=f"z, m{place['z_note']}{note}")
+    axes.set(title=line["label"] or scene["name"], xlabel="x, m from the anchor", ylabel=f"z, m{surroundings['z_note']}{note}")
     bar = figure.colorbar(pieces, ax=axes, location="bottom", aspect=35, shrink=0.9)
     bar.set_label("tension, kN")
     alt = f"Profile of {scene['name']}, {line['label']}, coloured by tension from 0 to {number(top)} kN."
-    name = f"scene_{slug(place['stem'])}_profile_{slug(line['label'])}"
+    name = f"scene_{slug(surroundings['stem'])}_profile_{slug(line['label'])}"
     return style.save(figure, folder, name, line["label"] or scene["name"], alt)
 
 
-def _height(x, z, place) -> float:
+def _height(x, z, surroundings) -> float:
     """Inches that fit the picture at equal scales: title, labels and colour bar, then what the line needs."""
-    heights = [np.nanmin(z), np.nanmax(z), *(place[key] for key in ("seabed", "water") if place[key] is not None)]
+    heights = [np.nanmin(z), np.nanmax(z), *(surroundings[key] for key in ("seabed", "water") if surroundings[key] is not None)]
     tall = max(heights) - min(heights)
     return float(np.clip(1.95 + 3.9 * tall / max(np.ptp(x), 1e-9), 2.9, 5.4))
 
 
-def _surroundings(axes, z, place) -> list[float]:
-    """Draw seabed and water surface where they are known; the heights that must be seen."""
+def _draw_surroundings(axes, z, surroundings) -> list[float]:
+    """Draw seabed and still water where they are known; return the least and greatest height to show."""
     heights = [float(np.nanmin(z)), float(np.nanmax(z))]
-    if place["seabed"] is not None:
-        axes.axhline(place["seabed"], color=SEABED, linewidth=1.2, zorder=1)
-        axes.annotate("seabed", (0.5, place["seabed"]), (0, -2), xycoords=("axes fraction", "data"),
+    if surroundings["seabed"] is not None:
+        axes.axhline(surroundings["seabed"], color=SEABED, linewidth=1.2, zorder=1)
+        axes.annotate("seabed", (0.5, surroundings["seabed"]), (0, -2), xycoords=("axes fraction", "data"),
                       textcoords="offset points", ha="center", va="top", fontsize=9, color=SEABED)  # fmt: skip
-        heights.append(place["seabed"])
-    if place["water"] is not None:
-        axes.axhline(place["water"], color=WATER, linewidth=1.2, zorder=1)
-        axes.annotate("still water", (0, place["water"]), (3, -3), xycoords=("axes fraction", "data"),
+        heights.append(surroundings["seabed"])
+    if surroundings["water"] is not None:
+        axes.axhline(surroundings["water"], color=WATER, linewidth=1.2, zorder=1)
+        axes.annotate("still water", (0, surroundings["water"]), (3, -3), xycoords=("axes fraction", "data"),
                       textcoords="offset points", ha="left", va="top", fontsize=9, color=WATER)  # fmt: skip
-        heights.append(place["water"])
+        heights.append(surroundings["water"])
     return [min(heights), max(heights)]
 
 
@@ -117,7 +115,7 @@ def _scale(axes, x, heights) -> str:
     return " (enlarged)"
 
 
-def tension(scene: dict, place: dict, folder: Path) -> style.Figure:
+def tension(scene: dict, surroundings: dict, folder: Path) -> Figure:
     """Tension along the line from the anchor, all lines of the scene together."""
     figure, axes = plt.subplots(figsize=style.PANEL)
     for line, dash, colour in zip(scene["lines"], DASHES * 9, style.PALETTE * 9, strict=False):
@@ -128,41 +126,41 @@ def tension(scene: dict, place: dict, folder: Path) -> style.Figure:
     axes.set_title("Tension along the line")
     if len(scene["lines"]) > 1:
         figure.legend(loc="outside upper center", ncols=2)
-    name, title = f"scene_{slug(place['stem'])}_tension", "Tension along the line"
+    name, title = f"scene_{slug(surroundings['stem'])}_tension", "Tension along the line"
     return style.save(figure, folder, name, title, f"Tension along {scene['name']} from the anchor to the fairlead.")
 
 
-def ladder(scene: dict, place: dict, looks: dict, folder: Path) -> style.Group:
+def ladder(scene: dict, surroundings: dict, looks: dict, folder: Path) -> Group:
     """Error against time of every setting, with the tolerance that the scene asks for and the cheapest within it."""
     figures, said = [], []
     for line in scene["lines"]:
         said.append(_ladder_sentence(scene, line))
-        if analysis.usable(line["ladder"]):
-            figures.append(_ladder_panel(scene, line, place, looks, folder))
+        if analysis.select_answered(line["ladder"]):
+            figures.append(_ladder_panel(scene, line, surroundings, looks, folder))
     said.append(
         "Dashed: the tolerance of the scene. Star: the cheapest setting that meets it. Rings: the Pareto front."
     )
-    return style.Group(" ".join(said), figures)
+    return Group(" ".join(said), figures)
 
 
-def _ladder_panel(scene, line, place, looks, folder) -> style.Figure:
+def _ladder_panel(scene, line, surroundings, looks, folder) -> Figure:
     figure, axes = plt.subplots(figsize=style.PANEL)
-    draw_points(axes, line["ladder"], looks)
+    draw_work_points(axes, line["ladder"], looks)
     axes.axhline(scene["tolerance"], color=style.INK, linestyle="--", linewidth=1)
-    best = analysis.cheapest(line["ladder"], scene["tolerance"])
+    best = analysis.find_cheapest(line["ladder"], scene["tolerance"])
     if best:
-        axes.plot(1e6 * best["seconds"], drawn(best), "*", color="#f2c230", markeredgecolor=style.INK,
+        axes.plot(1e6 * best["seconds"], clip_error(best), "*", color=style.RECOMMENDED, markeredgecolor=style.INK,
                   markersize=14, zorder=6)  # fmt: skip
     title = line["label"] or scene["name"]
     axes.set_title(title)
-    time_ticks(axes)
-    name = f"scene_{slug(place['stem'])}_ladder_{slug(line['label'])}"
+    set_time_ticks(axes)
+    name = f"scene_{slug(surroundings['stem'])}_ladder_{slug(line['label'])}"
     return style.save(figure, folder, name, title, f"Error against time of every setting for {scene['name']}, {title}.")
 
 
 def _ladder_sentence(scene: dict, line: dict) -> str:
     tolerance = scene["tolerance"]
-    best, start = analysis.cheapest(line["ladder"], tolerance), _start(scene, line)
+    best, start = analysis.find_cheapest(line["ladder"], tolerance), _start(scene, line)
     refused = sum(p["verdict"] == "refused" for p in line["ladder"])
     end = f" {plural(refused, 'setting')} refused." if refused else ""
     if not best:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 from ..page import analysis
-from ..page.formatting import DASH, number, seconds
-from ..page.tables import Table, short
+from ..page.formatting import DASH, number, seconds, two_digits
+from ..page.tables import Table
 
 FORCES = {
     "label": "line", "regime": "state", "tension": "T, N", "H": "H, N", "V": "V, N", "angle_deg": "angle, °",
@@ -17,7 +18,20 @@ ACCURACY = {
     "label": "line", "condition": "condition number", "limit": "condition limit", "error": "error against 50 digits",
     "in_limits": "error / limit", "cost": "cost, this project",
 }  # fmt: skip
-WORDS = {"unsupported": "not modelled"}
+NOTES = {
+    "forces": "H and V are the components of the tension T; the angle is that of the line at the fairlead from the "
+    "horizontal. At the anchor a positive V pulls it upwards; V is negative there where the line sags below the "
+    "anchor.",
+    "stiffness": "Change of the fairlead force per metre that the fairlead moves. A dash stands for an unbounded "
+    "value.",
+    "sensitivity": "How far an uncertain length L, stiffness EA or weight w moves the tension: size of the change, to "
+    "first order.",
+    "expected_error": "The condition limit is the relative error that rounding the inputs alone causes; the error is "
+    "that of this project at its default setting; the cost is that of its cheapest setting within the tolerance of the "
+    "scene.",
+    "solvers": "The error is that of the fairlead force over the tension, against 50 digits.",
+}
+"""What the columns of each table mean."""
 SIX = dict.fromkeys(("K11", "K12", "K21", "K22"), lambda v: number(v, 6))
 
 
@@ -26,10 +40,10 @@ def _percent(value) -> str:
 
 
 def scene_tables(scene: dict, stem: str, folder: Path) -> list[Table]:
-    """Forces, stiffness, sensitivity and expected error of every line of a scene."""
+    """Write and return the tables of forces, stiffness, sensitivity, expected error and solvers of a scene's lines."""
     lines = [line | {"angle_deg": math.degrees(line["angle"])} for line in scene["lines"]]
-    long = dict.fromkeys(("tension", "H", "V", "H_anchor", "V_anchor", "grounded_length"), lambda v: number(v, 7))
-    forces = Table(f"scene_{stem}_forces", "Forces at the fairlead and at the anchor", FORCES, lines, long)
+    formats = dict.fromkeys(("tension", "H", "V", "H_anchor", "V_anchor", "grounded_length"), lambda v: number(v, 7))
+    forces = Table(f"scene_{stem}_forces", "Forces at the fairlead and at the anchor", FORCES, lines, formats)
     rows = [
         {"label": line["label"], **{f"K{i + 1}{j + 1}": line["stiffness"][i][j] for i in (0, 1) for j in (0, 1)}}
         for line in lines
@@ -40,28 +54,28 @@ def scene_tables(scene: dict, stem: str, folder: Path) -> list[Table]:
     rows = [{"label": line["label"], **line["sensitivity"]} for line in lines]
     percent = dict.fromkeys(scene["lines"][0]["sensitivity"], _percent)
     changes = Table(f"scene_{stem}_sensitivity", "Change of the fairlead tension", heads, rows, percent)
-    made = (forces, stiffness, changes, _expected(lines, scene, stem), _solvers(lines, stem))
-    return [table.write(folder) for table in made]
+    tables = (forces, stiffness, changes, _expected(lines, scene, stem), _solvers(lines, stem))
+    return [replace(table, note=note).write(folder) for table, note in zip(tables, NOTES.values(), strict=True)]
 
 
 def _solvers(lines, stem) -> Table:
     """Every solver on every line, as it comes."""
-    rows = [point | {"line": line["label"], "words": WORDS.get(point["verdict"], point["verdict"])}
+    rows = [point | {"line": line["label"], "answer": point["verdict"].replace("unsupported", "not modelled")}
             for line in lines for point in line["ladder"] if point["tolerance"] is None]  # fmt: skip
-    heads = {"line": "line", "label": "solver", "words": "answer", "error": "error", "seconds": "run time",
+    heads = {"line": "line", "label": "solver", "answer": "answer", "error": "error", "seconds": "run time",
              "message": "why not"}  # fmt: skip
-    shown = {"error": short, "seconds": seconds}
-    return Table(f"scene_{stem}_solvers", "Every solver, as it comes", heads, rows, shown)
+    formats = {"error": two_digits, "seconds": seconds}
+    return Table(f"scene_{stem}_solvers", "Every solver, as it comes", heads, rows, formats)
 
 
 def _expected(lines, scene, stem) -> Table:
     """The condition limit, the error against 50 digits and the cost of the cheapest setting within the tolerance."""
     rows = []
     for line in lines:
-        best = analysis.cheapest([p for p in line["ladder"] if p["solver"] == analysis.OURS], scene["tolerance"])
+        best = analysis.find_cheapest([p for p in line["ladder"] if p["solver"] == analysis.OURS], scene["tolerance"])
         finite = line["error"] is not None and line["limit"]
         rows.append(
             line | {"in_limits": line["error"] / line["limit"] if finite else None, "cost": best and best["seconds"]}
         )
     return Table(f"scene_{stem}_expected_error", "Expected error and cost", ACCURACY, rows,
-                 {"cost": seconds, "limit": short, "error": short, "in_limits": short})  # fmt: skip
+                 {"cost": seconds, "limit": two_digits, "error": two_digits, "in_limits": two_digits})  # fmt: skip

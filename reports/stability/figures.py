@@ -11,6 +11,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from ..drawing import style
+from ..page.figures import Figure, Group
 from ..page.formatting import MINUS, number, plural
 
 MARKS = {
@@ -32,12 +33,12 @@ RADIUS = "\N{GREEK SMALL LETTER RHO}\N{INFINITY}"
 TICKS = 10  # on an axis at most
 
 
-def maps(entries: list[dict], explicit: list[dict], folder: Path) -> style.Group:
+def maps(entries: list[dict], explicit: list[dict], folder: Path) -> Group:
     """The maps of one solver; explicit: rows of the limits of explicit steps, drawn where the step is an axis."""
     said, drawn = [_caption(entry) for entry in entries], [_map(entry, explicit, folder) for entry in entries]
     if any(_limit(entry, explicit) for entry in entries):
         said.append("Dashed: the largest step of the leapfrog, an explicit method, on this mesh.")
-    return style.Group(" ".join(said), drawn)
+    return Group(" ".join(said), drawn)
 
 
 def _limit(entry: dict, explicit: list[dict]) -> tuple[str, float] | None:
@@ -50,7 +51,7 @@ def _limit(entry: dict, explicit: list[dict]) -> tuple[str, float] | None:
     return None
 
 
-def _map(entry: dict, explicit: list[dict], folder: Path) -> style.Figure:
+def _map(entry: dict, explicit: list[dict], folder: Path) -> Figure:
     x, y, low_high = entry["x"]["values"], entry["y"]["values"], RANGES.get(entry["solver"], TENSION)
     image = np.full((len(y), len(x)), np.nan)
     marked = {}
@@ -108,7 +109,7 @@ def _caption(entry: dict) -> str:
 
 
 # ---------------------------------------------------------------- stiff integration
-def stiff(explicit: list[dict], axial: list[dict], folder: Path) -> style.Group:
+def stiff(explicit: list[dict], axial: list[dict], folder: Path) -> Group:
     """The limits of explicit steps by nodes, and the loss of an axial wave by steps in its period."""
     plain = [row for row in explicit if not row["beta"]]
     last = plain[-1]
@@ -130,10 +131,10 @@ def stiff(explicit: list[dict], axial: list[dict], folder: Path) -> style.Group:
         f"motion (markers) and from the roots of the method (lines); they differ by at most {number(worst, 1)}. With "
         "spectral radius 1 it loses nothing, and nothing above it either."
     )
-    return style.Group(said, [_limits(plain, folder), _losses(axial, folder)])
+    return Group(said, [_limits(plain, folder), _losses(axial, folder)])
 
 
-def _limits(rows, folder) -> style.Figure:
+def _limits(rows, folder) -> Figure:
     figure, axes = plt.subplots(figsize=style.PANEL)
     nodes = [row["nodes"] for row in rows]
     named = (("transit", "wave through a cell"), ("rk4", "Runge-Kutta limit"), ("leapfrog", "leapfrog limit"))
@@ -149,7 +150,7 @@ def _limits(rows, folder) -> style.Figure:
     return style.save(figure, folder, "stability_explicit", "Explicit step limits", alt)
 
 
-def _losses(rows, folder) -> style.Figure:
+def _losses(rows, folder) -> Figure:
     figure, axes = plt.subplots(figsize=style.PANEL)
     for rank, radius in enumerate(radius for radius in dict.fromkeys(row["radius"] for row in rows) if radius < 1):
         mine = [row for row in rows if row["radius"] == radius]

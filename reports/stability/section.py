@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
-from ..page.formatting import number
-from ..page.tables import Table, short
+from ..page.formatting import number, plural, python_call, two_digits
+from ..page.section import Content, Inputs, Section
+from ..page.tables import Table
 from ..page.verdicts import Verdict
 from . import figures
 
@@ -16,13 +15,15 @@ TITLES = {
     "time domain": "Time domain",
     "harmonic balance": "Harmonic balance",
 }
-OURS = "catenary"
 
 
-def section(data: dict | None, figure_folder: Path, table_folder: Path) -> dict | None:
-    """What the template stability.html.j2 takes; None without a result file."""
+def build(inputs: Inputs) -> Content:
+    """Return the maps by solver, their counts, and the same grids on other codes."""
+    data = inputs.results["stability"]
+    limit = (inputs.results["harmonic_balance"] or {}).get("limit")
+    sentences = [*_map_sentences(data), *_limit_sentences(limit)]
     if not data:
-        return None
+        return Content({"stability": None}, sentences=sentences)
     by_solver = {}
     for entry in data["maps"]:
         by_solver.setdefault(entry["solver"], []).append(entry)
@@ -32,7 +33,7 @@ def section(data: dict | None, figure_folder: Path, table_folder: Path) -> dict 
             "quantity": list(dict.fromkeys(entry["quantity"] for entry in entries)),
             "claims": [text.replace("e-0", "e-") for text in dict.fromkeys(entry["claim"] for entry in entries)],
             "explained": _explained(entries),
-            "maps": figures.maps(entries, data.get("explicit") or [], figure_folder),
+            "maps": figures.maps(entries, data.get("explicit") or [], inputs.figures),
         }
         for solver, entries in by_solver.items()
     ]
@@ -45,29 +46,54 @@ def section(data: dict | None, figure_folder: Path, table_folder: Path) -> dict 
         "moving": _moving(moving) if moving else None,
     }
     for table in filter(None, tables.values()):
-        table.write(table_folder)
-    return tables | {
+        table.write(inputs.tables)
+    stability = tables | {
         "sections": shown,
-        "verdicts": verdicts(data),
-        "stiff": figures.stiff(data["explicit"], data["axial"], figure_folder) if stiff else None,
+        "stiff": figures.stiff(data["explicit"], data["axial"], inputs.figures) if stiff else None,
         "examples": [_example(row, one) for row in spans for one in row["examples"]],
         "moving_rows": moving,
         "moving_examples": [_moved(row) for row in moving if row["counts"]["wrong"]],
     }
+    return Content({"stability": stability}, verdicts(data), sentences)
 
 
-def verdicts(data: dict | None) -> list[Verdict]:
-    """For the strip at the top of the page."""
-    if not data or not data["maps"]:
+def _totals(data: dict) -> dict[str, int]:
+    """Return verdict -> number of points of all maps."""
+    return {v: sum(entry["counts"][v] for entry in data["maps"]) for v in data["verdicts"]}
+
+
+def verdicts(data: dict) -> list[Verdict]:
+    """Return how many points of all maps are wrong, and how many are solved."""
+    if not data["maps"]:
         return []
-    total = {v: sum(entry["counts"][v] for entry in data["maps"]) for v in data["verdicts"]}
-    points = sum(total.values())
-    bad = total["wrong"] + total["crashed"]
+    totals = _totals(data)
+    points, bad = sum(totals.values()), totals["wrong"] + totals["crashed"]
     text = f"of {number(points)} points of {len(data['maps'])} stability maps, wanted 0"
     answers = f"of {number(points)}; the others warn, or say that they have none"
     return [
         Verdict(number(bad), "wrong at the limits", text, bad == 0, "stability"),
-        Verdict(number(total["solved"]), "solved at the limits", answers, None, "stability"),
+        Verdict(number(totals["solved"]), "solved at the limits", answers, None, "stability"),
+    ]
+
+
+def _map_sentences(data: dict | None) -> list[str]:
+    if not data or not data["maps"]:
+        return []
+    totals = _totals(data)
+    counts = ", ".join(f"{number(count)} {verdict}" for verdict, count in totals.items() if count)
+    maps = plural(len(data["maps"]), "map")
+    return [f"{number(sum(totals.values()))} points pushed to the limits on {maps}: {counts}."]
+
+
+def _limit_sentences(limit: dict | None) -> list[str]:
+    """Return where the tension of the OC3 line vanishes under surge, from harmonic_balance.json."""
+    if not limit or not limit["vanishes"]:
+        return []
+    failed = [row["amplitude"] for row in limit["rows"] if row["reached"] < 1.0]
+    end = f"; no response is found from {number(min(failed))} m on" if failed else ""
+    return [
+        f"Under surge the tension of the OC3 line vanishes at an amplitude of {number(limit['vanishes'], 4)} m: beyond "
+        f"it results are marked as compression{end}."
     ]
 
 
@@ -81,9 +107,8 @@ def _explained(entries: list[dict]) -> list[str]:
 
 def _counts(data: dict) -> Table:
     rows = [{"map": entry["title"], "solver": entry["solver"]} | entry["counts"] for entry in data["maps"]]
-    total = {v: sum(entry["counts"][v] for entry in data["maps"]) for v in data["verdicts"]}
     columns = {"map": "map", "solver": "solver"} | {verdict: verdict for verdict in data["verdicts"]}
-    return Table("stability_counts", "Stability maps", columns, [*rows, {"map": "all", "solver": ""} | total])
+    return Table("stability_counts", "Stability maps", columns, [*rows, {"map": "all", "solver": ""} | _totals(data)])
 
 
 def _points(data: dict) -> Table:
@@ -113,20 +138,35 @@ def _moving(rows: list[dict]) -> Table:
     ]
     columns = {"map": "grid", "solver": "solver", "right": "right", "wrong": "wrong", "refused": "refused",
                "no truth": "no converged truth", "worst": "greatest error"}  # fmt: skip
-    return Table("stability_moving", "Surge on other codes", columns, shown, {"worst": short})
+    return Table("stability_moving", "Surge on other codes", columns, shown, {"worst": two_digits})
 
 
 def _example(row: dict, one: dict) -> dict:
-    arguments = ", ".join(f"{key}={value!r}" for key, value in one["inputs"].items())
-    call = (
-        "from benchmarks.peers import adapters\nfrom solvers import Span, solve_span\n"
-        f"from verification.cases.spans import SpanCase\ninputs = dict({arguments})\n"
-        f'adapters()["{row["solver"]}"].span(SpanCase("example", "", **inputs)), solve_span(Span(**inputs))'
-    )
-    return one | {"label": f"{row['label']} {row['version']}", "map": row["title"], "call": call}
+    label, call = f"{row['label']} {row['version']}", python_call(row["solver"], one["inputs"])
+    return one | {"label": label, "map": row["title"], "call": call}
 
 
 def _moved(row: dict) -> dict:
     """The wrong point of a grid of motions with the least amplitude."""
     point = min((p for p in row["points"] if p["verdict"] == "wrong"), key=lambda p: p["y"])
     return row | {"x": point["x"], "y": point["y"], "error": point["error"]}
+
+
+TESTS = "suite/test_stability.py::"
+STABILITY = Section(
+    id="stability",
+    title="Stability maps",
+    part="breaks",
+    needs=("stability", "harmonic_balance"),
+    template="stability/section.html.j2",
+    build=build,
+    tests={
+        "stability": (
+            f"{TESTS}test_networks_with_a_stiffness_contrast",
+            f"{TESTS}test_time_domain_at_the_limits",
+            f"{TESTS}test_harmonic_balance_at_the_limits",
+            f"{TESTS}test_lost_tension_is_never_a_success",
+            f"{TESTS}test_a_spoiled_success_is_found",
+        ),
+    },
+)

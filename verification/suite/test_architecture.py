@@ -43,6 +43,12 @@ ROOMS = ("common", "numerics", "catenary", "network", "cable", "time_domain", "h
 UNRELATED = {"time_domain": ("catenary", "network", "cable"),
              "harmonic_balance": ("catenary", "network", "cable", "time_domain")}  # fmt: skip
 
+# Rooms and modules of reports from the lowest to the highest: imports between them run only downwards. Of the room "page"
+# the modules that name every section stand at the top, all others below the rooms of the sections.
+REPORT_ORDER = ("pipeline", "page", "drawing", "catenary", "network", "cable", "harmonic_balance", "stability", "scenes",
+                "papers", "evidence", "page.registry", "page.site", "__main__")  # fmt: skip
+TEST_ROOMS = ("browser",)  # looks at the finished page, and imports none of these
+
 # Beside that, what one file alone may import.
 ALSO = {
     "solvers/numerics/compiled.py": ("numba",),  # whose loops are worth it is measured: those of block_chain, harmonic_blocks
@@ -122,23 +128,27 @@ def bad_imports(root: Path = ROOT) -> list[str]:
 
 
 # ---------------------------------------------------------------- rooms
-def upward_imports(root: Path = ROOT) -> list[str]:
-    """Imports of a room of solvers that do not lead to a lower room, or lead to one that it must not know."""
+def level_of(name: str, order: tuple[str, ...]) -> str | None:
+    """Return the entry of ``order`` that covers a module, the longest one; None where none does."""
+    return max((entry for entry in order if covers(entry, name)), key=len, default=None)
+
+
+def upward_imports(package: str, order: tuple[str, ...], unrelated: dict | None = None, root: Path = ROOT) -> list[str]:
+    """Return the imports between entries of ``order`` that do not lead to a lower one, or lead to an unrelated one."""
     bad = []
-    for path in sorted((root / "solvers").rglob("*.py")):
-        room, *inside = path.relative_to(root / "solvers").parts
-        if not inside:
-            continue  # solvers/__init__.py passes on the public names of all rooms
-        place = path.relative_to(root).as_posix()
-        if room not in ROOMS:
-            bad.append(f"{place}: no room of solvers has this name")
+    for path in sorted((root / package).rglob("*.py")):
+        inside = path.relative_to(root / package).with_suffix("").parts
+        if inside == ("__init__",) or inside[0] in TEST_ROOMS:
+            continue  # the former passes on public names of all rooms
+        place, own = path.relative_to(root).as_posix(), level_of(".".join(inside), order)
+        if own is None:
+            bad.append(f"{place}: no entry of the order covers this file")
             continue
-        lower = ROOMS[: ROOMS.index(room)]
+        lower = order[: order.index(own)]
         for line, name in imports_of(path, root):
-            package, _, rest = name.partition(".")
-            other = rest.partition(".")[0]
-            if package == "solvers" and other != room and (other not in lower or other in UNRELATED.get(room, ())):
-                bad.append(f"{place}:{line}: {room} may not import {name}")
+            other = level_of(name.partition(".")[2], order) if covers(package, name) else own
+            if other != own and (other not in lower or other in (unrelated or {}).get(own, ())):
+                bad.append(f"{place}:{line}: {own} may not import {name}")
     return bad
 
 
@@ -255,7 +265,13 @@ def test_imports_follow_the_table():
 
 def test_rooms_import_only_downwards():
     """Between the rooms of solvers no import runs up, and the dynamic solvers know of no line."""
-    bad = upward_imports()
+    bad = upward_imports("solvers", ROOMS, UNRELATED)
+    assert not bad, "\n".join(bad)
+
+
+def test_rooms_of_the_report_import_only_downwards():
+    """What a page consists of lies below the sections, and these below the list of sections and the site."""
+    bad = upward_imports("reports", REPORT_ORDER)
     assert not bad, "\n".join(bad)
 
 
@@ -352,13 +368,19 @@ BAD_ROOMS = [
     ("solvers/time_domain/x.py", "from solvers.cable.system import CableSystem"),
     ("solvers/harmonic_balance/x.py", "from ..time_domain import solve"),
     ("solvers/cellar/x.py", "import math"),
+    ("reports/page/tables.py", "from ..drawing import style"),
+    ("reports/page/tables.py", "from .registry import SECTIONS"),
+    ("reports/cable/section.py", "from ..harmonic_balance import section"),
+    ("reports/drawing/x.py", "from reports.page.site import build"),
+    ("reports/cellar/x.py", "import math"),
 ]
 
 
 @pytest.mark.parametrize(("place", "text"), BAD_ROOMS)
 def test_a_planted_upward_import_is_found(tmp_path, place, text):
     """Into a higher room, into one that a dynamic solver must not know, or from a room without a name."""
-    found = upward_imports(planted(tmp_path, place, text))
+    package, order = ("reports", REPORT_ORDER) if place.startswith("reports") else ("solvers", ROOMS)
+    found = upward_imports(package, order, UNRELATED, planted(tmp_path, place, text))
     assert len(found) == 1 and found[0].startswith(place), found
 
 

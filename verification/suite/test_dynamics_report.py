@@ -12,14 +12,14 @@ import pytest
 
 from .test_report import ROOT, Page, broken_anchors, missing_files, report, undescribed
 
-TIME, BALANCE = "cable_dynamics", "harmonic_balance"
+TIME, BALANCE = "cable", "harmonic_balance"
 FILES = {TIME: "dynamics.json", BALANCE: "harmonic_balance.json"}
 CHEAP = {TIME: ("profile",), BALANCE: ("fields", "oscillators")}
 
 
 def measure(program: str, results: Path, *arguments: str) -> dict:
     """Run a benchmark program as its user does; its result file."""
-    command = [sys.executable, "-m", f"benchmarks.{program}", "--quick", "--out", str(results), *arguments]
+    command = [sys.executable, "-m", f"benchmarks.{program}.measure", "--quick", "--out", str(results), *arguments]
     run = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=600)
     assert run.returncode == 0, run.stderr
     return json.loads((results / FILES[program]).read_text(encoding="utf-8"))

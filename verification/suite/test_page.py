@@ -96,9 +96,10 @@ def sentences(source: str) -> list[str]:
 
 NO_PAGE = ("runner.py", "style.py", "stages.py", "__main__.py", "compare.py", "progress.py")
 """Modules whose strings are messages of the program or markup, not sentences of the page."""
+TEMPLATES = [path for path in sorted(REPORTS.rglob("*.j2")) if "out" not in path.relative_to(REPORTS).parts]
 
 
-@pytest.mark.parametrize("path", sorted((REPORTS / "page" / "templates").glob("*.j2")), ids=lambda path: path.name)
+@pytest.mark.parametrize("path", TEMPLATES, ids=lambda path: path.relative_to(REPORTS).as_posix())
 def test_no_template_holds_a_measured_number(path):
     """A template has no number of its own but labels and the stated exceptions: values come from files."""
     assert not typed(template_text(path.read_text(encoding="utf-8")))
@@ -249,7 +250,7 @@ def test_figures_have_their_data(scene_page):
 def test_a_figure_without_units_is_refused(tmp_path):
     """An axis that does not say what it shows stops the page, and the message names figure and axis."""
     code = (
-        "from pathlib import Path\nfrom reports import style\nfigure, axes = style.plt.subplots()\n"
+        "from pathlib import Path\nfrom reports.drawing import style\nfigure, axes = style.plt.subplots()\n"
         f"axes.plot([1, 2]); axes.set_xlabel('x, m')\nstyle.save(figure, Path({str(tmp_path)!r}), 'bare', 'Bare', "
         "'Bare.')"
     )
@@ -264,17 +265,17 @@ def subprocess_of(code: str):
 
 # ---------------------------------------------------------------- fronts
 FRONTS = """
-from reports import fronts
+from reports.page.pareto import moving_fronts
 P = lambda who, seconds, rms: {"method": who, "case": "c", "seconds": seconds, "rms": rms, "error": 3 * rms}
 ours = [P("harmonic balance", 1.0, 1e-2), P("time domain", 4.0, 1e-4)]
-ahead, = fronts.moving(ours + [P("MoorDyn", 5.0, 1e-3)], {"c": "C"})
-print(ahead.words)
-behind, = fronts.moving(ours + [P("MoorDyn", 2.0, 1e-3)], {"c": "C"})
-print(behind.mine, behind.points, behind.words)
-alone, = fronts.moving(ours + [P("MoorDyn", 9.0, 1e-6)], {"c": "C"})
-print(alone.words)
-wrong, = fronts.moving(ours + [P("MoorDyn", 0.1, 0.5)], {"c": "C"})
-print(wrong.points, wrong.words)
+ahead, = moving_fronts(ours + [P("MoorDyn", 5.0, 1e-3)], {"c": "C"})
+print(ahead.sentence)
+behind, = moving_fronts(ours + [P("MoorDyn", 2.0, 1e-3)], {"c": "C"})
+print(behind.ours, behind.points, behind.sentence)
+alone, = moving_fronts(ours + [P("MoorDyn", 9.0, 1e-6)], {"c": "C"})
+print(alone.sentence)
+wrong, = moving_fronts(ours + [P("MoorDyn", 0.1, 0.5)], {"c": "C"})
+print(wrong.points, wrong.sentence)
 """
 
 

@@ -361,7 +361,7 @@ def test_comparison_of_what_is_not_there(tmp_path):
 # ---------------------------------------------------------------- pictures, beside the drawing
 PICTURES = """
 import pathlib, sys, time
-from reports import background
+from reports.drawing import background
 folder, bad = pathlib.Path(sys.argv[1]), int(sys.argv[2])
 
 def write(i):

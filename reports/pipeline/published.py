@@ -1,4 +1,4 @@
-"""Published values against what comes out: scene files made from the published inputs, and the comparison."""
+"""Published values of reference_data, and scene files made from the published inputs."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import tomllib
 from functools import cache
 from pathlib import Path
 
-from ..pipeline.ledger import write_atomically
-from ..pipeline.sources import ROOT
+from .ledger import write_atomically
+from .sources import ROOT
 
 DATA = ROOT / "reference_data"
 SETS = ("openfast_r_test", "msqs_two_line")
@@ -31,8 +31,8 @@ def values(name: str) -> dict[tuple[str, str], float]:
     return {(row["name"], row["quantity"]): float(row["value"]) for row in read(name)[1]}
 
 
-def stated(quantity: str) -> str:
-    """A number that the text of the HB paper gives, as it would be written."""
+def printed_value(quantity: str) -> str:
+    """Return a number that the text of the HB paper gives, as it would be written."""
     return f"{values('hb_paper')['statement', quantity]:g}"
 
 
@@ -109,48 +109,3 @@ def _openfast(source, row):
 def _msqs(source, row):
     line = {"length": float(row["L"]), "EA": 1e3 * float(row["EA_kN"]), "submerged_weight": source["inferred"]["w"]}
     return {}, line, {"anchor": _point(row, "anchor"), "fairlead": _point(row, "fairlead")}
-
-
-def compare(name: str, scenes: dict[str, dict]) -> list[dict]:
-    """Rows quantity by quantity: printed, computed, their difference, and what the printed digits leave open.
-
-    scenes : stem of the scene file -> its result.
-    """
-    source, rows = read(name)
-    found = []
-    for row in rows:
-        scene = scenes.get(f"{name}-{row['name']}")
-        if scene:
-            line = scene["lines"][0]
-            values = (
-                _openfast_values(source, row) if name == "openfast_r_test" else _msqs_values(source, row, rows, line)
-            )
-            found += [_compared(row["name"], *value, line) for value in values]
-    return found
-
-
-def _openfast_values(source, row):
-    """(symbol, printed, key of the result, scale, what the printed digits leave open)."""
-    half = source["half_unit"]
-    keys = {"H": "H", "V": "V", "T": "tension", "HAnch": "H_anchor", "VAnch": "V_anchor", "Lb": "grounded_length"}
-    for symbol, key in keys.items():
-        yield symbol, float(row[symbol]), key, 1.0, half[symbol]
-
-
-def _msqs_values(source, row, rows, line):
-    """Forces in kN; the end is printed with few digits, which the stiffness turns into force. V as corrected."""
-    half, vertical = source["half_unit"], row
-    if source["inferred"].get("V_swapped"):
-        vertical = next(other for other in rows if other["name"] != row["name"])
-    for i, (symbol, printed) in enumerate((("H_kN", row["H_kN"]), ("V_kN", vertical["V_kN"]))):
-        ends = sum(abs(k) * half[f"{axis}_fairlead"] for k, axis in zip(line["stiffness"][i], "xz", strict=True))
-        yield symbol, float(printed), symbol[0], 1e-3, half[symbol] + 1e-3 * ends
-
-
-def _compared(name, symbol, printed, key, scale, open_digits, line) -> dict:
-    computed = scale * line[key]
-    difference = computed - printed
-    return {
-        "line": name, "quantity": symbol, "printed": printed, "computed": computed, "difference": difference,
-        "open": open_digits, "within": abs(difference) <= open_digits,
-    }  # fmt: skip

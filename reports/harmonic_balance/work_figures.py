@@ -7,18 +7,21 @@ from statistics import median
 
 from matplotlib import pyplot as plt
 
+from ..cable.cases import CASES, METHODS, motion_of, save
 from ..drawing import style
+from ..drawing.axes import add_legend, set_decade_ticks
+from ..page.analysis import pareto_front
+from ..page.figures import Group
 from ..page.formatting import number, times
-from .figures import CASES, METHODS, decades, legend, metres, save
 
 
-def work(data: dict, folder: Path) -> style.Group:
+def work(data: dict, folder: Path) -> Group:
     """Error against run time, a panel a case."""
     figures, said = [], []
     for case in dict.fromkeys(point["case"] for point in data["points"]):
         points = [p for p in data["points"] if p["case"] == case and p["rms"]]
         figure, axes = plt.subplots(figsize=(style.PANEL[0], 3.9))
-        looks = style.completed(METHODS, dict.fromkeys(p["method"] for p in data["points"]))
+        looks = style.add_missing_looks(METHODS, dict.fromkeys(p["method"] for p in data["points"]))
         for method in (name for name in looks if any(p["method"] == name for p in points)):
             mine = [p for p in points if p["method"] == method]
             axes.plot(
@@ -28,17 +31,17 @@ def work(data: dict, folder: Path) -> style.Group:
                 label=method,
                 **looks[method],
             )
-        front = pareto(points)
+        front = pareto_front(points, "rms")
         axes.plot([p["seconds"] for p in front], [p["rms"] for p in front], "o", markersize=11, markerfacecolor="none",
                   markeredgecolor=style.INK, linestyle="-", color=style.PALE, linewidth=0.8, zorder=1)  # fmt: skip
         axes.axhspan(axes.get_ylim()[0], data["uncertainty"][case], color=style.PALE, alpha=0.25, linewidth=0)
         axes.set(title=CASES[case], xscale="log", yscale="log", xlabel="run time, s", ylabel="rms error over the range")
-        decades(axes)
-        legend(figure, axes)
+        set_decade_ticks(axes)
+        add_legend(figure, axes)
         alt = f"Error of the fairlead tension against run time, both logarithmic: {CASES[case]}."
         figures.append(save(figure, folder, f"work_{case}", CASES[case], alt))
         others = sum(not p["method"].startswith("harmonic") for p in front)
-        said.append(f"{metres(case)}: {len(front) - others} of {len(front)} points of the front")
+        said.append(f"{motion_of(case)}: {len(front) - others} of {len(front)} points of the front")
     caption = (
         "Each point is one setting; lower and further left is better; rings: the Pareto front. Of harmonic balance "
         "are, "
@@ -47,20 +50,11 @@ def work(data: dict, folder: Path) -> style.Group:
         "“Extrapolated” solves in time on two meshes with two steps and takes the error of second order out. "
         "“Corrected” adds to harmonic balance up to three steps with the last Jacobian to equations of fourth order."
     )
-    return style.Group(caption, figures)
+    return Group(caption, figures)
 
 
-def pareto(points: list[dict]) -> list[dict]:
-    """The points that no other beats in both seconds and rms, the fastest first."""
-    front = []
-    for point in sorted(points, key=lambda p: (p["seconds"], p["rms"])):
-        if not front or point["rms"] < front[-1]["rms"]:
-            front.append(point)
-    return front
-
-
-def at_equal_error(points: list[dict], method: str, family: str = "harmonic") -> list[float]:
-    """Of the points of a method's own Pareto front: the time over the least of harmonic balance with at most the error.
+def ratios_at_equal_error(points: list[dict], method: str, family: str = "harmonic") -> list[float]:
+    """Return, for the points of a method's own Pareto front, its time over the least of harmonic balance at that error.
 
     Names that begin with ``method`` are one method, so are those of the family: each side has its best settings.
     """
@@ -68,7 +62,7 @@ def at_equal_error(points: list[dict], method: str, family: str = "harmonic") ->
     for case in dict.fromkeys(p["case"] for p in points):
         mine = [p for p in points if p["case"] == case and p["rms"] is not None]
         ours = [p for p in mine if p["method"].startswith(family)]
-        for point in pareto([p for p in mine if p["method"].startswith(method)]):
+        for point in pareto_front([p for p in mine if p["method"].startswith(method)], "rms"):
             good = [p["seconds"] for p in ours if p["rms"] <= point["rms"]]
             if good:
                 ratios.append(point["seconds"] / min(good))
@@ -78,7 +72,7 @@ def at_equal_error(points: list[dict], method: str, family: str = "harmonic") ->
 def _equal_error(points) -> list[str]:
     said = []
     for method in dict.fromkeys(p["method"].split(",")[0] for p in points if not p["method"].startswith("harmonic")):
-        ratios = at_equal_error(points, method)
+        ratios = ratios_at_equal_error(points, method)
         if ratios:
             faster = sum(r < 1 for r in ratios)
             end = f"; in {faster} of them it is the faster one" if faster else ""
@@ -90,7 +84,7 @@ def _equal_error(points) -> list[str]:
     return said
 
 
-def ratios_at(rows: list[dict], level: float, method: str, family: str = "harmonic balance") -> list[float]:
-    """Least time of a method to an error, over that of the family: of the cases in which both get there."""
+def ratios_at_level(rows: list[dict], level: float, method: str, family: str = "harmonic balance") -> list[float]:
+    """Return the least time of a method to an error over that of the family, for the cases in which both reach it."""
     pairs = [(row["best"].get(method), row["best"].get(family)) for row in rows if row["level"] == level]
     return [theirs["seconds"] / ours["seconds"] for theirs, ours in pairs if theirs and ours]

@@ -4,25 +4,57 @@ from __future__ import annotations
 
 from statistics import median
 
-from ..cable.figures import CASES
-from ..cable.work_figures import at_equal_error
-from ..page import analysis
-from ..page import pareto as fronts
-from ..page.formatting import plural, ratio
-from ..page.tables import Table, short
+from ..cable.cases import CASES
+from ..harmonic_balance.work_figures import ratios_at_equal_error
+from ..page import analysis, pareto
+from ..page.formatting import number, plural, python_call, ratio, two_digits
+from ..page.section import Content, Inputs, Section
+from ..page.tables import Table
 
 FASTER = "where it is the faster one"
 
 
-def table(
+def build(inputs: Inputs) -> Content:
+    """Return one row per code and problem, and inputs that reproduce a wrong answer of each code."""
+    accuracy, machine = inputs.results["accuracy"], inputs.results["machine"] or {}
+    table = code_table(accuracy, inputs.results["work_precision"], inputs.results["networks"],
+                       inputs.results["harmonic_balance"], machine.get("versions", {})).write(inputs.tables)  # fmt: skip
+    context = {"table": table, "accuracy": accuracy, "examples": _examples(accuracy) if accuracy else []}
+    return Content(context, sentences=_sentences(table))
+
+
+def code_table(
     accuracy: dict | None, work: dict | None, networks: dict | None, harmonic: dict | None, versions: dict
 ) -> Table:
-    """Wrong and refused answers, and the time over that of this project at equal error, of every code measured."""
+    """Return wrong and refused answers, and the time over that of this project at equal error, of every code measured."""
     rows = [*_lines(accuracy, work), *_networks(networks, versions), *_moving(harmonic)]
     columns = {"code": "code", "problem": "problem", "cases": "cases", "right": "right", "wrong": "wrong",
                "refused": "refused", "unsupported": "not modelled", "median": "median error, limits",
                "ratio": "time over this project", "of": "at", "faster": FASTER}  # fmt: skip
-    return Table("peers", "Other codes", columns, rows, {"median": short, "ratio": short})
+    return Table("peers", "Other codes", columns, rows, {"median": two_digits, "ratio": two_digits})
+
+
+def _sentences(table: Table) -> list[str]:
+    sentences = []
+    for row in table.rows:
+        counts = ""
+        if row.get("wrong") is not None:
+            counts = f"{number(row['wrong'])} wrong and {number(row['refused'])} refused of {number(row['cases'])}, "
+        if row.get("ratio") is not None:
+            counts += f"{number(row['ratio'], 2)} times the time of this project"
+        sentences.append(f"{row['code']}, {row['problem']}: {counts.strip(', ')}.")
+    return sentences or ["No other code was measured: the optional extra “peers” is not installed."]
+
+
+def _examples(accuracy: dict) -> list[dict]:
+    """Return counts of every other solver, and inputs that reproduce a wrong answer."""
+    return [
+        {"name": name, **accuracy["solvers"][name], "rows": [
+            row | {"answer": row["answers"][name], "call": python_call(name, row["inputs"])}
+            for row in analysis.typical_wrong_answers(accuracy, name)
+        ]}
+        for name in analysis.sort_solvers(accuracy["solvers"]) if name != analysis.OURS
+    ]  # fmt: skip
 
 
 def _lines(accuracy, work):
@@ -36,7 +68,7 @@ def _lines(accuracy, work):
         factors = [analysis.factor_at_equal_error([p for p in points if p["case"] == case], name)
                    for case in dict.fromkeys(p["case"] for p in points)]  # fmt: skip
         factors = [found["factor"] for found in factors if found]
-        found = [front for front in fronts.static(points) if any(b.label == chosen["label"] for b in front.behind)]
+        found = [front for front in pareto.static_fronts(points) if any(b.label == chosen["label"] for b in front.slower)]
         yield counts | {
             "code": f"{chosen['label']} {chosen['version']}", "problem": "lines at rest",
             "ratio": median(factors) if factors else None,
@@ -71,8 +103,8 @@ def _moving(data):
     """Every code at the errors of its own settings."""
     points = ((data or {}).get("work") or {}).get("points") or []
     for code, method in dict.fromkeys((p["code"], p["method"]) for p in points if p.get("code")):
-        mine, ratios = [p for p in points if p["method"] == method], at_equal_error(points, method)
-        found = [front for front in fronts.moving(points, CASES) if any(b.label == method for b in front.behind)]
+        mine, ratios = [p for p in points if p["method"] == method], ratios_at_equal_error(points, method)
+        found = [front for front in pareto.moving_fronts(points, CASES) if any(b.label == method for b in front.slower)]
         last = {p["case"]: p for p in mine if p["rms"] is not None}
         verdicts = [_moved(last.get(case)) for case in dict.fromkeys(p["case"] for p in mine)]
         row = {"code": code, "problem": "moving cable", "cases": len(verdicts)}
@@ -86,4 +118,14 @@ def _moving(data):
 
 def _moved(point: dict | None) -> str:
     """The verdict on the finest setting of a case; None where it gave no tension."""
-    return "refused" if point is None else "wrong" if point["error"] > fronts.MOVING_WRONG else "right"
+    return "refused" if point is None else "wrong" if point["error"] > pareto.WRONG_BOUND else "right"
+
+
+OTHER_CODES = Section(
+    id="other-codes",
+    title="Other codes",
+    part="peers",
+    needs=("accuracy", "work_precision", "networks", "harmonic_balance", "machine"),
+    template="evidence/other_codes.html.j2",
+    build=build,
+)

@@ -1,0 +1,35 @@
+"""The cases of the paper and the methods for them, as the page names and draws them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ..drawing import style
+from ..page.figures import Figure
+from ..page.formatting import slug
+
+CASES = {
+    "case_1": "Case 1: surge 5 m",
+    "case_2": "Case 2: heave 5 m",
+    "case_3": "Case 3: sway 5 m",
+    "case_4": "Case 4: surge and sway",
+    "case_1_large": "Surge 9 m",
+}
+METHODS = {
+    "harmonic balance": {"color": style.PALETTE[0], "marker": "o"},
+    "harmonic balance, corrected": {"color": style.PALETTE[3], "marker": "P"},
+    "time domain": {"color": style.PALETTE[1], "marker": "s"},
+    "time domain, extrapolated": {"color": style.PALETTE[1], "marker": "X"},
+    "MoorDyn": {"color": style.PALETTE[2], "marker": "D"},
+    "reference": {"color": style.INK, "marker": ""},
+}
+
+
+def motion_of(case: str) -> str:
+    """Return the motion of a case: "Surge 5 m" of "Case 1: surge 5 m"."""
+    return CASES[case].split(": ")[-1].capitalize()
+
+
+def save(figure, folder: Path, name: str, title: str, alt: str) -> Figure:
+    """Write a figure as style.save does, under the names that all figures of moving cables have."""
+    return style.save(figure, folder, f"dynamics_{slug(name)}", title, alt)

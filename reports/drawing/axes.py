@@ -1,0 +1,91 @@
+"""Axes that figures of several rooms share: one panel, its legend and ticks, and points of error against run time."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib import pyplot as plt
+from matplotlib.ticker import LogLocator, NullFormatter, NullLocator
+
+from ..page import analysis
+from . import style
+
+KN = 1e-3
+"""kN in one N: forces are N in the results and kN on the page."""
+LOOKS = [{"color": c, "marker": m} for c, m in zip(style.PALETTE, style.MARKERS, strict=True)]
+
+LEAST_ERROR, GREATEST_ERROR = 1e-17, 10.0
+"""Where errors of exactly zero and above any use are drawn: below what doubles can show, and ten times the force."""
+LEGEND_LETTERS = 40  # of all labels that fit into one row above a panel
+
+
+def panel(title: str, xlabel: str, ylabel: str, **axes_options):
+    """Return (figure, axes) of one panel."""
+    figure, axes = plt.subplots(figsize=style.PANEL)
+    axes.set(title=title, xlabel=xlabel, ylabel=ylabel, **axes_options)
+    return figure, axes
+
+
+def add_legend(figure, axes, columns: int = 2, **options):
+    """Draw the legend above the axes, in as many columns as fit."""
+    handles, labels = axes.get_legend_handles_labels()
+    if labels:
+        figure.legend(handles, labels, loc="outside upper center", ncols=min(columns, len(labels)), **options)
+
+
+def set_decade_ticks(axes, which: str = "xy", most: int = 8):
+    """Put at most so many decades on logarithmic axes; on fewer than two decades, label numbers between them as well."""
+    for name in which:
+        axis, (low, high) = getattr(axes, f"{name}axis"), getattr(axes, f"get_{name}lim")()
+        close = high / low < 100
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5) if close else (1,), numticks=most))
+        axis.set_minor_formatter(NullFormatter())
+        if close:
+            axis.set_major_formatter("{x:g}")
+
+
+def set_time_ticks(axes):
+    """Put decades of the run time on the x axis."""
+    set_decade_ticks(axes, "x", 9)
+
+
+def set_size_ticks(axes, values):
+    """Put these sizes on a logarithmic x axis."""
+    axes.set_xticks(values, [str(value) for value in values])
+    axes.xaxis.set_minor_locator(NullLocator())
+
+
+def draw_order_line(axes, x, y, order: int = 2):
+    """Draw a dashed line of this order from the point of the least x with the value y."""
+    x = np.array([min(x), max(x)], dtype=float)
+    axes.plot(x, y * (x / x.min()) ** order, "--", color=style.PALE, linewidth=1, label=f"order {order}", zorder=1)
+
+
+def draw_work_points(axes, points, looks: dict):
+    """Draw error against run time: each solver's points joined in the order of its tolerances, the Pareto front ringed.
+
+    A red cross: an error above the bound of a wrong answer although a ten times smaller tolerance was asked for.
+    """
+    good = analysis.select_answered(points)
+    for name in analysis.sort_solvers({p["solver"] for p in good}):
+        mine = [p for p in good if p["solver"] == name]
+        mine.sort(key=lambda p: -(p["tolerance"] or 0))
+        xy = [1e6 * p["seconds"] for p in mine], [clip_error(p) for p in mine]
+        axes.plot(*xy, label=mine[0]["label"], alpha=0.95, linewidth=1, zorder=3, **looks[name])
+        wrong = [(s, e) for s, e, p in zip(*xy, mine, strict=True) if analysis.misses_tolerance(p)]
+        if wrong:
+            axes.plot(*zip(*wrong, strict=True), "x", color=style.WRONG, markersize=10, markeredgewidth=2, zorder=5)
+    front = analysis.pareto_front([p for p in good if not analysis.misses_tolerance(p)])
+    axes.plot([1e6 * p["seconds"] for p in front], [clip_error(p) for p in front], "o", markersize=11,
+              markerfacecolor="none", markeredgecolor=style.INK, markeredgewidth=1, zorder=4)  # fmt: skip
+    axes.set(
+        xscale="log", yscale="log", xlabel="run time of one call, µs", ylabel="relative error of the fairlead force"
+    )
+    axes.yaxis.set_major_locator(LogLocator(numticks=7))
+    axes.yaxis.set_minor_formatter(NullFormatter())
+    labels = axes.get_legend_handles_labels()[1]
+    axes.figure.legend(loc="outside upper center", ncols=len(labels) if sum(map(len, labels)) < LEGEND_LETTERS else 2)
+
+
+def clip_error(point: dict) -> float:
+    """Return the error of a point, kept within the panel."""
+    return min(max(point["error"], LEAST_ERROR), GREATEST_ERROR)

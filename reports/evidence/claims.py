@@ -1,0 +1,49 @@
+"""The section on claims: every test file with its question, every test with its claim and its outcome."""
+
+from __future__ import annotations
+
+from ..page.claims import OUTCOMES, Question
+from ..page.formatting import number, plural
+from ..page.section import Content, Inputs, Section
+from ..page.tables import Table
+from ..page.verdicts import Verdict
+
+
+def build(inputs: Inputs) -> Content:
+    """Return the questions with their claims, the table of claims, and how many tests passed."""
+    questions = inputs.results["tests"]
+    counts = {outcome: sum(question.total(outcome) for question in questions) for outcome in OUTCOMES}
+    claims = sum(len(question.claims) for question in questions)
+    text = (
+        f"{plural(claims, 'claim')} in {plural(len(questions), 'test file')}, each with its test: "
+        f"{', '.join(f'{number(counts[outcome])} {outcome}' for outcome in OUTCOMES)}."
+    )
+    context = {"questions": questions, "counts": counts, "table": claim_table(questions).write(inputs.tables)}
+    return Content(context, [_verdict(counts)] if any(counts.values()) else [], [text])
+
+
+def _verdict(counts: dict) -> Verdict:
+    detail = f"{counts['failed']} failed, {counts['skipped']} skipped"
+    good = counts["failed"] == 0 and counts["passed"] > 0
+    return Verdict(number(counts["passed"]), "tests passed", detail, good, "claims")
+
+
+def claim_table(questions: list[Question]) -> Table:
+    """Return every claim with its outcome."""
+    rows = [
+        {"file": q.module, "question": q.text, "test": c.name, "claim": c.text, "state": c.state, **c.counts,
+         "seconds": c.seconds}
+        for q in questions for c in q.claims
+    ]  # fmt: skip
+    keys = ("file", "question", "test", "claim", "state", "passed", "failed", "skipped", "seconds")
+    return Table("claims", "Claims and tests", {key: key for key in keys}, rows)
+
+
+CLAIMS = Section(
+    id="claims",
+    title="Claims and tests",
+    part="verified",
+    needs=("tests",),
+    template="evidence/claims.html.j2",
+    build=build,
+)

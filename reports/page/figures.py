@@ -1,0 +1,35 @@
+"""Figures as the page shows them: drawings under one caption, each with the table of what it draws."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from .tables import Table
+
+
+@dataclass
+class Figure:
+    """One drawing. svg : element to embed; alt : what is seen, for those who cannot see it; wide : over both columns."""
+
+    name: str
+    title: str
+    alt: str
+    svg: str
+    wide: bool = False
+
+
+@dataclass
+class Group:
+    """Figures under one caption; anchor : id on the page, where something links to it."""
+
+    caption: str
+    figures: list[Figure] = field(default_factory=list)
+    anchor: str = ""
+
+
+@dataclass
+class FigureWithTable:
+    """Figures with the table of what they draw."""
+
+    group: Group
+    table: Table

@@ -1,0 +1,31 @@
+"""The sections of the page in their order: a new section is one module, one template and one entry here."""
+
+from __future__ import annotations
+
+from ..cable.section import DYNAMICS
+from ..catenary.regimes import REGIMES
+from ..catenary.work_precision import WORK_PRECISION
+from ..evidence.claims import CLAIMS
+from ..evidence.defects import DEFECTS
+from ..evidence.machine import MACHINE
+from ..evidence.other_codes import OTHER_CODES
+from ..harmonic_balance.section import HARMONIC
+from ..network.section import NETWORKS
+from ..papers.errata import ERRATA
+from ..papers.published import PUBLISHED
+from ..papers.section import ITEMS
+from ..scenes.section import SCENES
+from ..stability.section import STABILITY
+
+SECTIONS = (
+    CLAIMS, REGIMES, DEFECTS,
+    WORK_PRECISION, NETWORKS, DYNAMICS, HARMONIC, SCENES,
+    ITEMS, ERRATA, PUBLISHED,
+    STABILITY,
+    OTHER_CODES,
+    MACHINE,
+)  # fmt: skip
+"""Of the whole report; the sections of one part stand together, in the order of the parts."""
+
+SCENE_SECTIONS = (SCENES, MACHINE)
+"""Of the page about somebody's own lines."""

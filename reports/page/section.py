@@ -1,0 +1,70 @@
+"""What the page consists of: parts, each a question, and sections, each with its template and what it is built from."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from .figures import Figure
+from .verdicts import Verdict
+
+PARTS = {
+    "verified": "What is verified, and how strongly?",
+    "error-for-time": "Which method gives which error for which run time, on which scene?",
+    "papers": "What do the papers say, and what comes out?",
+    "breaks": "What breaks, and where?",
+    "peers": "How do the peers do?",
+    "trust": "Can I trust this on my machine?",
+}
+"""Id of a part of the page -> the question that it answers."""
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """What a section is built from.
+
+    results : group of stages -> what their files hold (None: nothing to read), of the groups that the section needs;
+        of "tests" the test files with their claims and outcomes
+    looks : colour and marker of every solver; figures, tables : folders to write to
+    notes : group of stages -> what is not as it should be; stages : the stages as they ran last
+    """
+
+    results: dict[str, Any]
+    looks: dict
+    figures: Path
+    tables: Path
+    notes: dict[str, list[str]]
+    stages: list[dict]
+
+
+@dataclass
+class Content:
+    """What a section shows: the variables of its template, and what it gives to the summary of its part.
+
+    verdicts : measured figures; sentences : the answer in words; figures : (caption, figure)
+    """
+
+    context: dict
+    verdicts: list[Verdict] = field(default_factory=list)
+    sentences: list[str] = field(default_factory=list)
+    figures: list[tuple[str, Figure]] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Section:
+    """A section of the page.
+
+    id : anchor of its heading; title : in the navigation; part : key of PARTS
+    needs : groups of stages whose results it shows; template : path below ``reports``
+    tests : anchor within the section -> the tests that show what stands there, a file or file::name
+    """
+
+    id: str
+    title: str
+    part: str
+    needs: tuple[str, ...]
+    template: str
+    build: Callable[[Inputs], Content]
+    tests: dict[str, tuple[str, ...]] = field(default_factory=dict)
