@@ -50,7 +50,7 @@ def scene(name: str) -> Scene:
 def system(name: str, nodes: int = NODES, fields: str = "auto"):
     """The cable of a case, with its equilibrium found: its cost is in no timing but where a benchmark says so."""
     found = cable_system(scene(name), nodes, fields=fields)
-    found.rest()
+    found.rest_state()
     return found
 
 

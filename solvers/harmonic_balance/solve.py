@@ -94,7 +94,7 @@ def solve_periodic(
     if response.event is not None:
         t, node = response.event
         given += f"; a state is invalid at t = {t:.4g} s, node {node + 1} of {system.nodes}"
-    return response.or_throw(given) if throw else response
+    return response.or_raise(given) if throw else response
 
 
 def _climbed(system, basis, fewest, newton, mirror, iterative):
@@ -121,8 +121,8 @@ def _climbed(system, basis, fewest, newton, mirror, iterative):
 
 def _carried(system, basis) -> np.ndarray:
     """Coefficients of the rough state that the chain offers, zeros where it offers none."""
-    rest = system.rest()
-    y = system.carried(basis.times)
+    rest = system.rest_state()
+    y = system.quasi_static_predictor(basis.times)
     return np.zeros((*rest.shape, basis.harmonic.size)) if y is None else (y - rest[..., None]) @ basis.P
 
 
@@ -223,7 +223,7 @@ def _response(system, nu, spent, found, finer, tolerance) -> PeriodicResponse:
     if reached < 1.0:
         status = Status.NO_PERIODIC_RESPONSE
     times = np.arange(_BETWEEN * basis.samples) * (2 * math.pi / basis.omega / (_BETWEEN * basis.samples))
-    y = system.rest()[..., None] + z @ basis.functions(times)[0].T
+    y = system.rest_state()[..., None] + z @ basis.functions(times)[0].T
     for i, t in enumerate(times if system.invalid(y) is not None else ()):
         invalid = system.invalid(y[..., i])
         if invalid is not None:
