@@ -224,7 +224,7 @@ def spectra(quick: bool, references):
                 "case": case,
                 "amplitudes": response.tension_harmonics(response.basis.harmonics),
                 "s": system(case).s,
-                "rest": system(case).tension(system(case).rest()),
+                "rest": system(case).tension(system(case).rest_state()),
                 "min": tension.min(axis=1),
                 "mean": tension.mean(axis=1),
                 "max": tension.max(axis=1),

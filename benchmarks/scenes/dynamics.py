@@ -49,7 +49,7 @@ class Study:
         """The cable on so many nodes, its equilibrium found."""
         if nodes not in self.chains:
             self.chains[nodes] = cable_system(self.scene, nodes)
-            self.chains[nodes].rest()
+            self.chains[nodes].rest_state()
         return self.chains[nodes]
 
     def solve(self, method: str, nodes: int, other: int) -> dict:

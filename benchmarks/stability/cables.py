@@ -51,7 +51,7 @@ def defect(rows, y, ydot) -> float:
     """
     size = sum(
         np.einsum("ij...,j...->i...", abs(J[side]), abs(field)[:, at])
-        for J, field in ((rows.y, y), (rows.ydot, ydot))
+        for J, field in ((rows.dy, y), (rows.dydot, ydot))
         for side, at in enumerate((slice(None, -1), slice(1, None)))
     )
     return float((abs(rows.value) / np.maximum(size, np.finfo(float).tiny)).max())

@@ -86,7 +86,7 @@ def broken(response):
     rows = system.cells(y, ydot, t)
     size = sum(
         np.einsum("ijns,jns->ins", abs(J[side]), abs(field)[:, at])
-        for J, field in ((rows.y, y), (rows.ydot, ydot))
+        for J, field in ((rows.dy, y), (rows.dydot, ydot))
         for side, at in enumerate((slice(None, -1), slice(1, None)))
     )
     left = abs(np.fft.rfft(rows.value)[..., : basis.harmonics + 1]) / t.size

@@ -52,9 +52,9 @@ def explicit() -> list[dict]:
 
 def eigenvalues(system):
     """Finite eigenvalues of dF/dy + lambda dF/d(ydot) at rest, and the left and right vectors of all."""
-    rest = system.rest()
+    rest = system.rest_state()
     parts = [f(rest, np.zeros_like(rest), 0.0) for f in (system.start, system.cells, system.end)]
-    A, B = (_dense(*(getattr(part, name) for part in parts)) for name in ("y", "ydot"))
+    A, B = (_dense(*(getattr(part, name) for part in parts)) for name in ("dy", "dydot"))
     values, left, right = eig(A, -B, left=True)
     with np.errstate(all="ignore"):
         good = np.isfinite(values) & (abs(values) < INFINITE)
@@ -83,7 +83,7 @@ def axial() -> list[dict]:
     values, left, right, B = eigenvalues(system)
     mode = min((k for k, v in enumerate(values) if v.imag > 2 * np.pi * AXIAL and _along(right[:, k])),
                key=lambda k: values[k].imag)  # fmt: skip
-    rest, value = system.rest(), values[mode]
+    rest, value = system.rest_state(), values[mode]
     shape = right[:, mode].reshape(system.nodes, -1).T
     shape = shape * (TINY * abs(rest[0]).max() / abs(shape[0]).max())
     start = rest + shape.real, (value * shape).real

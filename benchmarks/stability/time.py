@@ -133,7 +133,7 @@ def _solve(system, hold, steps=STEPS, radius=0.5) -> Found:
 
 def broken(history, scheme, hold):
     """Claims of a finished time history that do not hold, in words."""
-    y, ydot, time, system = history.y, history.ydot, history.time, history.moved
+    y, ydot, time, system = history.y, history.ydot, history.time, history.ramped_system
     if not (np.isfinite(y).all() and np.isfinite(ydot).all()):
         yield "states that are not finite"
         return

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..numerics.chain import Rows
+from ..numerics.chain import Residual
 from .loads import quadratic_drag
 
 FIELDS = ("eps", "u", "v", "phi")
@@ -90,7 +90,7 @@ def point(c, y, ydot, y_s, ydot_s):
     return F
 
 
-def cells(c, y, ydot, tangents=True) -> Rows:
+def cells(c, y, ydot, tangents=True) -> Residual:
     """Rows of the box scheme (39) between the nodes of the cable ``c``; y and ydot (4 or 5, N, *S)."""
     a, T, by, bt = _local(c, y, ydot, tangents)
     EA = c.EA
@@ -110,7 +110,7 @@ def cells(c, y, ydot, tangents=True) -> Rows:
         F[:2] += support * S_up
         F[4] += 2 * D[Z]
     if not tangents:
-        return Rows(F)
+        return Residual(F)
 
     J = np.stack([by[:, :, :-1], by[:, :, 1:]])
     Jt = np.stack([bt[:, :, :-1], bt[:, :, 1:]])
@@ -133,7 +133,7 @@ def cells(c, y, ydot, tangents=True) -> Rows:
             J[side, 1, PHI] -= support * up[0, at]
             J[side, :2, Z] += support_z / 2 * S_up
             J[side, 4, Z] += 2 * per
-    return Rows(F, J, Jt)
+    return Residual(F, J, Jt)
 
 
 def velocity(y, tangents=True):

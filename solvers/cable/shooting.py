@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from ..numerics.chain import BandedJacobian, Rows, stack
+from ..numerics.chain import BandedJacobian, Residual, stack
 from ..numerics.newton import damped_newton
 
 _INTEGRATION = 3e-14  # relative error of a shot: the smallest that DOP853 takes, a hundred roundings
@@ -44,7 +44,7 @@ def shoot(system, y, tolerance):
         return end.y[:, -1].reshape(x.shape) if end.success else np.full_like(x, np.nan)
 
     def rows(x, reached):
-        return Rows(x[n:, 0]), Rows(x[:, 1:] - reached), Rows(x[n:, -1] - system.chord / scale[n:, 0])
+        return Residual(x[n:, 0]), Residual(x[:, 1:] - reached), Residual(x[n:, -1] - system.chord / scale[n:, 0])
 
     def linearise(x):
         nudged = x[:, :-1, None] + 1j * _COMPLEX_STEP * np.eye(2 * n)[:, None, :]

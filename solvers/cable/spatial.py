@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..numerics.chain import Rows
+from ..numerics.chain import Residual
 from .loads import quadratic_drag, transverse_drag
 
 FIELDS = ("eps", "u", "v", "w", "phi", "theta")
@@ -115,7 +115,7 @@ def point(c, y, ydot, y_s, ydot_s):
     return F
 
 
-def cells(c, y, ydot, tangents=True) -> Rows:
+def cells(c, y, ydot, tangents=True) -> Residual:
     """Rows of the box scheme (39) between the nodes of the cable ``c``; y and ydot (6 or 7, N, *S)."""
     a, T, by, bt = _local(c, y, ydot, tangents)
     _, u, v, w, _, theta = y[:6]
@@ -140,7 +140,7 @@ def cells(c, y, ydot, tangents=True) -> Rows:
         F[:3] += support * S_up
         F[6] += 2 * D[Z]
     if not tangents:
-        return Rows(F)
+        return Residual(F)
 
     J = np.stack([by[:, :, :-1], by[:, :, 1:]])
     Jt = np.stack([bt[:, :, :-1], bt[:, :, 1:]])
@@ -179,7 +179,7 @@ def cells(c, y, ydot, tangents=True) -> Rows:
             J[side, 2, THETA] += support * up[0, at]
             J[side, :3, Z] += support_z / 2 * S_up
             J[side, 6, Z] += 2 * per
-    return Rows(F, J, Jt)
+    return Residual(F, J, Jt)
 
 
 def velocity(y, tangents=True):

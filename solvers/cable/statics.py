@@ -16,7 +16,7 @@ import numpy as np
 from ..catenary.span import Span, solve_span
 from ..common.outcome import InputError, Outcome, Status
 from ..common.properties import flags, one_of, positive_number
-from ..numerics.chain import BandedJacobian, Rows, stack
+from ..numerics.chain import BandedJacobian, Residual, stack
 from ..numerics.continuation import continue_in_load
 from ..numerics.newton import Step, damped_newton
 from .shooting import shoot
@@ -91,7 +91,7 @@ def solve_static(system: CableSystem, *, method="box", tolerance=TOLERANCE, thro
         status = invalid[0]
     place = system.axes.T @ x[system.dimension :] + system.anchor[:, None]
     state = StaticState(system, y, place, status, iterations, float(left), tuple(steps))
-    return state.or_throw(system.scene.name) if throw else state
+    return state.or_raise(system.scene.name) if throw else state
 
 
 def follow(system) -> tuple[np.ndarray, np.ndarray] | None:
@@ -100,10 +100,10 @@ def follow(system) -> tuple[np.ndarray, np.ndarray] | None:
     The first axis is the direction of the fairlead, the second of the places, in the system's own axes; linearised.
     None where the stiffness is singular.
     """
-    statics, n, y = _Statics(system), system.dimension, system.rest()
+    statics, n, y = _Statics(system), system.dimension, system.rest_state()
     place = system.axes @ (system.positions(y) - system.anchor[:, None])
     rows = statics.rows(np.concatenate([y[statics.angles], place]), True)
-    if not statics.jacobian.factorise(*(part.y for part in rows)):
+    if not statics.jacobian.factorise(*(part.dy for part in rows)):
         return None
     moved = np.zeros((2 * n * system.nodes, n))
     moved[-n:] = np.eye(n)  # the rows of the end
@@ -188,18 +188,18 @@ class _Statics:
                 2 * (place[:, 1:] - place[:, :-1]) / system.ds - tangent[:, 1:] - tangent[:, :-1],
             ]
         )
-        start, end = Rows(place[:, 0]), Rows(place[:, -1] - system.chord)
+        start, end = Residual(place[:, 0]), Residual(place[:, -1] - system.chord)
         if not tangents:
-            return start, Rows(value), end
+            return start, Residual(value), end
         J = np.zeros((2, 2 * n, 2 * n, system.nodes - 1))
-        J[:, :n, :n] = cells.y[:, :n, self.angles]
+        J[:, :n, :n] = cells.dy[:, :n, self.angles]
         if system.has_seabed:
-            J[:, :n, n] = cells.y[:, :n, -1]
+            J[:, :n, n] = cells.dy[:, :n, -1]
         for side, sign, at in ((0, -1, slice(None, -1)), (1, 1, slice(1, None))):
             J[side, n:, :n] = -slope[:, self.angles, at]
             J[side, range(n, 2 * n), range(n, 2 * n)] = sign * 2 / system.ds
         fixed = self.anchored
-        return Rows(start.value, fixed, fixed), Rows(value, J, J), Rows(end.value, fixed, fixed)
+        return Residual(start.value, fixed, fixed), Residual(value, J, J), Residual(end.value, fixed, fixed)
 
     def residual(self, x) -> np.ndarray:
         return stack(*self.rows(x, False))
@@ -209,7 +209,7 @@ class _Statics:
 
         def linearise(x):
             rows = self.rows(x, True)
-            if not self.jacobian.factorise(*(part.y for part in rows)):
+            if not self.jacobian.factorise(*(part.dy for part in rows)):
                 return stack(*rows), None
             return stack(*rows), lambda F: self.jacobian.solve(F).reshape(x.T.shape).T
 

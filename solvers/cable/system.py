@@ -17,13 +17,13 @@ from scipy.interpolate import make_interp_spline
 from ..common.motion import Ramped
 from ..common.outcome import InputError, Status
 from ..common.properties import one_of, real_array
-from ..numerics.chain import ChainSystem, Rows
+from ..numerics.chain import ChainSystem, Residual
 from . import planar as cable_planar
 from . import spatial as cable_spatial
 from .loads import seabed_support
 from .midpoint_stencils import stencils
 
-_LONGEST = 0.3  # strain; chain breaks at 0.01, polyester at 0.15, nylon near 0.3
+MAX_STRAIN = 0.3  # strain; chain breaks at 0.01, polyester at 0.15, nylon near 0.3
 _FEWEST = 20  # nodes below which coarser ones save nothing
 _SMALL_TURN = 0.02  # rad in a cell, up to which a hold of the fairlead feeds no wave that the water damps
 _MOST_NODES = 10**6  # of a mesh; a state then takes 50 MB
@@ -98,25 +98,25 @@ class CableSystem(ChainSystem):
         """
         return seabed_support(self.seabed_stiffness, self.scene.environment.depth, z)
 
-    def start(self, y, ydot, t, tangents=True) -> Rows:
+    def start(self, y, ydot, t, tangents=True) -> Residual:
         """Anchor at rest, (42), and at its height on a seabed."""
         value = y[1 : 1 + self.start_rows, 0].copy()
         if self.has_seabed:
             value[-1] = y[-1, 0] - self.anchor[2]
         if not tangents:
-            return Rows(value)
+            return Residual(value)
         J = np.broadcast_to(_over(self._start, y), (*self._start.shape, *y.shape[2:]))
-        return Rows(value, J, np.zeros_like(J))
+        return Residual(value, J, np.zeros_like(J))
 
-    def cells(self, y, ydot, t, tangents=True) -> Rows:
+    def cells(self, y, ydot, t, tangents=True) -> Residual:
         """Rows 1, 2, (3), 4, 5, (6), (z) of the box scheme (39), less the source."""
         if self._stencils is not None and not tangents:
-            return Rows(self._middle(y, ydot, t))
+            return Residual(self._middle(y, ydot, t))
         rows = self._rows.cells(self, y, ydot, tangents)
         if self.source is not None:
             q = self.source(t)
             np.subtract(rows.value, q[:, 1:] + q[:, :-1], out=rows.value)
-        return rows if self._stencils is None else Rows(self._middle(y, ydot, t), rows.y, rows.ydot)
+        return rows if self._stencils is None else Residual(self._middle(y, ydot, t), rows.dy, rows.dydot)
 
     def _middle(self, y, ydot, t):
         """Twice the equations in the middles of the cells, less the source, y and y_s there from four nodes."""
@@ -133,18 +133,18 @@ class CableSystem(ChainSystem):
     def fourth_order(self) -> CableSystem:
         """The same cable about the same rest, its cells of fourth order in ds, with the tangents of the box scheme."""
         finer = copy.copy(self)
-        finer._equilibrium, finer._stencils = self.rest(), stencils(self.s)
+        finer._equilibrium, finer._stencils = self.rest_state(), stencils(self.s)
         vars(finer).pop("_weights", None)  # of the box scheme
         return finer
 
-    def end(self, y, ydot, t, tangents=True, correction=None) -> Rows:
+    def end(self, y, ydot, t, tangents=True, correction=None) -> Residual:
         """Fairlead velocity is the prescribed one, (43)-(45), plus the ``correction`` (n_d, *S)."""
         value, slope = self._rows.velocity(y[:, -1], tangents)
         if self.motion is not None:
             value = value - self.axes @ self.motion.velocity(t)
         if correction is not None:
             value = value - correction
-        return Rows(value, slope, np.zeros_like(slope) if tangents else None)
+        return Residual(value, slope, np.zeros_like(slope) if tangents else None)
 
     def ramped(self, duration) -> CableSystem:
         """The same cable, its motion grown from rest over a duration in s."""
@@ -166,13 +166,13 @@ class CableSystem(ChainSystem):
             return None
         at = np.append(np.arange(0, self.nodes - 1, 2), self.nodes - 1)
         coarse = CableSystem(self.scene, self.s[at], self.planar, self.motion)
-        coarse._equilibrium = self.rest()[:, at]
+        coarse._equilibrium = self.rest_state()[:, at]
         coarse._following = self._following and tuple(part[..., at] for part in self._following)
         if self.source is not None:
             coarse.source = lambda t: self.source(t)[:, at]
         return coarse, lambda z: make_interp_spline(coarse.s, z, axis=1)(self.s)
 
-    def carried(self, t) -> np.ndarray | None:
+    def quasi_static_predictor(self, t) -> np.ndarray | None:
         """The equilibrium as it follows the fairlead, linearised, with the velocities of that.
 
         With a source, which takes the line elsewhere, the velocities alone: what drag needs.
@@ -180,9 +180,9 @@ class CableSystem(ChainSystem):
         if self.motion is None or self._following is None:
             return None
         state, place = self._following
-        turn = self._rows.velocity(self.rest())[1][:, 1 : 1 + self.dimension]  # a rotation
+        turn = self._rows.velocity(self.rest_state())[1][:, 1 : 1 + self.dimension]  # a rotation
         moved, rate = self.axes @ self.motion.displacement(t), self.axes @ self.motion.velocity(t)
-        y = self.rest()[..., None] + np.einsum("afn,at->fnt", state, moved * (self.source is None))
+        y = self.rest_state()[..., None] + np.einsum("afn,at->fnt", state, moved * (self.source is None))
         y[1 : 1 + self.dimension] = np.einsum("dcn,adn,at->cnt", turn, place, rate)
         return y
 
@@ -198,15 +198,15 @@ class CableSystem(ChainSystem):
         least, most = (np.unravel_index(at, y[0].shape) for at in (y[0].argmin(), y[0].argmax()))
         if y[0][least] < 0:
             return Status.COMPRESSION, int(least[0])
-        return (Status.OVERSTRETCHED, int(most[0])) if y[0][most] > _LONGEST else None
+        return (Status.OVERSTRETCHED, int(most[0])) if y[0][most] > MAX_STRAIN else None
 
     def scale(self) -> np.ndarray:
         """The largest strain at rest; 1 m/s, 1 rad, 1 m."""
         scale = np.ones(len(self.fields))
-        scale[0] = abs(self.rest()[0]).max()
+        scale[0] = abs(self.rest_state()[0]).max()
         return scale
 
-    def rest(self) -> np.ndarray:
+    def rest_state(self) -> np.ndarray:
         """The discrete equilibrium of this mesh, (n_f, N)."""
         return self._equilibrium
 
@@ -222,13 +222,13 @@ class CableSystem(ChainSystem):
 
         return follow(self)
 
-    def answer(self) -> float:
+    def settling_time(self) -> float:
         """An axial wave passes five cells and comes back."""
         return 10 * float(self.ds.max()) / math.sqrt(self.EA / self.m)
 
-    def hold_gain(self) -> float:
+    def drift_gain(self) -> float:
         """By the square of the line's turn in a cell: to that, velocities and places of the nodes agree at a bend."""
-        y = self.rest()
+        y = self.rest_state()
         turn = np.diff(self._rows.stretched_tangent(y, False)[0] / (1 + y[0]), axis=-1)
         return min(1.0, float(_SMALL_TURN**2 / max((turn**2).sum(axis=0).max(), _SMALL_TURN**2)))
 

@@ -111,7 +111,7 @@ class CatenaryState(Outcome):
         between its vertical ends, a weightless one straight between them.
         Raises InputError if s leaves [0, L], ConvergenceError if the span was not solved.
         """
-        self.or_throw(self.span)
+        self.or_raise(self.span)
         return profile(self, s)
 
 
@@ -162,7 +162,7 @@ def solve_span(span: Span, *, tolerance: float = TOLERANCE, throw: bool = True) 
     *forces, regime, status, iterations, residual = solve(SCALAR, one, *inputs, tolerance)
     stiffness = np.array(forces[5:]).reshape(2, 2)
     state = CatenaryState(span, *forces[:5], stiffness, REGIMES[regime], STATUSES[status], iterations, residual)
-    return state.or_throw(span) if throw else state
+    return state.or_raise(span) if throw else state
 
 
 def solve_spans(w, EA, L, x, z, seabed=True, friction=0.0, clearance=0.0, *, tolerance=TOLERANCE) -> CatenaryBatch:

@@ -13,9 +13,9 @@ _INSTANTS = 16  # for each harmonic
 _PLACES = 200  # of the fairlead, for its excursion
 
 
-def of_history(history):
+def check_history(history):
     """Yield what a TimeHistory has lost: place of the fairlead, tension, resolution in time, periodicity."""
-    system, time = history.moved, history.time
+    system, time = history.ramped_system, history.time
     if time.size < 3:
         yield f"time: only {time.size - 1} step is stored, which shows nothing of the error: use a shorter dt"
         return
@@ -41,7 +41,7 @@ def of_history(history):
         yield f"periods: the last two differ by {change:.2g} of the range of the tension: not periodic yet"
 
 
-def of_response(response):
+def check_response(response):
     """Yield what a PeriodicResponse has lost: place of the fairlead, tension, harmonics, mean forces."""
     system, basis = response.system, response.basis
     count = _INSTANTS * basis.harmonics

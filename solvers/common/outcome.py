@@ -70,7 +70,7 @@ class Outcome:
         """True when the result can be used."""
         return self.status is Status.SUCCESS
 
-    def or_throw(self, given) -> Outcome:
+    def or_raise(self, given) -> Outcome:
         """This result if it is a success; raises ConvergenceError naming what was ``given`` otherwise."""
         if self.status is not Status.SUCCESS:
             raise ConvergenceError(

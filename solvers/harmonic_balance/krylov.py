@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse.linalg import LinearOperator, gmres
 
-from ..numerics.chain import BandedJacobian, Rows, stack
+from ..numerics.chain import BandedJacobian, Residual, stack
 from ..numerics.lu.bordered import BlockChain
 
 _ACCURACY = 1e-9  # of a Newton step, relative: two Newton steps then end below any tolerance that is asked
@@ -25,7 +25,7 @@ class HarmonicKrylov:
         system, basis = balance.system, balance.basis
         drift = system.drift(balance.rest, 0.0) if basis.mean else None
         self.slope = None if drift is None else system.drift_tangent(state[0])
-        averages = [(part.y.mean(axis=-1), part.ydot.mean(axis=-1)) for part in rows]
+        averages = [(part.dy.mean(axis=-1), part.dydot.mean(axis=-1)) for part in rows]
         self.factors, self.singular = [], False
         if basis.mean:
             start, cells, end = (by_y for by_y, _ in averages)
@@ -65,7 +65,7 @@ class HarmonicKrylov:
             z[..., 0] = self.still.solve(start[:, 0], cells[..., 0].T, end[:kept, 0], drift).T
         for k, chain in enumerate(self.factors):
             s, c = first + 2 * k, first + 2 * k + 1
-            right = stack(*(Rows(part[..., c] - 1j * part[..., s]) for part in (start, cells, end)))
+            right = stack(*(Residual(part[..., c] - 1j * part[..., s]) for part in (start, cells, end)))
             found = chain.solve(right).reshape(balance.rest.T.shape).T
             z[..., c], z[..., s] = found.real, -found.imag
         return balance.pack(z)

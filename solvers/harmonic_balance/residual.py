@@ -32,12 +32,12 @@ def find_mirror(system, basis):
     mirror = system.mirror()
     if mirror is None:
         return None
-    (fields, *signs), rng, rest = mirror, np.random.default_rng(1), system.rest()[..., None]
+    (fields, *signs), rng, rest = mirror, np.random.default_rng(1), system.rest_state()[..., None]
     half, t = math.pi / basis.omega, basis.times if basis.samples % 2 else basis.times[: basis.samples // 2]
     shape = (*rest.shape[:2], t.size)
     y, ydot = rest * (1 + 0.1 * rng.random(shape)) + 0.1 * rng.random(shape), rng.random(shape)
     turn = np.array(fields)[:, None, None]
-    for part, sign in zip((system.start, system.between, system.end), signs, strict=True):
+    for part, sign in zip((system.start, system.cells_or_empty, system.end), signs, strict=True):
         here, there = part(y, ydot, t, False).value, part(turn * y, turn * ydot, t + half, False).value
         turned = (np.array(sign) * here.T).T
         if not abs(turned - there).max(initial=0) <= SYMMETRY_TOLERANCE * abs(here).max(initial=0):
@@ -55,7 +55,7 @@ class HarmonicResidual:
     def __init__(self, system, basis, mirror=None, iterative=False):
         """mirror: signs as ``find_mirror`` gives them; iterative: GMRES in place of blocks."""
         self.iterative, self.symmetric = iterative, mirror is not None
-        self.system, self.basis, self.rest = system, basis, system.rest()
+        self.system, self.basis, self.rest = system, basis, system.rest_state()
         fields, start, cells, end = mirror or (None,) * 4
         n_f, first = len(system.fields), system.start_rows
         self.columns = self._active(fields, n_f)
@@ -126,7 +126,7 @@ class HarmonicResidual:
     def rows(self, x, tangents):
         """start, cells and end rows at the samples, and the state there."""
         state = self.samples(x)
-        parts = self.system.start, self.system.between, self.system.end
+        parts = self.system.start, self.system.cells_or_empty, self.system.end
         return tuple(part(*state, tangents) for part in parts), state
 
     def residual(self, x) -> np.ndarray:
@@ -186,7 +186,7 @@ class HarmonicResidual:
     def product(self, rows, slope, x) -> np.ndarray:
         """The Jacobian at sampled rows times x (N, n), as a vector of rows."""
         (start, cells, end), z = rows, self.unpack(x)
-        moved = (z @ self.basis.Q.T, "y"), (z @ self.basis.Q_t.T, "ydot")
+        moved = (z @ self.basis.Q.T, "dy"), (z @ self.basis.Q_t.T, "dydot")
         one = lambda part, node: sum(np.einsum("ijt,jt->it", getattr(part, by), d[:, node]) for d, by in moved)
         sides = (0, slice(None, -1)), (1, slice(1, None))
         between = sum(np.einsum("ijnt,jnt->int", getattr(cells, by)[i], d[:, at]) for d, by in moved for i, at in sides)
@@ -201,11 +201,11 @@ class HarmonicResidual:
         start, cells, end = rows
         nodes = self.rest.shape[1]
         first, middle, last = self.row_harmonics
-        between = lambda *some: self.blocks(cells.y, cells.ydot, middle, precision, *some)
+        between = lambda *some: self.blocks(cells.dy, cells.dydot, middle, precision, *some)
         blocks = (
-            self.blocks(start.y[:, :, None], start.ydot[:, :, None], first, precision)[0],
+            self.blocks(start.dy[:, :, None], start.dydot[:, :, None], first, precision)[0],
             between() if part is None else (between(i, i + part) for i in range(0, nodes - 1, part)),
-            self.blocks(end.y[:, :, None], end.ydot[:, :, None], last, precision)[0],
+            self.blocks(end.dy[:, :, None], end.dydot[:, :, None], last, precision)[0],
         )
         if not self.mean_constraints:
             return *blocks, np.zeros((0, nodes, self.n), precision)

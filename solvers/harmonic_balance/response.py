@@ -18,7 +18,7 @@ from ..numerics.newton import Step
 
 @dataclass(frozen=True)
 class PeriodicResponse(Response, Outcome):
-    """Periodic state: coefficients z (n_f, N, C) about ``system.rest()`` in the order of ``basis.harmonic``.
+    """Periodic state: coefficients z (n_f, N, C) about ``system.rest_state()`` in the order of ``basis.harmonic``.
 
     time (Nt,) s; y, ydot (n_f, N, Nt): the samples. iterations: Newton steps with these harmonics, at all amplitudes;
     coarse_iterations: those with fewer harmonics or nodes before; steps: error (76) and relaxation of those of
@@ -68,11 +68,11 @@ class PeriodicResponse(Response, Outcome):
     @cached_property
     def warnings(self) -> tuple[str, ...]:
         """What a cable's response has lost: drift, compression between instants, too few harmonics, mean forces."""
-        return tuple(invariants.of_response(self))
+        return tuple(invariants.check_response(self))
 
     def at(self, t) -> np.ndarray:
         """State at times t (S,) in s, (n_f, N, S)."""
-        return self.system.rest()[..., None] + self.z @ self.basis.functions(np.asarray(t, dtype=float))[0].T
+        return self.system.rest_state()[..., None] + self.z @ self.basis.functions(np.asarray(t, dtype=float))[0].T
 
     def rate_at(self, t) -> np.ndarray:
         """Rate of the state at times t (S,) in s, (n_f, N, S)."""

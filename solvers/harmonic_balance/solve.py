@@ -90,7 +90,7 @@ def solve_periodic(
     if response.event is not None:
         t, node = response.event
         given += f"; a state is invalid at t = {t:.4g} s, node {node + 1} of {system.nodes}"
-    return response.or_throw(given) if throw else response
+    return response.or_raise(given) if throw else response
 
 
 def _response(system, nu, coarse_iterations, solution, finer, tolerance) -> PeriodicResponse:
@@ -118,7 +118,7 @@ def _first_invalid(system, basis, z):
     """Return (status, time in s, node) of the first state that is invalid, between the samples too, or None."""
     count = INSTANTS_PER_SAMPLE * basis.samples
     times = np.arange(count) * (2 * math.pi / basis.omega / count)
-    y = system.rest()[..., None] + z @ basis.functions(times)[0].T
+    y = system.rest_state()[..., None] + z @ basis.functions(times)[0].T
     if system.invalid(y) is None:
         return None
     every = ((system.invalid(y[..., i]), float(t)) for i, t in enumerate(times))

@@ -104,8 +104,8 @@ def _prolongate(z, prolongations):
 
 def predictor_coefficients(system, basis) -> np.ndarray:
     """Return the coefficients of the chain's quasi-static predictor, zeros where it has none."""
-    rest = system.rest()
-    y = system.carried(basis.times)
+    rest = system.rest_state()
+    y = system.quasi_static_predictor(basis.times)
     return np.zeros((*rest.shape, basis.harmonic.size)) if y is None else (y - rest[..., None]) @ basis.P
 
 

@@ -66,7 +66,7 @@ def _rests(l, h, e):
 
 
 class Monolith:
-    """Residual and Jacobian of one network at an iterate; force and length units scale unknowns and residual alike."""
+    """Rows and Jacobian of one network at an iterate; force and length units scale unknowns and residual alike."""
 
     def __init__(self, balance, units, count):
         self.balance, self.count = balance, count

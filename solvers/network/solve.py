@@ -138,7 +138,7 @@ def solve_network(
         state = _state(balance, r, count, tolerance)
     if fallback and balance.size and not state.residual_norm <= tolerance:
         state = _settled(balance, state, count, tolerance)
-    return state.or_throw(f"{len(network.elements)} elements, {len(network.nodes)} nodes, {method}") if throw else state
+    return state.or_raise(f"{len(network.elements)} elements, {len(network.nodes)} nodes, {method}") if throw else state
 
 
 def _settled(balance, best, count, tolerance) -> NetworkState:

@@ -49,15 +49,15 @@ def natural_modes(system: ChainSystem, count: int = 6, near: float = 0.0) -> Mod
         if near > _LOST * lowest:
             raise InputError(f"near: {near:g} Hz must not exceed {_LOST:g} of the lowest frequency, {lowest:.3g} Hz")
         near *= near > lowest / _FAR  # the modes nearest to a number far below all are the lowest
-    rest = system.rest()
-    rows = [f(rest, np.zeros_like(rest), 0.0) for f in (system.start, system.between, system.end)]
-    rates = [part.ydot for part in rows]
+    rest = system.rest_state()
+    rows = [f(rest, np.zeros_like(rest), 0.0) for f in (system.start, system.cells_or_empty, system.end)]
+    rates = [part.dydot for part in rows]
     size = n_f * nodes
 
     def nearest(sigma, k):
         """k or more eigenvalues nearest to sigma: the oscillations among them, and their vectors."""
         jacobian = BandedJacobian(n_f, nodes, system.start_rows, type(sigma))
-        if not jacobian.factorise(*(part.y + sigma * part.ydot for part in rows)):
+        if not jacobian.factorise(*(part.dy + sigma * part.dydot for part in rows)):
             raise ConvergenceError(f"the shift {sigma:g} rad/s meets an eigenvalue: give another ``near``")
         step = lambda x: jacobian.solve(product(rates, x.reshape(nodes, n_f).T))
         if k >= size - 1:

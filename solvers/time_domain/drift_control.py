@@ -17,7 +17,7 @@ class PositionDriftControl:
     """
 
     def __init__(self, system, dt):
-        self.system, self.interval, self.gain = system, max(dt, system.answer()), system.hold_gain()
+        self.system, self.interval, self.gain = system, max(dt, system.settling_time()), system.drift_gain()
         self.t, self.offset, self.rate = 0.0, None, 0.0
         self.correction = self.previous = 0.0  # at the end and at the start of the interval last passed
 

@@ -74,7 +74,7 @@ class Stepper:
         self.jacobian = BandedJacobian(len(system.fields), system.nodes, system.start_rows)
         self.iterations = self.factorisations = self.worst = 0
         self.error, self._size = 0.0, np.zeros((len(system.fields), system.nodes))
-        y, t = system.rest(), 0.0
+        y, t = system.rest_state(), 0.0
         self.constraints = tuple(not rows(y, 0 * y, t).ydot.any() for rows in (system.start, system.end))
         self.drift_control = DRIFT_CONTROLS[hold](system, dt) if hold and system.drift(y, t) is not None else None
         self._factorised_for = None
@@ -95,7 +95,7 @@ class Stepper:
             first, final = (ahead if constraint else between for constraint in self.constraints)
             rows = (
                 self.system.start(*first, tangents),
-                self.system.between(*between, tangents),
+                self.system.cells_or_empty(*between, tangents),
                 self.system.end(*final, tangents, **correction),
             )
             F = stack(*rows)
@@ -125,7 +125,7 @@ class Stepper:
         weights = (ends[0], (f, m * rate), ends[1])
         self.factorisations += 1
         self._factorised_for = h
-        return self.jacobian.factorise(*(a * r.y + b * r.ydot for r, (a, b) in zip(rows, weights, strict=True)))
+        return self.jacobian.factorise(*(a * r.dy + b * r.dydot for r, (a, b) in zip(rows, weights, strict=True)))
 
     def _failed(self, F=None):
         """None; the next step starts with a Jacobian of its own."""

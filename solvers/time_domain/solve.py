@@ -31,7 +31,7 @@ class TimeHistory(Response, Outcome):
     """
 
     system: ChainSystem = field(repr=False)
-    moved: ChainSystem = field(repr=False)
+    ramped_system: ChainSystem = field(repr=False)
     time: np.ndarray = field(repr=False)
     y: np.ndarray = field(repr=False)
     ydot: np.ndarray = field(repr=False)
@@ -63,11 +63,11 @@ class TimeHistory(Response, Outcome):
     @cached_property
     def warnings(self) -> tuple[str, ...]:
         """What a cable's history has lost: drift, compression between steps, steps too long, not periodic yet."""
-        return tuple(invariants.of_history(self))
+        return tuple(invariants.check_history(self))
 
     def drift(self) -> np.ndarray:
         """Distance of the last node from its prescribed place at the stored times, (K,), m."""
-        return np.linalg.norm(self.moved.drift(self.y, self.time), axis=0)
+        return np.linalg.norm(self.ramped_system.drift(self.y, self.time), axis=0)
 
     def _cubic(self, t, order):
         """Hermite's cubic through y and ydot, or its first derivative."""
@@ -152,7 +152,7 @@ def solve_time_domain(
     if not throw or (allow_invalid and history.status is not Status.STEP_FAILED):
         return history
     where = "" if run.event is None else f" at t = {run.event[0]:.6g} s, node {run.event[1] + 1} of {system.nodes}"
-    return history.or_throw(f"dt = {dt:g} s; stopped{where}" if where else f"dt = {dt:g} s")
+    return history.or_raise(f"dt = {dt:g} s; stopped{where}" if where else f"dt = {dt:g} s")
 
 
 class _Run:
@@ -251,7 +251,7 @@ def _start_state(system, start):
     """(y, ydot) from which to go on; ydot None: to be found."""
     shape = (len(system.fields), system.nodes)
     if start is None:
-        y = system.rest()
+        y = system.rest_state()
         return y, np.zeros_like(y)
     try:
         y, ydot = start

@@ -262,8 +262,8 @@ def jacobian_error(case: CableCase, of=SOLVERS, *, samples=(), seed=2026, **opti
         exact = rows(y, ydot, t)
         worst = max(
             worst,
-            unequal(exact.y, by_complex_step(lambda x: rows(x, ydot, t, False).value, y, masks)),  # noqa: B023
-            unequal(exact.ydot, by_complex_step(lambda x: rows(y, x, t, False).value, ydot, masks)),  # noqa: B023
+            unequal(exact.dy, by_complex_step(lambda x: rows(x, ydot, t, False).value, y, masks)),  # noqa: B023
+            unequal(exact.dydot, by_complex_step(lambda x: rows(y, x, t, False).value, ydot, masks)),  # noqa: B023
         )
     exact = chain.cells(y, ydot, t)
     for side in (0, 1):  # every other node moves: each cell then sees one end of it move
@@ -271,8 +271,8 @@ def jacobian_error(case: CableCase, of=SOLVERS, *, samples=(), seed=2026, **opti
             masks = [_mask(y, field, slice(parity, None, 2)) for field in fields]
             seen = (slice(None),) * 2 + (slice((parity + side) % 2, None, 2),)
             for got, function, x in (
-                (exact.y[side], lambda x: chain.cells(x, ydot, t, False).value, y),
-                (exact.ydot[side], lambda x: chain.cells(y, x, t, False).value, ydot),
+                (exact.dy[side], lambda x: chain.cells(x, ydot, t, False).value, y),
+                (exact.dydot[side], lambda x: chain.cells(y, x, t, False).value, ydot),
             ):
                 worst = max(worst, unequal(got[seen], by_complex_step(function, x, masks)[seen]))
     masks = [_mask(y, field, node) for field in fields for node in range(chain.nodes)]
@@ -291,7 +291,7 @@ def statics_jacobian_error(case: CableCase, of=SOLVERS, **options) -> float:
     chain = system(case, 8, of, **options)
     statics = of.cable.statics._Statics(chain)
     x = statics.catenary() * np.random.default_rng(2026).uniform(0.97, 1.03, (2 * chain.dimension, chain.nodes))
-    exact, worst = statics.rows(x, True)[1].y, 0.0
+    exact, worst = statics.rows(x, True)[1].dy, 0.0
     full, origin = statics.full, statics.full(0 * x)
 
     def linear(x):  # full is affine in x and real: its linear part takes the step, enlarged to survive the constant

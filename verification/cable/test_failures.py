@@ -109,7 +109,7 @@ def test_results_go_from_one_process_to_another(name):
     found = RESULTS[name]()
     copy = pickle.loads(pickle.dumps(found))
     assert copy.status is found.status and np.array_equal(copy.tension, found.tension)
-    assert np.array_equal(solve_static(pickle.loads(pickle.dumps(moving()))).y, copy.system.rest())
+    assert np.array_equal(solve_static(pickle.loads(pickle.dumps(moving()))).y, copy.system.rest_state())
 
 
 def test_failures_go_from_one_process_to_another():

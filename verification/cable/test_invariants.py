@@ -86,7 +86,7 @@ def test_the_mirror_of_the_system_is_its_symmetry():
     chain = system(case, 8, fields="spatial")
     fields, *rows = (np.array(signs) for signs in chain.mirror())
     rng = np.random.default_rng(2026)
-    y, ydot = chain.rest()[..., None] + rng.uniform(-1e-3, 1e-3, (2, 7, 8, 1))
+    y, ydot = chain.rest_state()[..., None] + rng.uniform(-1e-3, 1e-3, (2, 7, 8, 1))
     flip = fields[:, None, None]
     for part, signs in zip((chain.start, chain.cells, chain.end), rows, strict=True):
         got = part(flip * y, flip * ydot, np.array([1.0])).value
@@ -135,7 +135,7 @@ def test_the_scene_picks_the_fields(case, fields):
 # ---------------------------------------------------------------- time and energy
 def swing(chain) -> np.ndarray:
     """The line at rest with a transverse velocity of about 1 m/s, none at its ends: (n_f, N)."""
-    y, x = chain.rest().copy(), chain.s / chain.s[-1]
+    y, x = chain.rest_state().copy(), chain.s / chain.s[-1]
     y[2] = np.sin(np.pi * x) ** 2 * (1 + x)
     if not chain.planar:
         y[3] = 0.5 * np.sin(np.pi * x) ** 2
@@ -190,7 +190,7 @@ def imbalance(case, fields, of=SOLVERS):
         history = of.time_domain.solve.solve_time_domain(chain, dt=dt, duration=10.0, start=start, rho_inf=1.0, hold=None)
         E, P = energy(chain, history.y), loss(case, chain, history.y, history.ydot)
         work = np.concatenate([[0.0], np.cumsum((P[1:] + P[:-1]) / 2 * np.diff(history.time))])
-        first = E[0] - energy(chain, chain.rest()[..., None])[0]
+        first = E[0] - energy(chain, chain.rest_state()[..., None])[0]
         found.append((E / first, float(abs(E - E[0] - work).max() / first)))
     return found
 
@@ -247,7 +247,7 @@ def sawtooth(q) -> np.ndarray:
 def test_a_sawtooth_decays_by_the_spectral_radius(rho):
     """An odd-even strain of 1 % is seen by no mean of a cell: after n steps rho_inf^n of it is left."""
     chain = system(OC3, 51)
-    rest = chain.rest()
+    rest = chain.rest_state()
     start, size = rest.copy(), 0.01 * rest[0].mean()
     start[0] += size * (-1.0) ** np.arange(51)
     history = solve(chain, dt=0.1, duration=1.0, start=(start, 0 * start), rho_inf=rho, hold=None)

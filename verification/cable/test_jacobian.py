@@ -77,7 +77,7 @@ def test_the_band_is_the_whole_matrix(case, fields):
     y, ydot = (part.astype(complex) for part in random_state(chain, 11))
     rows = [part(y, ydot, 1.0) for part in (chain.start, chain.cells, chain.end)]
     band = SOLVERS.numerics.chain.BandedJacobian(len(chain.fields), chain.nodes, chain.start_rows)
-    assert band.factorise(*((0.3 * part.y + 0.7 * part.ydot).real for part in rows))
+    assert band.factorise(*((0.3 * part.dy + 0.7 * part.dydot).real for part in rows))
     n = y.size
     masks = np.eye(n).reshape(n, *y.shape[::-1]).swapaxes(1, 2)  # unknowns node after node
     dense = by_complex_step(lambda x: chain.residual(y + 0.3 * (x - y), ydot + 0.7 * (x - y), 1.0), y, masks)
@@ -107,7 +107,7 @@ def test_complex_step_is_exact():
 STATICS_FAULTS = [
     Fault("cable.statics", "_Statics.rows", "-slope[:, self.angles, at]", "slope[:, self.angles, at]"),
     Fault("cable.statics", "_Statics.rows", "sign * 2 / system.ds", "sign / system.ds"),
-    Fault("cable.statics", "_Statics.rows", "cells.y[:, :n, -1]", "-cells.y[:, :n, -1]"),
+    Fault("cable.statics", "_Statics.rows", "cells.dy[:, :n, -1]", "-cells.dy[:, :n, -1]"),
     Fault("cable.loads", "seabed_support", "np.where(touching, -stiffness, 0.0)", "np.where(touching, stiffness, 0.0)"),
 ]
 

@@ -31,7 +31,7 @@ from solvers.harmonic_balance.residual import HarmonicResidual
 from solvers.network import jacobian as network_jacobian
 from solvers.network.nested import Count, solve_sparse
 from solvers.numerics import newton
-from solvers.numerics.chain import Rows, product, stack
+from solvers.numerics.chain import Residual, product, stack
 from solvers.numerics.fourier import Basis
 from solvers.numerics.lu.bordered import BlockChain
 from solvers.numerics.modes import natural_modes
@@ -170,17 +170,17 @@ def test_a_series_goes_through_its_samples():
 def test_tangents_times_a_state_are_the_change_of_the_rows():
     """The product that eigenvalues are found with, on a chain whose rows are linear: F(y + x) - F(y), node by node."""
     y, x = np.random.default_rng(12).normal(size=(2, 3, 3))
-    rows = [part(y, 0 * y, 0.0) for part in (LINEAR.start, LINEAR.between, LINEAR.end)]
-    values = [[part(state, 0 * y, 0.0).value for part in (LINEAR.start, LINEAR.between, LINEAR.end)]
+    rows = [part(y, 0 * y, 0.0) for part in (LINEAR.start, LINEAR.cells_or_empty, LINEAR.end)]
+    values = [[part(state, 0 * y, 0.0).value for part in (LINEAR.start, LINEAR.cells_or_empty, LINEAR.end)]
               for state in (y, y + x)]  # fmt: skip
-    change = stack(*(Rows(b - a) for a, b in zip(*values, strict=True)))
-    assert abs(product([part.y for part in rows], x) - change).max() <= ROUNDING
+    change = stack(*(Residual(b - a) for a, b in zip(*values, strict=True)))
+    assert abs(product([part.dy for part in rows], x) - change).max() <= ROUNDING
 
 
 def test_a_hold_takes_an_offset_back():
     """An end that runs away by itself: the hold learns its rate; after twelve intervals 1 % of the offset is left."""
     offset, growth, before = np.array([1.0]), 0.3, np.zeros(1)
-    hold = PositionDriftControl(SimpleNamespace(drift=lambda y, t: offset, answer=lambda: 0.0, hold_gain=lambda: 1.0), 1.0)
+    hold = PositionDriftControl(SimpleNamespace(drift=lambda y, t: offset, settling_time=lambda: 0.0, drift_gain=lambda: 1.0), 1.0)
     for k in range(12):
         correction = hold(None, float(k), 1.0)
         offset, before = offset + growth + (before + correction) / 2, correction
@@ -194,7 +194,7 @@ LINEAR = MassChain("linear", 2 * math.pi / 0.7, harmonic_force(0.3, 0.7, 2, 3), 
 def stepped(*lengths):
     """(iterations, factorisations) of each step of these lengths of a linear chain from rest."""
     stepper = Stepper(LINEAR, Scheme.from_spectral_radius(0.5), 1e-10, None, max(lengths))
-    y, ydot, t, spent = LINEAR.rest(), LINEAR.rest(), 0.0, []
+    y, ydot, t, spent = LINEAR.rest_state(), LINEAR.rest_state(), 0.0, []
     for h in lengths:
         before = stepper.iterations, stepper.factorisations
         y, ydot = stepper.step(y, ydot, t, h, ydot)
@@ -238,8 +238,8 @@ def test_the_default_ramp_takes_half_a_period():
     """HB 4.3: the motion grows over half a period unless told otherwise, and from a start it is there at once."""
     chain = system(SURGE_5, 5)
     run = {"dt": 0.1, "duration": 0.1}
-    assert solve_time_domain(chain, **run).moved.motion.duration == chain.period / 2
-    assert solve_time_domain(chain, **run, start=(chain.rest(), 0 * chain.rest())).moved is chain
+    assert solve_time_domain(chain, **run).ramped_system.motion.duration == chain.period / 2
+    assert solve_time_domain(chain, **run, start=(chain.rest_state(), 0 * chain.rest_state())).ramped_system is chain
 
 
 # ---------------------------------------------------------------- output of responses

@@ -199,7 +199,7 @@ DEFECTS = (
     Defect(
         "failures are not thrown",
         Fault(
-            "common.outcome", "Outcome.or_throw", "self.status is not Status.SUCCESS", "self.status is Status.INVALID_INPUT"
+            "common.outcome", "Outcome.or_raise", "self.status is not Status.SUCCESS", "self.status is Status.INVALID_INPUT"
         ),
         "regime",
         "a failed solve returns its numbers although throw is on",
@@ -425,7 +425,7 @@ DEFECTS = (
             "cable.system",
             "CableSystem.ramped",
             "ramped = copy.copy(self)",
-            "self.motion, self.__dict__['_equilibrium'] = self.motion, 0 * self.rest()\nramped = copy.copy(self)",
+            "self.motion, self.__dict__['_equilibrium'] = self.motion, 0 * self.rest_state()\nramped = copy.copy(self)",
         ),
         "stale",
         "a copy of a system takes over an equilibrium that is none",
@@ -501,7 +501,7 @@ DEFECTS = (
         "a hold as strong as on a fine mesh",
         Fault(
             "cable.system",
-            "CableSystem.hold_gain",
+            "CableSystem.drift_gain",
             "min(1.0, float(_SMALL_TURN**2 / max((turn**2).sum(axis=0).max(), _SMALL_TURN**2)))",
             "max(1.0, float(_SMALL_TURN**2 / max((turn**2).sum(axis=0).max(), _SMALL_TURN**2)))",
         ),

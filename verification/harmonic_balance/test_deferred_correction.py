@@ -213,7 +213,7 @@ def test_the_correction_is_the_error_that_it_removes(planar):
     """Its size is the mean distance of the box scheme's coefficients from the exact ones."""
     made = problem("all", 33, planar)
     response, box = solved(made), solved(made, False)
-    exact = (made.state(response.time)[0] - made.system.rest()[..., None]) @ response.basis.P
+    exact = (made.state(response.time)[0] - made.system.rest_state()[..., None]) @ response.basis.P
     removed = abs(box.z - exact).mean()
     assert response.correction == pytest.approx(removed, rel=TOLD)
     assert box.correction is None

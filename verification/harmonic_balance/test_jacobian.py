@@ -227,7 +227,7 @@ def truth(balance, setting, x, complex_step=True):
     for i, (f, j, c) in enumerate(columns if complex_step else ()):
         moved[f, j, i, c] += 1j * COMPLEX_STEP
     y, ydot = (part.reshape(*z.shape[:2], -1) for part in series(moved, omega, times, mean))
-    y += system.rest()[..., None]
+    y += system.rest_state()[..., None]
     t = np.tile(times, moved.shape[2])
 
     def coefficients_of(rows, active):  # rows (n_r, *nodes, S) -> (n_r coefficients, *nodes, columns)
@@ -236,7 +236,7 @@ def truth(balance, setting, x, complex_step=True):
         return [np.concatenate([part[a][..., c] for a, c in enumerate(active)], axis=-1) for part in parts]
 
     start = coefficients_of(system.start(y, ydot, t, False).value, balance.start_rows)
-    cells = coefficients_of(system.between(y, ydot, t, False).value, balance.cell_rows)
+    cells = coefficients_of(system.cells_or_empty(y, ydot, t, False).value, balance.cell_rows)
     end = coefficients_of(system.end(y, ydot, t, False).value, balance.end_rows)
     parts = [np.moveaxis(p, -2, -1) for p in (start[1], *cells[1], end[1])] if complex_step else []
     value = [start[0][0], cells[0][:, 0].ravel(), end[0][0]]
@@ -458,7 +458,7 @@ def test_tangents_that_do_not_fit_are_refused(shape):
 
 # ---------------------------------------------------------------- the check turns red
 class Planted:
-    """A chain one of whose tangents is 1 % wrong: part, "y" or "ydot", and the index of the entry in it."""
+    """A chain one of whose tangents is 1 % wrong: part, "dy" or "dydot", and the index of the entry in it."""
 
     def __init__(self, system, part, kind, entry):
         self._system, self._part, self._kind, self._entry = system, part, kind, entry
@@ -481,10 +481,10 @@ class Planted:
 def plants(balance, x):
     """Every tangent that is not zero: (part, kind, entry)."""
     rows, state = balance.rows(x, True)
-    for part, found in zip(("start", "between", "end"), rows, strict=True):
-        for kind in ("y", "ydot"):
+    for part, found in zip(("start", "cells_or_empty", "end"), rows, strict=True):
+        for kind in ("dy", "dydot"):
             tangent = getattr(found, kind)
-            entries = tangent.any(axis=tuple(range(3 if part == "between" else 2, tangent.ndim)))
+            entries = tangent.any(axis=tuple(range(3 if part == "cells_or_empty" else 2, tangent.ndim)))
             yield from ((part, kind, tuple(entry)) for entry in np.argwhere(entries))
     if balance.mean_constraints:
         used = np.argwhere(balance.system.drift_tangent(state[0]).any(axis=(2, 3)))

@@ -16,7 +16,7 @@ import pytest
 from solvers import ConvergenceError, InputError, Status
 from solvers.harmonic_balance import solve as harmonic_balance
 from solvers.harmonic_balance.residual import find_mirror
-from solvers.numerics.chain import Rows
+from solvers.numerics.chain import Residual
 from solvers.numerics.fourier import Basis
 from solvers.time_domain.solve import solve_time_domain
 
@@ -426,8 +426,8 @@ class Placed(MassChain):
     def end(self, y, ydot, t, tangents=True, correction=0.0):
         J = np.zeros((1, 3, *y.shape[2:]), dtype=y.dtype)
         J[0, 0] = 1.0
-        value = y[0, -1:] - self.share * self.place(t)
-        return Rows(value, J, 0 * J) if tangents else Rows(value)
+        value = y[0, -1:] - self.load_factor * self.place(t)
+        return Residual(value, J, 0 * J) if tangents else Residual(value)
 
     def drift(self, y, t):
         return None
@@ -620,7 +620,7 @@ def test_smoothed_drag_is_found(monkeypatch):
     def momentum(self, n, y, ydot, t):
         v = y[1, n]
         speed = np.sqrt(v * v + 0.1)
-        value = ydot[1, n] + 0.5 * speed * v + y[2, n] - self.share * self.force(t)[n]
+        value = ydot[1, n] + 0.5 * speed * v + y[2, n] - self.load_factor * self.force(t)[n]
         return value, 0.5 * (speed + v * v / speed), np.ones_like(v)
 
     _patched(monkeypatch, MassChain, _momentum=momentum)

@@ -214,7 +214,7 @@ def test_four_samples_a_harmonic_are_enough(case):
 
 def test_the_constant_term_explains_fig_8():
     """In case 3 the mean tension rises by 0.40 kN in a signal of 3.9 kN; without the constant it stays at rest's."""
-    rest = system(3).tension(system(3).rest())[-1] / KN
+    rest = system(3).tension(system(3).rest_state())[-1] / KN
     kept, dropped = (summary(solve_periodic(system(3), harmonics=9, mean=mean)) for mean in (True, False))
     assert abs(kept[2] - rest - 0.40) <= 0.01 and abs(kept[0] - kept[1] - 3.9) <= 0.05
     assert abs(dropped[2] - rest) <= 1e-6
@@ -491,7 +491,7 @@ def test_compression_is_named():
     first = int(np.argmax((response.y[0] < 0).any(axis=0)))
     assert time == response.time[first] and node == response.y[0, :, first].argmin()
     with pytest.raises(ConvergenceError, match="the tension vanished at a node"):
-        response.or_throw("11 m")
+        response.or_raise("11 m")
 
 
 def test_a_motion_too_large_is_named():

@@ -175,7 +175,7 @@ def test_the_carried_state_is_the_equilibrium_that_follows(fields):
     motion = Motion.harmonic(0.05, (SMALL, SMALL if fields == "spatial" else 0.0, SMALL))
     chain = cable_system(scene(1), 21, fields=fields, motion=motion)
     t = np.linspace(0.0, chain.period, 7)
-    y, later, earlier = (chain.carried(t + step) for step in (0.0, RATE_STEP, -RATE_STEP))
+    y, later, earlier = (chain.quasi_static_predictor(t + step) for step in (0.0, RATE_STEP, -RATE_STEP))
     for i, end in enumerate(motion.displacement(t).T + chain.scene.fairlead):
         wanted = solve_static(cable_system(replace(chain.scene, fairlead=tuple(end)), 21)).r
         assert largest(chain.positions(y)[..., i] - wanted) < SECOND_ORDER * SMALL
@@ -191,13 +191,13 @@ def test_a_coarser_cable_follows_its_fairlead_as_the_fine_one_does():
     coarse, _ = fine.coarser()
     t = np.linspace(0.0, fine.period, 7)
     at = np.searchsorted(fine.s, coarse.s)
-    assert largest(coarse.carried(t) - fine.carried(t)[:, at]) == 0
+    assert largest(coarse.quasi_static_predictor(t) - fine.quasi_static_predictor(t)[:, at]) == 0
 
 
 def test_a_carried_start_saves_steps(monkeypatch):
     """Surge and sway: from rest, where drag has no slope, the first steps are short and many."""
     carried = solve_periodic(system(4), harmonics=9).coarse_iterations
-    monkeypatch.setattr(CableSystem, "carried", lambda self, t: None)
+    monkeypatch.setattr(CableSystem, "quasi_static_predictor", lambda self, t: None)
     assert carried < solve_periodic(system(4), harmonics=9).coarse_iterations
 
 

@@ -46,7 +46,7 @@ def row_defect(system, y, ydot, t=0.0) -> float:
     """Largest cell row over the sum of the sizes of its terms, |dF/dy| |y| + |dF/dydot| |ydot|."""
     rows = system.cells(y, ydot, t)
     sizes = 0.0
-    for J, field in ((rows.y, y), (rows.ydot, ydot)):
+    for J, field in ((rows.dy, y), (rows.dydot, ydot)):
         sizes = sizes + np.einsum("ij...,j...->i...", abs(J[0]), abs(field)[:, :-1])
         sizes = sizes + np.einsum("ij...,j...->i...", abs(J[1]), abs(field)[:, 1:])
     return float((abs(rows.value) / np.maximum(sizes, np.finfo(float).tiny)).max())
@@ -72,15 +72,15 @@ def check_history(history, scheme):
     inside, rate = mix(y, scheme.alpha_f), mix(ydot, scheme.alpha_m)
     t = mix(time, scheme.alpha_f)
     ones = np.ones_like(inside)  # the tolerance of the solver is absolute: a state off by a part of 1 m/s, 1 rad
-    rows = abs(history.moved.cells(inside, rate, t).value)
-    assert (rows <= ROWS * _terms(history.moved, inside, rate, t, ones, ones / np.diff(time).max())).all()
+    rows = abs(history.ramped_system.cells(inside, rate, t).value)
+    assert (rows <= ROWS * _terms(history.ramped_system, inside, rate, t, ones, ones / np.diff(time).max())).all()
 
 
 def _terms(system, y, ydot, t, size, size_dot):
     rows = system.cells(y, ydot, t)
     return sum(
         np.einsum("ij...,j...->i...", abs(J[side]), field[:, at])
-        for J, field in ((rows.y, size), (rows.ydot, size_dot))
+        for J, field in ((rows.dy, size), (rows.dydot, size_dot))
         for side, at in ((0, slice(None, -1)), (1, slice(1, None)))
     )
 
@@ -321,7 +321,7 @@ GROUNDS = [(25, 8e3), (13, 1.6e4), (13, 1e5), (25, 1e5)]
 def test_no_wave_grows_on_a_seabed(nodes, stiffness):
     """Nothing drives a line at rest over a seabed, which has a potential: no small wave about it grows by itself."""
     chain = system(replace(STILL, seabed_stiffness=stiffness), nodes)
-    assert growth(chain, chain.rest()) < GROWTH
+    assert growth(chain, chain.rest_state()) < GROWTH
 
 
 LIMITED = Fault(
@@ -345,8 +345,8 @@ class ByNodes(CableSystem):
         left, right, both = slice(None, -1), slice(1, None), up[:, 1:] + up[:, :-1]
         rows.value[:2] += (support * up)[:, left] + (support * up)[:, right] - middle * both
         for side, at in enumerate((left, right) if tangents else ()):
-            rows.y[side, :2, 3] += (support[at] - middle) * turned[:, at]
-            rows.y[side, :2, 4] += slope[at] * up[:, at] - middle_z / 2 * both
+            rows.dy[side, :2, 3] += (support[at] - middle) * turned[:, at]
+            rows.dy[side, :2, 4] += slope[at] * up[:, at] - middle_z / 2 * both
         return rows
 
 
@@ -354,7 +354,7 @@ def test_a_seabed_by_nodes_is_seen_to_feed_waves():
     """The mean of the supports of two nodes, one on the ground and one above, has no potential: a wave grows."""
     chain = system(replace(STILL, seabed_stiffness=1e5), 13)
     chain.__class__ = ByNodes
-    assert growth(chain, chain.rest()) > 100 * GROWTH
+    assert growth(chain, chain.rest_state()) > 100 * GROWTH
 
 
 SETTLES = 5e-3  # of the range: the last two of eight periods; measured 1.1e-3 at most
@@ -392,9 +392,9 @@ def test_a_hold_that_counts_cells_is_seen_to_feed_waves():
     """25 cells are no measure where each turns the line by ten degrees: the hold shakes the chain until it fails."""
     by_count = Fault(
         "cable.system",
-        "CableSystem.hold_gain",
-        "y = self.rest()",
-        "return min(1.0, (self.nodes / 30) ** 2)\ny = self.rest()",
+        "CableSystem.drift_gain",
+        "y = self.rest_state()",
+        "return min(1.0, (self.nodes / 30) ** 2)\ny = self.rest_state()",
     )
     with planted(by_count) as faulty, pytest.raises(faulty.common.outcome.ConvergenceError):
         unsettled(faulty, steps=200, case=replace(SLACK_CHAIN, current=(0.4, 0.0, 0.0)))
@@ -448,9 +448,9 @@ def test_what_a_periodic_response_lacks_is_told():
 def waves():
     """A line without drag and its axial waves: (system, eigenvalues, left and right vectors, dF/dydot)."""
     system = at(OC3, 12, Cdn=0.0)
-    rest = system.rest()
+    rest = system.rest_state()
     parts = [rows(rest, np.zeros_like(rest), 0.0) for rows in (system.start, system.cells, system.end)]
-    A, B = (_matrix(*(getattr(part, name) for part in parts)) for name in ("y", "ydot"))
+    A, B = (_matrix(*(getattr(part, name) for part in parts)) for name in ("dy", "dydot"))
     values, left, right = eig(A, -B, left=True)
     finite = np.isfinite(values) & (abs(values) < 1e9)
     return system, values[finite], left[:, finite], right[:, finite], B
@@ -495,7 +495,7 @@ def _loss(waves, radius, supposed, steps=8, settled=24, last=48):
     system, values, left, right, B = waves
     axial = [k for k, v in enumerate(values) if v.imag > 6 and _lengthwise(right[:, k], system)]
     mode = min(axial, key=lambda k: values[k].imag)
-    value, rest = values[mode], system.rest()
+    value, rest = values[mode], system.rest_state()
     shape = right[:, mode].reshape(system.nodes, -1).T
     shape = shape * (1e-3 * rest[0].max() / abs(shape[0]).max())
     dt = 2 * math.pi / abs(value) / steps

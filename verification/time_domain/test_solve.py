@@ -108,9 +108,9 @@ class HangingChain(SOLVERS.cable.system.CableSystem):
         m = self.m + self.ma
         J, Jt = np.zeros((2, 2, 4))
         J[0, 0], J[1, 3], Jt[1, 2] = 1.0, self.w0 * np.cos(y[3, 0]), -m
-        return SOLVERS.numerics.chain.Rows(np.array([y[0, 0], self.w0 * np.sin(y[3, 0]) - m * ydot[2, 0]]), J, Jt)
+        return SOLVERS.numerics.chain.Residual(np.array([y[0, 0], self.w0 * np.sin(y[3, 0]) - m * ydot[2, 0]]), J, Jt)
 
-    def rest(self):
+    def rest_state(self):
         """Strain w0 s / EA, straight down."""
         y = np.zeros((4, self.nodes))
         y[0] = self.w0 * self.s / self.EA
@@ -174,10 +174,10 @@ def test_small_forced_motion(direction):
     errors = []
     for nodes in NODES:
         chain = system(case, nodes)
-        rest = chain.rest()
+        rest = chain.rest_state()
         rows = [part(rest, 0 * rest, 0.0) for part in (chain.start, chain.cells, chain.end)]
         band = SOLVERS.numerics.chain.BandedJacobian(4, nodes, chain.start_rows, complex)
-        assert band.factorise(*(part.y + omega * part.ydot for part in rows))
+        assert band.factorise(*(part.dy + omega * part.dydot for part in rows))
         right = np.zeros(4 * nodes, complex)
         right[-2:] = chain.axes @ np.array(direction) * omega
         strain = band.solve(right).reshape(nodes, 4)[:, 0]
@@ -226,7 +226,7 @@ def test_a_plucked_string():
     duration, errors = 0.6 * L / speed, []
     for k in (1, 2, 4):
         chain = system(string, 50 * k + 1)
-        start = chain.rest().copy()
+        start = chain.rest_state().copy()
         start[3] -= slope(chain.s) / 1.01  # phi = pi/2 - slope, s along the unstretched line
         history = solve(chain, dt=duration / (50 * k), duration=duration, start=(start, None), hold=None)
         wanted = travelling_wave.plucked_string_velocity(slope, speed, L, chain.s, duration)
@@ -312,7 +312,7 @@ def test_the_fairlead_stays_where_it_is_prescribed(case, deep):
     for hold in ("position", "mean", None):
         history = forced(case, periods=periods, hold=hold)
         last = history.time >= PERIOD * (periods - 1) - 1e-9
-        offset = history.moved.drift(history.y[..., last], history.time[last])
+        offset = history.ramped_system.drift(history.y[..., last], history.time[last])
         ends[hold], means[hold] = history.drift()[-1], np.linalg.norm(np.trapezoid(offset, dx=0.1)) / PERIOD
     assert ends["position"] <= DRIFT and means["position"] <= DRIFT / 100
     assert means[None] >= (10 if deep else 1) * DRIFT, (
@@ -388,7 +388,7 @@ def test_outputs_belong_together():
 def test_a_run_in_two_parts_is_one_run():
     """A free motion, stopped half way and taken up again from its state, ends where it ends in one go."""
     chain = system(OC3, 20)
-    y = chain.rest().copy()
+    y = chain.rest_state().copy()
     y[2] = np.sin(np.pi * chain.s / chain.s[-1]) ** 2
     run = {"dt": 0.1, "hold": None, "tolerance": 1e-13}
     whole = solve(chain, duration=10.0, start=(y, None), **run)
