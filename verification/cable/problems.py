@@ -25,6 +25,7 @@ from ..exact.cable_mp import Fields
 MODULES = {
     "cable": "cable.system",
     "chain": "numerics.chain",
+    "equations": "cable.equations",
     "generalized_alpha": "time_domain.generalized_alpha",
     "motion": "common.motion",
     "outcome": "common.outcome",
