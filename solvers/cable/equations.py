@@ -40,7 +40,7 @@ class CableEquations(CableOutputs, ChainSystem):
         cable, environment = scene.cable, scene.environment
         for name, unit in (("diameter", "m"), ("mass_per_length", "kg/m")):
             if getattr(cable, name) is None:
-                raise InputError(f"{name}: not given, and dynamics needs it ({unit})")
+                raise InputError(f"not given, and dynamics needs it ({unit})", field=name, unit=unit)
         self.scene, self.s, self.motion, self.source, self.order = scene, s, motion, source, order
         self.stencils = midpoint_stencils(s) if order == 4 else None
         self.period = getattr(motion, "period", None) if period is None else period
@@ -72,12 +72,14 @@ class CableEquations(CableOutputs, ChainSystem):
         self.has_seabed = environment.depth is not None
         self.seabed_stiffness = environment.seabed_stiffness if seabed_stiffness is None else seabed_stiffness
         if self.has_seabed and environment.seabed_stiffness is None:
-            raise InputError(
-                "seabed_stiffness: not given (N/m^2), and a line over a seabed (depth is set) needs it in dynamics; "
+            problem = (
+                "not given (N/m^2), and a line over a seabed (depth is set) needs it in dynamics; "
                 f"{self.w0 / (0.1 * d):.3g} N/m^2 lets a resting line sink a tenth of its diameter"
             )
+            raise InputError(problem, field="seabed_stiffness", unit="N/m^2")
         if self.has_seabed and self.anchor[2] < -environment.depth:
-            raise InputError(f"anchor: z = {self.anchor[2]:g} m is below the seabed, z = {-environment.depth:g} m")
+            problem = f"z = {self.anchor[2]:g} m is below the seabed, z = {-environment.depth:g} m"
+            raise InputError(problem, field="anchor", value=self.scene.anchor, unit="m")
 
     def replace(self, **changes) -> CableEquations:
         """Return the same cable with other arguments of its constructor; another motion brings its own period."""

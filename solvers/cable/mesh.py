@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..common.outcome import InputError
-from ..common.properties import real_array
+from ..common.validation import real_array, whole_number
 
 _MOST_NODES = 10**6  # of a mesh; a state then takes 50 MB
 
@@ -13,17 +13,17 @@ _MOST_NODES = 10**6  # of a mesh; a state then takes 50 MB
 def check_mesh(nodes, mesh, length) -> np.ndarray:
     """Return a uniform mesh of ``nodes`` nodes, or the given ``mesh``; raises InputError naming what is wrong."""
     if mesh is None:
-        if isinstance(nodes, bool) or not isinstance(nodes, (int, np.integer)) or not 3 <= nodes <= _MOST_NODES:
-            raise InputError(f"nodes: {nodes!r} must be a whole number from 3 to {_MOST_NODES}")
-        return np.linspace(0.0, length, nodes)
+        return np.linspace(0.0, length, whole_number("nodes", nodes, 3, _MOST_NODES))
     try:
         s = real_array(mesh)
     except (TypeError, ValueError):
-        raise InputError(f"mesh: {mesh!r} must be arc lengths (m)") from None
+        raise InputError(f"{mesh!r} must be arc lengths (m)", field="mesh", value=mesh, unit="m") from None
     if s.ndim != 1 or s.size < 3 or not np.isfinite(s).all() or not (np.diff(s) > 0).all():
-        raise InputError(f"mesh: must be three or more finite, increasing arc lengths (m), given {mesh!r}")
+        problem = f"must be three or more finite, increasing arc lengths (m), given {mesh!r}"
+        raise InputError(problem, field="mesh", value=mesh, unit="m")
     if s[0] != 0 or abs(s[-1] - length) > 1e-12 * length:
-        raise InputError(f"mesh: runs from {s[0]:g} to {s[-1]:g} m, it must run from 0 to the length, {length:g} m")
+        problem = f"runs from {s[0]:g} to {s[-1]:g} m, it must run from 0 to the length, {length:g} m"
+        raise InputError(problem, field="mesh", value=mesh, unit="m")
     return s
 
 

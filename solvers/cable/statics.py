@@ -14,7 +14,7 @@ import numpy as np
 
 from ..catenary.span import Span, solve_span
 from ..common.outcome import InputError, Outcome, Status
-from ..common.properties import flags, one_of, positive_number
+from ..common.validation import flags, one_of, positive_number
 from ..numerics.chain import BandedJacobian, Residual, stack
 from ..numerics.newton import Step, damped_newton
 from .equations import CableEquations
@@ -69,9 +69,11 @@ def solve_static(system: CableEquations, *, method="box", tolerance=TOLERANCE, t
     flags(throw=throw)
     tolerance = positive_number("tolerance", tolerance, "(mean change of a state)")
     if tolerance < _ROUNDING:
-        raise InputError(f"tolerance: {tolerance:g} must be at least {_ROUNDING:g}: rounding moves a state by as much")
+        problem = f"{tolerance:g} must be at least {_ROUNDING:g}: rounding moves a state by as much"
+        raise InputError(problem, field="tolerance", value=tolerance, unit="(mean change of a state)")
     if system.is_fourth_order:
-        raise InputError("system: that of a corrected response has no statics; give the cable that was solved for")
+        problem = "that of a corrected response has no statics; give the cable that was solved for"
+        raise InputError(problem, field="system", value=system)
     if method == "shooting" and (pieces := _shots_per_cell(system)) > 1:
         fine = solve_static(system.on_mesh(refine(system.s, pieces)), method=method, tolerance=tolerance, throw=throw)
         return replace(fine, system=system, y=fine.y[:, ::pieces], r=fine.r[:, ::pieces])

@@ -9,7 +9,7 @@ from scipy.interpolate import make_interp_spline
 
 from ..common.motion import Ramped
 from ..common.outcome import InputError
-from ..common.properties import one_of
+from ..common.validation import one_of
 from .equations import CableEquations, line_axes
 from .mesh import check_mesh, every_second_node
 from .predictor import Equilibrium, RestrictedEquilibrium, quasi_static_predictor
@@ -105,7 +105,7 @@ class CableSystem(CableEquations):
 def _is_planar(fields, scene, motion) -> bool:
     one_of("fields", fields, ("auto", "planar", "spatial"))
     if motion is not None and not callable(getattr(motion, "velocity", None)):
-        raise InputError(f"motion: {motion!r} is no Motion, SampledMotion or FunctionMotion")
+        raise InputError(f"{motion!r} is no Motion, SampledMotion or FunctionMotion", field="motion", value=motion)
     if fields == "spatial":
         return False
     out = line_axes(scene)[2]
@@ -113,5 +113,6 @@ def _is_planar(fields, scene, motion) -> bool:
     directions = np.zeros((1, 3)) if motion is None else np.asarray(motion.directions())
     planar = all(np.all(abs(vector @ out) <= _IN_PLANE * np.linalg.norm(vector)) for vector in (current, *directions))
     if fields == "planar" and not planar:
-        raise InputError("fields: 'planar', but the current or the motion leaves the line's vertical plane")
+        problem = "'planar', but the current or the motion leaves the line's vertical plane"
+        raise InputError(problem, field="fields", value=fields)
     return planar
