@@ -1,4 +1,4 @@
-"""What a few neighbouring nodes say of the cell in their midst, to fourth order: middle, slope there, integral."""
+"""Four-node weights for a cell's midpoint value, slope and integral: fourth order in the size of the cells."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ _WIDTH = 4  # nodes; at the ends of the mesh they lie to one side
 
 
 class Stencils(NamedTuple):
-    """Weights (N - 1, 4) of the nodes ``at`` (N - 1, 4) for each cell: value and slope (1/m) of its middle, integral.
+    """Weights (N - 1, 4) of the nodes ``at`` (N - 1, 4) for each cell: midpoint value and slope (1/m), integral (m).
 
-    Exact for cubic polynomials; a mesh of three nodes has three, and is exact for quadratic ones.
+    Exact for cubic polynomials; a mesh of three nodes has three weights a cell, exact for quadratic polynomials.
     """
 
     at: np.ndarray
@@ -21,14 +21,20 @@ class Stencils(NamedTuple):
     integral: np.ndarray
 
     def __call__(self, q, *weights):
-        """(n, N - 1, *S) of the fields q (n, N, *S) with each of the weights."""
-        there = [q[:, at] for at in self.at.T]
-        over = lambda weight: weight.reshape(-1, *(1,) * (q.ndim - 2))
-        return [sum(over(part) * of for part, of in zip(weight.T, there, strict=True)) for weight in weights]
+        """Return the sums (n, N - 1, *S) of the fields q (n, N, *S) with each of the weights."""
+        at_nodes = [q[:, at] for at in self.at.T]
+        shaped = lambda weight: weight.reshape(-1, *(1,) * (q.ndim - 2))
+        return [sum(shaped(part) * of for part, of in zip(w.T, at_nodes, strict=True)) for w in weights]
+
+    def quadrature(self) -> np.ndarray:
+        """Return the weights (N,) of the nodes in the integral over the whole mesh, m."""
+        weights = np.zeros(len(self.at) + 1)
+        np.add.at(weights, self.at, self.integral)
+        return weights
 
 
-def stencils(s) -> Stencils:
-    """Of a mesh s (N,), m."""
+def midpoint_stencils(s) -> Stencils:
+    """Return the stencils of the mesh s (N,), m."""
     width, cell = min(_WIDTH, s.size), np.arange(s.size - 1)
     first = np.clip(cell - width // 2 + 1, 0, s.size - width)
     at, h = first[:, None] + np.arange(width), np.diff(s)

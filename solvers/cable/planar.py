@@ -12,33 +12,33 @@ EPS, U, V, PHI, Z = range(5)
 
 
 def _loads(c, u, v, sin, cos, tangents, stretch):
-    """F_dt, F_dn of (10), (11) with d/d(eps, u, v, phi), and the current along the tangent, (7), (8)."""
+    """Return F_dt, F_dn of (10), (11), their d/d(eps, velocity, phi), and the current along t and n, (7), (8)."""
     if c.current is None:
         along = across = 0.0
     else:
         along, across = c.current[0] * cos + c.current[1] * sin, c.current[1] * cos - c.current[0] * sin
-    values, slopes = [], []
+    values, by_state = [], []
     for coefficient, q, q_phi in ((c.drag_t, u - along, -across), (c.drag_n, v - across, along)):
         if coefficient:
-            value, slope = quadratic_drag(coefficient, q, stretch)
+            value, by_q = quadratic_drag(coefficient, q, stretch)
             values.append(value)
             if not tangents:
                 continue
-            slopes.append((value / (2 * stretch * stretch), slope, slope * q_phi if c.current is not None else 0.0))
+            by_state.append((value / (2 * stretch * stretch), by_q, by_q * q_phi if c.current is not None else 0.0))
         else:
             values.append(0.0)
-            slopes.append((0.0, 0.0, 0.0))
-    return values, slopes, along, across
+            by_state.append((0.0, 0.0, 0.0))
+    return values, by_state, along, across
 
 
 def _local(c, y, ydot, tangents):
-    """M y_t + f of HB (1)-(6) at points of the cable ``c``, the tension, and d/dy, d/dydot of the former or None."""
+    """Return M y_t + f of HB (1)-(6) at points of the cable ``c``, the tension, and tangents of the former or None."""
     eps, u, v, phi = y[:4]
     eps_t, u_t, v_t, phi_t = ydot[:4]
     m, ma, EA = c.m, c.ma, c.EA
     sin, cos = np.sin(phi), np.cos(phi)
     T = EA * (eps + c.beta * eps_t) if c.beta else EA * eps
-    (Fdt, Fdn), slopes, along, across = _loads(c, u, v, sin, cos, tangents, np.sqrt(1 + eps))
+    (Fdt, Fdn), by_state, along, across = _loads(c, u, v, sin, cos, tangents, np.sqrt(1 + eps))
     turning = m * u if c.current is None else m * u + c.inertia * along
 
     a = np.empty_like(y)  # M y_t + f at the nodes
@@ -51,7 +51,7 @@ def _local(c, y, ydot, tangents):
     if not tangents:
         return a, T, None, None
 
-    dFdt, dFdn = slopes
+    dFdt, dFdn = by_state
     n, shape = y.shape[0], y.shape[1:]
     by, bt = np.zeros((2, n, n, *shape), dtype=a.dtype)  # of a by y and by ydot
     by[0, EPS], by[0, U] = dFdt[0], dFdt[1]
@@ -72,26 +72,36 @@ def _local(c, y, ydot, tangents):
     return a, T, by, bt
 
 
+def _add_stiffness(F, coefficients, y_s, T_s, count):
+    """Add K y_s to the rows F at a point (count 1), or summed over the two nodes of a cell (count 2).
+
+    coefficients: T, u, v, at the point or summed over the nodes; T_s: dT/ds, summed likewise.
+    """
+    T, u, v = coefficients
+    F[0] += T_s
+    F[1] += T * y_s[PHI]
+    F[2] += count * y_s[U] - v * y_s[PHI]
+    F[3] += count * y_s[V] + u * y_s[PHI]
+    if len(F) > Z:
+        F[Z] += count * y_s[Z]
+
+
 def _up(y):
-    """The upward parts of t and n."""
+    """Return the upward parts of t and n."""
     return np.array([np.cos(y[PHI]), -np.sin(y[PHI])])
 
 
 def point(c, y, ydot, y_s, ydot_s):
-    """M y_t + K y_s + f at points of the cable ``c``, all (4 or 5, n, *S)."""
+    """Return M y_t + K y_s + f at points of the cable ``c``, all (4 or 5, n, *S)."""
     F, T, *_ = _local(c, y, ydot, False)
-    F[0] += c.EA * (y_s[EPS] + c.beta * ydot_s[EPS])
-    F[1] += T * y_s[PHI]
-    F[2] += y_s[U] - y[V] * y_s[PHI]
-    F[3] += y_s[V] + y[U] * y_s[PHI]
+    _add_stiffness(F, (T, y[U], y[V]), y_s, c.EA * (y_s[EPS] + c.beta * ydot_s[EPS]), 1)
     if c.has_seabed:
         F[:2] += c.support(y[Z])[0] * _up(y)
-        F[4] += y_s[Z]
     return F
 
 
 def cells(c, y, ydot, tangents=True) -> Residual:
-    """Rows of the box scheme (39) between the nodes of the cable ``c``; y and ydot (4 or 5, N, *S)."""
+    """Return the rows of the box scheme (39) between the nodes of the cable ``c``; y and ydot (4 or 5, N, *S)."""
     a, T, by, bt = _local(c, y, ydot, tangents)
     EA = c.EA
 
@@ -99,16 +109,12 @@ def cells(c, y, ydot, tangents=True) -> Residual:
     D, S = (y[:, 1:] - y[:, :-1]) / ds, y[:, 1:] + y[:, :-1]  # y_s, and twice the mean
     S_T, D_phi = T[1:] + T[:-1], D[PHI]
     F = a[:, 1:] + a[:, :-1]
-    F[0] += 2 * (T[1:] - T[:-1]) / ds
-    F[1] += S_T * D_phi
-    F[2] += 2 * D[U] - S[V] * D_phi
-    F[3] += 2 * D[V] + S[U] * D_phi
+    _add_stiffness(F, (S_T, S[U], S[V]), D, 2 * (T[1:] - T[:-1]) / ds, 2)
     if c.has_seabed:
         support, support_z = c.support(S[Z] / 2)
         up = _up(y)
         S_up = up[:, 1:] + up[:, :-1]
         F[:2] += support * S_up
-        F[4] += 2 * D[Z]
     if not tangents:
         return Residual(F)
 
@@ -137,7 +143,7 @@ def cells(c, y, ydot, tangents=True) -> Residual:
 
 
 def velocity(y, tangents=True):
-    """Velocity of the nodes, (up, along): (2, *shape), (43), (44); and d/dy (2, n_f, *shape), or None."""
+    """Return the velocity of the nodes, (up, along): (2, *shape), (43), (44); and d/dy (2, n_f, *shape), or None."""
     u, v, phi = y[U], y[V], y[PHI]
     sin, cos = np.sin(phi), np.cos(phi)
     value = np.array([u * cos - v * sin, u * sin + v * cos])
@@ -150,7 +156,7 @@ def velocity(y, tangents=True):
 
 
 def stretched_tangent(y, tangents=True):
-    """(1 + eps) t of the nodes in (up, along): (2, *shape), and d/dy (2, n_f, *shape), or None."""
+    """Return (1 + eps) t of the nodes in (up, along): (2, *shape), and d/dy (2, n_f, *shape), or None."""
     stretch, sin, cos = 1 + y[EPS], np.sin(y[PHI]), np.cos(y[PHI])
     value = np.array([stretch * cos, stretch * sin])
     if not tangents:

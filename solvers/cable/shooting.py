@@ -2,7 +2,7 @@
 
 dF/ds = w_e up - drag, dr/ds = (1 + |F|/EA) F/|F|; HB section 4.1 after its reference [15]. One shot along the whole
 line would grow a slip as exp(s sqrt(k/T)) on a seabed of stiffness k; from node to node it cannot.
-It shares with the box scheme the system's numbers and its seabed, and no equation.
+It takes from the system its parameters and the law of its seabed, and shares no equation with the box scheme.
 """
 
 from __future__ import annotations
@@ -18,41 +18,41 @@ _COMPLEX_STEP = 1e-30
 
 
 def shoot(system, y, tolerance):
-    """From a state y (n_f, N) near it: x = (eps, angles, places from the anchor) (2 n_d, N), jump, steps, converged.
+    """Return the equilibrium x = (eps, angles, positions from the anchor) (2 n_d, N), jump, steps, converged.
 
-    jump: the largest between shots, in tensions and chords.
+    y (n_f, N): a state near it. jump: the largest between shots, in tensions and chords.
     """
     n, nodes = system.dimension, system.nodes
     tangent = system.axes @ system.direction(y)
-    place = system.axes @ (system.positions(y) - system.anchor[:, None])
+    position = system.axes @ (system.positions(y) - system.anchor[:, None])
     scale = np.repeat([system.EA * abs(y[0]).max(), np.linalg.norm(system.chord) or 1.0], n)[:, None]
-    x = np.concatenate([system.EA * y[0] * tangent, place]) / scale
+    x = np.concatenate([system.EA * y[0] * tangent, position]) / scale
     jacobian = BandedJacobian(2 * n, nodes, n)
     ends = np.zeros((n, 2 * n))
     ends[:, n:] = np.eye(n)
 
     def shots(x):
-        """The states at the ends of the cells, from those at their starts (2 n_d, *S)."""
+        """Return the states at the ends of the cells, from those at their starts (2 n_d, *S)."""
 
         def rate(_, flat):
             F, r = np.split(flat.reshape(x.shape) * scale.reshape(-1, *(1,) * (x.ndim - 1)), 2)
-            slope = np.concatenate([-_load(system, F, r), _direction(F)[0] * (1 + _direction(F)[1] / system.EA)])
+            by_s = np.concatenate([-_load(system, F, r), _direction(F)[0] * (1 + _direction(F)[1] / system.EA)])
             ds = system.ds.reshape(-1, *(1,) * (x.ndim - 2))
-            return (ds * slope / scale.reshape(-1, *(1,) * (x.ndim - 1))).ravel()
+            return (ds * by_s / scale.reshape(-1, *(1,) * (x.ndim - 1))).ravel()
 
         end = solve_ivp(rate, (0.0, 1.0), x.ravel(), "DOP853", t_eval=[1.0], rtol=_INTEGRATION, atol=_INTEGRATION)
         return end.y[:, -1].reshape(x.shape) if end.success else np.full_like(x, np.nan)
 
-    def rows(x, reached):
-        return Residual(x[n:, 0]), Residual(x[:, 1:] - reached), Residual(x[n:, -1] - system.chord / scale[n:, 0])
+    def rows(x, arrived):
+        return Residual(x[n:, 0]), Residual(x[:, 1:] - arrived), Residual(x[n:, -1] - system.chord / scale[n:, 0])
 
     def linearise(x):
-        nudged = x[:, :-1, None] + 1j * _COMPLEX_STEP * np.eye(2 * n)[:, None, :]
-        reached = shots(nudged)
+        perturbed = x[:, :-1, None] + 1j * _COMPLEX_STEP * np.eye(2 * n)[:, None, :]
+        arrived = shots(perturbed)
         cells = np.zeros((2, 2 * n, 2 * n, nodes - 1))
-        cells[0] = -np.moveaxis(reached.imag, 1, 2) / _COMPLEX_STEP
+        cells[0] = -np.moveaxis(arrived.imag, 1, 2) / _COMPLEX_STEP
         cells[1] = np.eye(2 * n)[..., None]
-        F = stack(*rows(x, reached[..., 0].real))
+        F = stack(*rows(x, arrived[..., 0].real))
         if not np.isfinite(cells).all() or not jacobian.factorise(ends, cells, ends):
             return F, None
         return F, lambda F: jacobian.solve(F).reshape(x.T.shape).T
@@ -67,13 +67,13 @@ def shoot(system, y, tolerance):
 
 
 def _direction(F):
-    """Unit tangent and tension."""
+    """Return the unit tangent and the tension of forces F (n_d, *S)."""
     T = np.sqrt((F * F).sum(axis=0))
     return F / T, T
 
 
 def _load(system, F, r):
-    """Weight less seabed, and drag of the current, per unstretched length, (n_d, *S)."""
+    """Return weight, support of the seabed and drag of the current per unstretched length, (n_d, *S), N/m."""
     load = np.zeros_like(F)
     load[0] = -system.w0
     if system.has_seabed:

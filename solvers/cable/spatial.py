@@ -12,7 +12,7 @@ EPS, U, V, W, PHI, THETA, Z = range(7)
 
 
 class _Current:
-    """Steady current in the moving frame, (7)-(9): along t, n, b, and its derivatives by phi and theta."""
+    """Steady current in the moving frame, (7)-(9): parts along t, n, b, and their derivatives by phi and theta."""
 
     def __init__(self, current, sin_p, cos_p, sin_t, cos_t):
         up, plane, out = current
@@ -25,7 +25,7 @@ class _Current:
 
 
 def _local(c, y, ydot, tangents):
-    """M y_t + f of HB (1)-(6) at points of the cable ``c``, the tension, and d/dy, d/dydot of the former or None."""
+    """Return M y_t + f of HB (1)-(6) at points of the cable ``c``, the tension, and tangents of the former or None."""
     eps, u, v, w, phi, theta = y[:6]
     eps_t, u_t, v_t, w_t, phi_t, theta_t = ydot[:6]
     m, ma, EA = c.m, c.ma, c.EA
@@ -92,56 +92,66 @@ def _local(c, y, ydot, tangents):
     return a, T, by, bt
 
 
+def _stiffness_coefficients(y, T):
+    """Return what y_s is multiplied by in K y_s: T, T cos, v cos, w, u cos + w sin, v sin, u (of theta)."""
+    u, v, w, sin, cos = y[U], y[V], y[W], np.sin(y[THETA]), np.cos(y[THETA])
+    return T, T * cos, v * cos, w, u * cos + w * sin, v * sin, u
+
+
+def _add_stiffness(F, coefficients, y_s, T_s, count):
+    """Add K y_s to the rows F at a point (count 1), or summed over the two nodes of a cell (count 2).
+
+    coefficients: as ``_stiffness_coefficients`` gives them, at the point or summed; T_s: dT/ds, summed likewise.
+    """
+    T, k25, k45, k46, k55, k65, k66 = coefficients
+    D_phi, D_theta = y_s[PHI], y_s[THETA]
+    F[0] += T_s
+    F[1] += k25 * D_phi
+    F[2] -= T * D_theta
+    F[3] += count * y_s[U] - k45 * D_phi + k46 * D_theta
+    F[4] += count * y_s[V] + k55 * D_phi
+    F[5] += count * y_s[W] - k65 * D_phi - k66 * D_theta
+    if len(F) > Z:
+        F[Z] += count * y_s[Z]
+
+
 def _up(y):
-    """The upward parts of t, n and b."""
+    """Return the upward parts of t, n and b."""
     cos_p = np.cos(y[PHI])
     return np.array([cos_p * np.cos(y[THETA]), -np.sin(y[PHI]), cos_p * np.sin(y[THETA])])
 
 
 def point(c, y, ydot, y_s, ydot_s):
-    """M y_t + K y_s + f at points of the cable ``c``, all (6 or 7, n, *S)."""
+    """Return M y_t + K y_s + f at points of the cable ``c``, all (6 or 7, n, *S)."""
     F, T, *_ = _local(c, y, ydot, False)
-    _, u, v, w, _, theta = y[:6]
-    sin, cos, D_phi, D_theta = np.sin(theta), np.cos(theta), y_s[PHI], y_s[THETA]
-    F[0] += c.EA * (y_s[EPS] + c.beta * ydot_s[EPS])
-    F[1] += T * cos * D_phi
-    F[2] -= T * D_theta
-    F[3] += y_s[U] - v * cos * D_phi + w * D_theta
-    F[4] += y_s[V] + (u * cos + w * sin) * D_phi
-    F[5] += y_s[W] - v * sin * D_phi - u * D_theta
+    _add_stiffness(F, _stiffness_coefficients(y, T), y_s, c.EA * (y_s[EPS] + c.beta * ydot_s[EPS]), 1)
     if c.has_seabed:
         F[:3] += c.support(y[Z])[0] * _up(y)
-        F[6] += y_s[Z]
     return F
 
 
 def cells(c, y, ydot, tangents=True) -> Residual:
-    """Rows of the box scheme (39) between the nodes of the cable ``c``; y and ydot (6 or 7, N, *S)."""
+    """Return the rows of the box scheme (39) between the nodes of the cable ``c``; y and ydot (6 or 7, N, *S)."""
     a, T, by, bt = _local(c, y, ydot, tangents)
-    _, u, v, w, _, theta = y[:6]
-    EA, sin_t, cos_t = c.EA, np.sin(theta), np.cos(theta)
+    EA = c.EA
 
     ds = c.ds if y.ndim == 2 else c.ds[:, None]
     D = (y[:, 1:] - y[:, :-1]) / ds  # y_s
     D_phi, D_theta = D[PHI], D[THETA]
-    k25, k45, k55, k65 = T * cos_t, v * cos_t, u * cos_t + w * sin_t, v * sin_t
-    S_T, S25, S45, S46, S55, S65, S66 = (q[1:] + q[:-1] for q in (T, k25, k45, w, k55, k65, u))  # twice the mean
+    sums = [q[1:] + q[:-1] for q in _stiffness_coefficients(y, T)]  # twice the mean
+    S_T, S25, S45, S46, S55, S65, S66 = sums
     F = a[:, 1:] + a[:, :-1]
-    F[0] += 2 * (T[1:] - T[:-1]) / ds
-    F[1] += S25 * D_phi
-    F[2] -= S_T * D_theta
-    F[3] += 2 * D[U] - S45 * D_phi + S46 * D_theta
-    F[4] += 2 * D[V] + S55 * D_phi
-    F[5] += 2 * D[W] - S65 * D_phi - S66 * D_theta
+    _add_stiffness(F, sums, D, 2 * (T[1:] - T[:-1]) / ds, 2)
     if c.has_seabed:
         support, support_z = c.support((y[Z, 1:] + y[Z, :-1]) / 2)
         up = _up(y)
         S_up = up[:, 1:] + up[:, :-1]
         F[:3] += support * S_up
-        F[6] += 2 * D[Z]
     if not tangents:
         return Residual(F)
 
+    _, u, v, w, _, theta = y[:6]
+    sin_t, cos_t = np.sin(theta), np.cos(theta)
     J = np.stack([by[:, :, :-1], by[:, :, 1:]])
     Jt = np.stack([bt[:, :, :-1], bt[:, :, 1:]])
     for side, sign, at in ((0, -1.0, slice(None, -1)), (1, 1.0, slice(1, None))):
@@ -183,7 +193,7 @@ def cells(c, y, ydot, tangents=True) -> Residual:
 
 
 def velocity(y, tangents=True):
-    """Velocity of the nodes (up, along, out of plane): (3, *shape), (43)-(45); and d/dy (3, n_f, *shape), or None."""
+    """Return the velocity of the nodes (up, along, out): (3, *shape), (43)-(45); and d/dy (3, n_f, *shape), or None."""
     u, v, w = y[U], y[V], y[W]
     sin_p, cos_p, sin_t, cos_t = np.sin(y[PHI]), np.cos(y[PHI]), np.sin(y[THETA]), np.cos(y[THETA])
     level = u * cos_t + w * sin_t
@@ -201,7 +211,7 @@ def velocity(y, tangents=True):
 
 
 def stretched_tangent(y, tangents=True):
-    """(1 + eps) t of the nodes in (up, along, out of plane): (3, *shape), and d/dy (3, n_f, *shape), or None."""
+    """Return (1 + eps) t of the nodes in (up, along, out): (3, *shape), and d/dy (3, n_f, *shape), or None."""
     stretch = 1 + y[EPS]
     sin_p, cos_p, sin_t, cos_t = np.sin(y[PHI]), np.cos(y[PHI]), np.sin(y[THETA]), np.cos(y[THETA])
     t = np.array([cos_p * cos_t, sin_p * cos_t, -sin_t])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..common.outcome import InputError
-from ..common.properties import real_array
+from ..common.validation import real_array
 
 STRAIGHT = 1e-9  # of the tension: a piece lighter than that is straight, its square is below rounding
 
@@ -16,9 +16,9 @@ def profile(state, s):
     try:
         s = real_array(s)
     except (TypeError, ValueError):
-        raise InputError(f"s: {s!r} must be real numbers (m)") from None
+        raise InputError(f"{s!r} must be real numbers (m)", field="s", value=s, unit="m") from None
     if not np.all((s >= 0) & (s <= span.L)):
-        raise InputError(f"s: values must lie in [0, {span.L:g}] m, the unstretched length")
+        raise InputError(f"values must lie in [0, {span.L:g}] m, the unstretched length", field="s", value=s, unit="m")
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # branches not taken
         if span.w == 0:
             return s / span.L * span.x, s / span.L * span.z, np.full_like(s, state.tension)

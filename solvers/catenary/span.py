@@ -13,7 +13,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from ..common.outcome import InputError, Outcome, Status
-from ..common.properties import as_array, flags, real_number
+from ..common.validation import as_array, flags, real_number
 from ..numerics.elementary import ARRAY, SCALAR
 from .profile import profile
 from .solve import INVALID_INPUT, REGIMES, STATUSES, Regime, many, one, solve
@@ -58,16 +58,19 @@ class Span:
             ("clearance", self.clearance < 0, ">= 0: the anchor cannot be below the seabed"),
         ):
             if bad:
-                raise InputError(f"{name}: {getattr(self, name):g} {_UNITS[name]} must be {need}")
+                value, unit = getattr(self, name), _UNITS[name]
+                raise InputError(f"{value:g} {unit} must be {need}", field=name, value=value, unit=unit)
         if self.seabed and self.w < 0:
-            raise InputError(f"w: {self.w:g} N/m, a buoyant line, cannot rest on a seabed: give seabed=False")
+            problem = f"{self.w:g} N/m, a buoyant line, cannot rest on a seabed: give seabed=False"
+            raise InputError(problem, field="w", value=self.w, unit="N/m")
         if self.seabed and self.z < -self.clearance:
             raise InputError(
                 f"z: {self.z:g} m puts the fairlead below the seabed, {self.clearance:g} m under the anchor: "
                 "give clearance, swap the ends, or give seabed=False"
             )
         if not self.seabed and self.clearance > 0:
-            raise InputError(f"clearance: {self.clearance:g} m has no meaning with seabed=False")
+            problem = f"{self.clearance:g} m has no meaning with seabed=False"
+            raise InputError(problem, field="clearance", value=self.clearance, unit="m")
 
 
 _UNITS = {"w": "N/m", "EA": "N", "L": "m", "x": "m", "z": "m", "friction": "(dimensionless)", "clearance": "m"}
@@ -155,7 +158,7 @@ def solve_span(span: Span, *, tolerance: float = TOLERANCE, throw: bool = True) 
     between (x, z, clearance over L, friction, w L/EA above 1e40; EA/L above 1e308; 0 < |w| L < 1e-300 N).
     """
     if not isinstance(span, Span):
-        raise InputError(f"span: {span!r} is not a solvers.Span")
+        raise InputError(f"{span!r} is not a solvers.Span", field="span", value=span)
     tolerance = _checked(tolerance)
     flags(throw=throw)
     inputs = span.w, span.EA, span.L, span.x, span.z, span.seabed, span.friction, span.clearance
@@ -203,7 +206,8 @@ def span_arrays(w, EA, L, x, z, seabed, friction, clearance, tolerance=TOLERANCE
 def _checked(tolerance) -> float:
     value = real_number("tolerance", tolerance, "dimensionless")
     if not 0 < value < 1:
-        raise InputError(f"tolerance: {tolerance!r} (dimensionless) must lie in (0, 1)")
+        problem = f"{tolerance!r} (dimensionless) must lie in (0, 1)"
+        raise InputError(problem, field="tolerance", value=tolerance, unit="(dimensionless)")
     return max(value, TOLERANCE)
 
 

@@ -18,7 +18,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from .outcome import InputError
-from .properties import as_array, positive_number, real_number, vector
+from .validation import as_array, positive_number, real_number, vector
 
 _SAME_DIRECTION = 1e-12  # share of the largest extent below which an extent is rounding: 1e4 eps
 _EXTREME = 1e100  # s; a ramp between this and its inverse has squares within double precision
@@ -42,7 +42,8 @@ class Motion:
         sine = _rows("sine", self.sine, 1)
         cosine = np.zeros_like(sine) if self.cosine is None else _rows("cosine", self.cosine, 1)
         if cosine.shape != sine.shape:
-            raise InputError(f"cosine: shape {cosine.shape} must be that of sine, {sine.shape}: one row a harmonic (m)")
+            problem = f"shape {cosine.shape} must be that of sine, {sine.shape}: one row a harmonic (m)"
+            raise InputError(problem, field="cosine", value=self.cosine, unit="m")
         object.__setattr__(self, "sine", sine)
         object.__setattr__(self, "cosine", cosine)
 
@@ -118,11 +119,13 @@ class SampledMotion:
         series = _rows("samples", self.samples, 2)
         time = _real_array("time", self.time, "s")
         if time.shape != series.shape[:1]:
-            raise InputError(f"time: shape {time.shape} (s) must be ({len(series)},), one for each row of samples")
+            problem = f"shape {time.shape} (s) must be ({len(series)},), one for each row of samples"
+            raise InputError(problem, field="time", value=self.time, unit="s")
         _finite("time", time, "s")
         if not (np.diff(time) > 0).all():
             i = int(np.argmin(np.diff(time) > 0))
-            raise InputError(f"time: must increase (s), and {time[i + 1]:g} follows {time[i]:g} at index {i + 1}")
+            problem = f"must increase (s), and {time[i + 1]:g} follows {time[i]:g} at index {i + 1}"
+            raise InputError(problem, field="time", value=self.time, unit="s")
         object.__setattr__(self, "time", time)
         object.__setattr__(self, "samples", series)
 
@@ -143,7 +146,8 @@ class SampledMotion:
         inside = (t.real >= first - slack) & (t.real <= last + slack)
         if not np.all(inside):
             bad = t.real[~inside].flat[0] if t.ndim else t.real
-            raise InputError(f"time: {bad:g} s lies outside the series, {first:g} to {last:g} s")
+            problem = f"{bad:g} s lies outside the series, {first:g} to {last:g} s"
+            raise InputError(problem, field="time", value=float(bad), unit="s")
         i = np.clip(np.searchsorted(self.time, t.real, side="right") - 1, 0, len(self.time) - 2)
         return self._cubics[..., i], t - self.time[i]
 
@@ -173,7 +177,8 @@ class FunctionMotion:
     def __post_init__(self):
         for name in ("position", "rate"):
             if not callable(getattr(self, name)):
-                raise InputError(f"{name}: {getattr(self, name)!r} must be a function of time (s)")
+                given = getattr(self, name)
+                raise InputError(f"{given!r} must be a function of time (s)", field=name, value=given)
 
     def directions(self) -> np.ndarray:
         """x, y and z: a function may go anywhere, (3, 3)."""
@@ -201,7 +206,8 @@ class Ramped:
     def __post_init__(self):
         duration = positive_number("duration", self.duration, "s")
         if not 1 / _EXTREME <= duration <= _EXTREME:
-            raise InputError(f"duration: a ramp of {duration:g} s must lie between {1 / _EXTREME:g} and {_EXTREME:g} s")
+            problem = f"a ramp of {duration:g} s must lie between {1 / _EXTREME:g} and {_EXTREME:g} s"
+            raise InputError(problem, field="duration", value=duration, unit="s")
         object.__setattr__(self, "duration", duration)
 
     def directions(self) -> np.ndarray:
@@ -239,7 +245,7 @@ def _times(t) -> np.ndarray:
     """t as an array of one axis at most."""
     t = np.asarray(t)
     if t.ndim > 1:
-        raise InputError(f"t: shape {t.shape} must be () or (S,) (s)")
+        raise InputError(f"shape {t.shape} must be () or (S,) (s)", field="t", value=t, unit="s")
     return t
 
 
@@ -248,10 +254,11 @@ def _real_array(name, values, unit) -> np.ndarray:
     try:
         array = as_array(values)
     except ValueError:
-        why = f"{name}: rows of different lengths, or masked elements"
-        raise InputError(f"{why}, must be real numbers ({unit}) of one shape") from None
+        problem = f"rows of different lengths, or masked elements, must be real numbers ({unit}) of one shape"
+        raise InputError(problem, field=name, value=values, unit=unit) from None
     if array.dtype.kind not in "iuf":
-        raise InputError(f"{name}: values of type {array.dtype} must be real numbers ({unit})")
+        problem = f"values of type {array.dtype} must be real numbers ({unit})"
+        raise InputError(problem, field=name, value=values, unit=unit)
     array = array.astype(float)
     array.flags.writeable = False
     return array
@@ -261,14 +268,16 @@ def _finite(name, array, unit):
     """Raises InputError naming the first entry that is not finite."""
     if not np.isfinite(array).all():
         at = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
-        raise InputError(f"{name}[{', '.join(map(str, at))}]: {array[at]} {unit} must be finite")
+        field = f"{name}[{', '.join(map(str, at))}]"
+        raise InputError(f"{array[at]} {unit} must be finite", field=field, value=float(array[at]), unit=unit)
 
 
 def _rows(name, values, least) -> np.ndarray:
     """A read-only array (n, 3) of finite numbers in m, n >= least."""
     array = _real_array(name, values, "m")
     if array.ndim != 2 or array.shape[1] != 3 or len(array) < least:
-        raise InputError(f"{name}: shape {array.shape} must be (n, 3), n >= {least} rows [x, y, z] (m)")
+        problem = f"shape {array.shape} must be (n, 3), n >= {least} rows [x, y, z] (m)"
+        raise InputError(problem, field=name, value=values, unit="m")
     _finite(name, array, "m")
     return array
 
@@ -285,5 +294,6 @@ def _called(name, function, t, unit) -> np.ndarray:
     values = [np.asarray(function(one)) for one in t.ravel().tolist()]
     for one, value in zip(t.ravel(), values, strict=True):
         if value.shape != (3,) or not np.isfinite(value).all():
-            raise InputError(f"{name}: {value!r} at {one:g} s must be three finite components [x, y, z] ({unit})")
+            problem = f"{value!r} at {one:g} s must be three finite components [x, y, z] ({unit})"
+            raise InputError(problem, field=name, value=value, unit=unit)
     return np.stack(values, axis=-1).reshape(3, *t.shape) if values else np.empty((3, 0))

@@ -48,7 +48,29 @@ class Status(Enum):
 
 
 class InputError(ValueError):
-    """An input is refused before any work; the message names the field, its value and its unit."""
+    """An input is refused before any work; the message names the field, its value and its unit.
+
+    Attributes, each None where it has no meaning: ``field``, the name of the argument or key; its ``value``; its
+    ``unit``; ``item``, (kind, index) of the node or element that it belongs to. The message is a label (by default the
+    item or the field, "" for none) and the ``problem``, which states value, unit and what they should be.
+    """
+
+    def __init__(self, problem: str, *, field=None, value=None, unit=None, item=None, label=None):
+        if label is None:
+            label = f"{item[0]} {item[1]}" if item else field
+        super().__init__(f"{label}: {problem}" if label else problem)
+        self.problem, self.field, self.value, self.item = problem, field, value, item
+        self.unit = unit and unit.strip("()")
+
+    def labelled(self, label: str) -> InputError:
+        """Return the error with another label in its message, in place of its field or item."""
+        return InputError(
+            self.problem, field=self.field, value=self.value, unit=self.unit, item=self.item, label=label
+        )
+
+    def located(self, place: str) -> InputError:
+        """Return the error with the place of the input, a file, line or table, in front of its message."""
+        return InputError(str(self), field=self.field, value=self.value, unit=self.unit, item=self.item, label=place)
 
 
 class ConvergenceError(RuntimeError):

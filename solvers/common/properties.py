@@ -1,94 +1,14 @@
-"""What a cable is and what surrounds it: validated when built, SI units."""
+"""Data of a cable and its environment, validated when built, SI units."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from numbers import Complex, Real
-
-import numpy as np
 
 from .outcome import InputError
+from .validation import non_negative_number, positive_number, real_number, vector
 
 _LARGEST = 1e100  # m; squares of a diameter and products with it stay within double precision
-
-
-def real_number(name: str, value, unit: str) -> float:
-    """``value`` as a finite float; raises InputError naming the field, the value and its unit."""
-    if type(value) is not float:
-        if isinstance(value, np.ndarray) and value.ndim == 0 and not np.ma.is_masked(value):
-            value = value.item()
-        if isinstance(value, bool) or not isinstance(value, Real):
-            article = "one" if isinstance(value, (list, tuple, np.ndarray)) else "a"
-            raise InputError(f"{name}: {value!r} must be {article} real number ({unit.strip('()')})")
-        try:
-            value = float(value)
-        except OverflowError:
-            raise InputError(f"{name}: {value!r} {unit} must be finite") from None
-    if not math.isfinite(value):
-        raise InputError(f"{name}: {value} {unit} must be finite")
-    return value
-
-
-def positive_number(name: str, value, unit: str) -> float:
-    """As ``real_number``, and > 0."""
-    value = real_number(name, value, unit)
-    if value <= 0:
-        raise InputError(f"{name}: {value:g} {unit} must be > 0")
-    return value
-
-
-def non_negative_number(name: str, value, unit: str) -> float:
-    """As ``real_number``, and >= 0."""
-    value = real_number(name, value, unit)
-    if value < 0:
-        raise InputError(f"{name}: {value:g} {unit} must be >= 0")
-    return value
-
-
-def as_array(value) -> np.ndarray:
-    """np.asarray; raises ValueError for rows of different lengths, and for masked elements, which numpy makes NaN."""
-    if _masked(value):
-        raise ValueError("masked elements")
-    return np.asarray(value)
-
-
-def _masked(value) -> bool:
-    return value is np.ma.masked or (isinstance(value, (list, tuple)) and any(map(_masked, value)))
-
-
-def real_array(value) -> np.ndarray:
-    """A copy as floats; raises TypeError or ValueError where it is none, also for complex numbers, which numpy cuts."""
-    array = as_array(value)
-    among = array.ravel().tolist() if array.dtype == object else ()
-    if np.iscomplexobj(array) or any(isinstance(number, Complex) and not isinstance(number, Real) for number in among):
-        raise TypeError("complex numbers")
-    try:
-        return np.array(value, dtype=float)
-    except OverflowError as error:  # a whole number beyond 1e308
-        raise ValueError(str(error)) from None
-
-
-def one_of(name: str, value, choices):
-    """Raises InputError naming the choices where ``value`` is none of them."""
-    if not isinstance(value, (str, type(None))) or value not in choices:
-        *most, last = map(repr, choices)
-        raise InputError(f"{name}: {value!r} must be {', '.join(most)} or {last}")
-
-
-def flags(**given):
-    """Raises InputError naming the one of the keywords that is neither True nor False."""
-    for name, value in given.items():
-        if type(value) is not bool and not isinstance(value, np.bool_):
-            raise InputError(f"{name}: {value!r} must be True or False")
-
-
-def vector(name: str, value, unit: str, what: str = "components") -> tuple[float, float, float]:
-    """Three real numbers in x, y, z as a tuple of finite floats; raises InputError naming the one that is not."""
-    listed = isinstance(value, (list, tuple)) or (isinstance(value, np.ndarray) and value.ndim == 1)
-    if not listed or len(value) != 3 or any(isinstance(part, (list, tuple, np.ndarray)) for part in value):
-        raise InputError(f"{name}: {value!r} must be three {what} [x, y, z] ({unit})")
-    return tuple(real_number(f"{name}[{i}]", v, unit) for i, v in enumerate(value))
 
 
 @dataclass(frozen=True)
@@ -115,7 +35,8 @@ class Environment:
         if self.seabed_stiffness is not None:
             stiffness = non_negative_number("seabed_stiffness", self.seabed_stiffness, "N/m^2")
             if self.depth is None:
-                raise InputError(f"seabed_stiffness: {stiffness:g} N/m^2 takes a seabed, and depth (m) is not given")
+                problem = f"{stiffness:g} N/m^2 takes a seabed, and depth (m) is not given"
+                raise InputError(problem, field="seabed_stiffness", value=stiffness, unit="N/m^2")
             object.__setattr__(self, "seabed_stiffness", stiffness)
 
 
@@ -155,14 +76,14 @@ class CableProperties:
             if getattr(self, name) is not None:
                 object.__setattr__(self, name, positive_number(name, getattr(self, name), unit))
         if self.diameter is not None and self.diameter > _LARGEST:
-            raise InputError(f"diameter: {self.diameter:g} m must not exceed {_LARGEST:g} m")
+            problem = f"{self.diameter:g} m must not exceed {_LARGEST:g} m"
+            raise InputError(problem, field="diameter", value=self.diameter, unit="m")
         if self.submerged_weight is not None:
             weight = real_number("submerged_weight", self.submerged_weight, "N/m")
             object.__setattr__(self, "submerged_weight", weight)
         elif self.diameter is None or self.mass_per_length is None:
-            raise InputError(
-                "submerged_weight: not given (N/m), and it takes both diameter (m) and mass_per_length (kg/m)"
-            )
+            problem = "not given (N/m), and it takes both diameter (m) and mass_per_length (kg/m)"
+            raise InputError(problem, field="submerged_weight", unit="N/m")
         if self.Cdb is None:
             object.__setattr__(self, "Cdb", self.Cdn)
         for name, unit in _COEFFICIENTS.items():
@@ -172,15 +93,18 @@ class CableProperties:
     def area(self) -> float:
         """Area of the section, pi d^2/4, m^2. Raises InputError without a diameter."""
         if self.diameter is None:
-            raise InputError("diameter: not given (m), and the area of the section takes it")
+            raise InputError("not given (m), and the area of the section takes it", field="diameter", unit="m")
         return math.pi * self.diameter**2 / 4
 
     def added_mass(self, environment: Environment) -> float:
-        """Added mass per unstretched length, C_a rho pi d^2/4 in kg/m, HB 2.1. Raises InputError without a diameter."""
+        """Return the added mass per unstretched length, C_a rho pi d^2/4 in kg/m, HB 2.1.
+
+        Raises InputError without a diameter.
+        """
         return self.Ca * environment.rho * self.area
 
     def weight_in(self, environment: Environment) -> float:
-        """Submerged weight per unstretched length, N/m: as given, else g (m - rho pi d^2/4), MSQS (2.2)."""
+        """Return the submerged weight per unstretched length, N/m: as given, else g (m - rho pi d^2/4), MSQS (2.2)."""
         if self.submerged_weight is not None:
             return self.submerged_weight
         return environment.g * (self.mass_per_length - environment.rho * self.area)

@@ -1,4 +1,4 @@
-"""What a time history and a periodic response of a cable have in common: its outputs, by time."""
+"""Outputs by time that a time history and a periodic response of a cable share."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from .outcome import InputError
-from .properties import real_array
+from .validation import real_array
 
 _SAMPLES = 64  # in a period for each harmonic asked for: the interpolated tension then has no alias above 1e-6
 
@@ -19,40 +19,40 @@ class Response:
     """
 
     def field(self, name: str) -> np.ndarray:
-        """One of ``system.fields`` at the stored times, (N, K): eps, u, v, w in m/s, phi, theta in rad, z in m."""
+        """Return one of ``system.fields`` at stored times, (N, K): u, v, w in m/s, phi, theta in rad, z in m."""
         return self.y[self.system.fields.index(name)]
 
     @cached_property
     def tension(self) -> np.ndarray:
-        """At the nodes and stored times, (N, K), N."""
+        """Tension at the nodes and stored times, (N, K), N."""
         return self.system.tension(self.y, self.ydot)
 
     @cached_property
     def r(self) -> np.ndarray:
-        """Places of the nodes at the stored times, (3, N, K), m."""
+        """Positions of the nodes at the stored times, (3, N, K), m."""
         return self.system.positions(self.y)
 
     @property
     def fairlead_force(self) -> np.ndarray:
-        """On the vessel at the stored times, (3, K), N."""
+        """Force on the vessel at the stored times, (3, K), N."""
         return -self.tension[-1] * self.system.direction(self.y[:, -1:])[:, 0]
 
     @property
     def anchor_force(self) -> np.ndarray:
-        """On the anchor at the stored times, (3, K), N."""
+        """Force on the anchor at the stored times, (3, K), N."""
         return self.tension[0] * self.system.direction(self.y[:, :1])[:, 0]
 
     def fairlead_tension(self, t) -> np.ndarray:
-        """At times t in s, any shape, N. Raises InputError where the history does not reach."""
+        """Return the fairlead tension at times t in s, any shape, N; raises InputError outside the history."""
         try:
             t = real_array(t)
         except (TypeError, ValueError):
-            raise InputError(f"t: {t!r} must be real numbers (s)") from None
+            raise InputError(f"{t!r} must be real numbers (s)", field="t", value=t, unit="s") from None
         flat = np.atleast_1d(t).ravel()
         return self.system.tension(self.at(flat), self.rate_at(flat))[-1].reshape(t.shape)
 
     def tension_harmonics(self, k: int) -> np.ndarray:
-        """Mean and amplitudes of harmonics 1..k of the fairlead tension over the last period, (k + 1,), N."""
+        """Return mean and amplitudes of harmonics 1..k of the fairlead tension over the last period, (k + 1,), N."""
         first, period = self.last_period
         n = _SAMPLES * (k + 1)
         spectrum = np.fft.rfft(self.fairlead_tension(first + period * np.arange(n) / n)) / n

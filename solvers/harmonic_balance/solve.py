@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from ..common.outcome import InputError, Status
-from ..common.properties import flags, one_of, positive_number, real_array
+from ..common.validation import flags, one_of, positive_number, real_array, whole_number
 from ..numerics.chain import ChainSystem
 from ..numerics.fourier import Basis
 from ..numerics.memory import keep_freed_memory
@@ -60,20 +60,22 @@ def solve_periodic(
     When Newton's method fails, the driving is raised in steps. Raises InputError for bad input, ConvergenceError when
     no response is found (``throw=False``: the largest amplitude reached, with its status).
     """
-    Nh = _whole("harmonics", harmonics, 1)
-    nu = _whole("subharmonic", subharmonic, 1)
-    Nt = max(4 * Nh, 8) if samples is None else _whole("samples", samples, 1)
+    Nh = _count("harmonics", harmonics)
+    nu = _count("subharmonic", subharmonic)
+    Nt = max(4 * Nh, 8) if samples is None else _count("samples", samples)
     if Nt < 2 * Nh + 1:
-        raise InputError(f"samples: {Nt} must be at least 2 harmonics + 1 = {2 * Nh + 1}")
+        raise InputError(f"{Nt} must be at least 2 harmonics + 1 = {2 * Nh + 1}", field="samples", value=Nt)
     tolerance = positive_number("tolerance", tolerance, "(mean change of a coefficient)")
     one_of("globalisation", globalisation, _NEWTON)
     one_of("linear_solver", linear_solver, ("direct", "iterative"))
     flags(mean=mean, multilevel=multilevel, symmetry=symmetry, deferred_correction=deferred_correction, throw=throw)
     finer = system.fourth_order() if deferred_correction else None
     if deferred_correction and finer is None:
-        raise InputError("deferred_correction: this chain has no rows of higher order")
+        problem = "this chain has no rows of higher order"
+        raise InputError(problem, field="deferred_correction", value=deferred_correction)
     if system.period is None:
-        raise InputError("motion: the chain has no periodic driving, and its periodic response takes one")
+        problem = "the chain has no periodic driving, and its periodic response takes one"
+        raise InputError(problem, field="motion", value=system.motion)
     basis = Basis(Nh, Nt, 2 * math.pi / (nu * system.period), bool(mean))
     newton, iterative = _NEWTON[globalisation], linear_solver == "iterative"
     z, coarse_iterations = _start_coefficients(system, basis, start), 0
@@ -146,12 +148,12 @@ def _corrected(residual, inverse, finer, z, tolerance):
 _NEWTON = {"damped": damped_newton, "relaxation": relaxed_newton}
 
 
-def _whole(name, value, least) -> int:
-    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < least:
-        raise InputError(f"{name}: {value!r} must be a whole number >= {least}")
+def _count(name, value) -> int:
+    """Return a whole number from 1 to MAX_COUNT."""
+    value = whole_number(name, value, 1)
     if value > MAX_COUNT:
-        raise InputError(f"{name}: {value!r} must be at most {MAX_COUNT}")
-    return int(value)
+        raise InputError(f"{value!r} must be at most {MAX_COUNT}", field=name, value=value)
+    return value
 
 
 def _start_coefficients(system, basis, start) -> np.ndarray:
@@ -162,12 +164,15 @@ def _start_coefficients(system, basis, start) -> np.ndarray:
     if isinstance(start, PeriodicResponse):
         z, old = start.z, start.basis
         if z.shape[:2] != shape or abs(old.omega / basis.omega - 1) > 1e-12:
-            raise InputError(f"start: a response of {z.shape[:2]} fields and nodes at {old.omega:g} rad/s does not fit")
+            problem = f"a response of {z.shape[:2]} fields and nodes at {old.omega:g} rad/s does not fit"
+            raise InputError(problem, field="start", value=start)
         return truncate_or_pad(z, old, basis)
     try:
         z = real_array(start)
     except (TypeError, ValueError):
-        raise InputError("start: must be a PeriodicResponse or an array of coefficients z") from None
+        problem = "must be a PeriodicResponse or an array of coefficients z"
+        raise InputError(problem, field="start", value=start) from None
     if z.shape != (*shape, basis.harmonic.size) or not np.isfinite(z).all():
-        raise InputError(f"start: coefficients of shape {z.shape} must be {(*shape, basis.harmonic.size)}, all finite")
+        problem = f"coefficients of shape {z.shape} must be {(*shape, basis.harmonic.size)}, all finite"
+        raise InputError(problem, field="start", value=start)
     return z

@@ -31,10 +31,12 @@ SECTIONS = {
     "SOLVER OPTIONS": "Option",
 }
 ALIASES = {"Node": "id", "Line": "id", "Type": "attachment", "B": "v"}
-OPEN = {"LINE PROPERTIES": 5, "SOLVER OPTIONS": 1}  # columns, after which any number of words may follow
+OPEN = {"LINE PROPERTIES": 5, "SOLVER OPTIONS": 1}  # columns after which any number of words may follow
 KINDS = {"fix": "fixed", "connect": "free", "vessel": "coupled"}
 OUTPUTS = """gx_pos gy_pos gz_pos gx_a_pos gy_a_pos gz_a_pos gx_force gy_force gz_force h_fair h_anch v_fair v_anch
 tension_fair tension_anch x_excursion z_excursion azimuth altitude altitude_anch line_tension lay_length"""
+UNITS = {"Diam": "m", "MassDenInAir": "kg/m", "EA": "N", "X": "m", "Y": "m", "Z": "m", "M": "kg", "B": "m^3",
+         "FX": "N", "FY": "N", "FZ": "N", "UnstrLen": "m"}  # fmt: skip
 NUMBERED = ("seg_size", "damage_time", "diagnostic")  # flags of the time domain, each with a number
 IGNORED = """help inner_ftol inner_gtol inner_xtol inner_max_its outer_max_its outer_tol outer_epsilon outer_cd outer_bd
 outer_fd powell pg_cooked krylov_accelerator ref_position integration_dt kb_default cb_default"""
@@ -54,7 +56,7 @@ class MapNetwork(Network):
 
 
 def read_map_file(path, *, depth=None, rho=Environment.rho, g=Environment.g) -> MapNetwork:
-    """The network of a MAP++ file, in water ``depth`` m deep (None: no seabed), rho kg/m^3, g m/s^2.
+    """Return the network of a MAP++ file, in water ``depth`` m deep (None: no seabed), rho kg/m^3, g m/s^2.
 
     Raises InputError naming file and line for what is missing, wrong or not supported.
     """
@@ -62,9 +64,9 @@ def read_map_file(path, *, depth=None, rho=Environment.rho, g=Environment.g) -> 
     try:
         text = Path(path).read_text(encoding="latin-1")  # what counts is ASCII; the unit m^3 comes in any encoding
     except (TypeError, ValueError):
-        raise InputError(f"path: {path!r} is not the path of a MAP++ file") from None
+        raise InputError(f"{path!r} is not the path of a MAP++ file", field="path", value=path) from None
     except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+        raise InputError(f"cannot be read: {error.strerror}", field="path", value=path, label=str(path)) from None
     rows = _sections(path, text.split("\n"))
     for row in rows["LINE DICTIONARY"]:
         row.require(row["LineType"] not in types, f"LineType {row['LineType']!r} is there already")
@@ -82,9 +84,12 @@ def read_map_file(path, *, depth=None, rho=Environment.rho, g=Environment.g) -> 
     try:
         return MapNetwork(nodes, copies, environment, tuple(ignored))
     except InputError as error:
-        name, i, message = re.fullmatch(r"(node|element) (\d+)(.*)", str(error)).groups()
-        own = rows["NODE PROPERTIES" if name == "node" else "LINE PROPERTIES"]
-        own[int(i) % len(own)].require(False, f"{name} {int(i) + 1}{message}")
+        if error.item is None:
+            raise error.located(str(path)) from None
+        kind, i = error.item
+        own = rows["NODE PROPERTIES" if kind == "node" else "LINE PROPERTIES"]
+        number = f"node {i + 1} ({nodes[i].kind})" if kind == "node" else f"element {i + 1}"
+        raise error.labelled(number).located(own[i % len(own)].where) from None
 
 
 class _Row(dict):
@@ -98,25 +103,29 @@ class _Row(dict):
         fits = len(words) == count or (len(words) > count and section in OPEN)
         self.require(fits, f"{len(words)} columns where {section} has {count}: {' '.join(names[:count])}")
 
-    def require(self, condition, message):
+    def require(self, condition, problem, field=None, word=None):
+        """Raise InputError with the line number, the field (a column) and its word unless the condition holds."""
         if not condition:
-            raise InputError(f"{self.where}: {message}") from None
+            value = self.get(field) if word is None else word
+            error = InputError(problem, field=field, value=value, unit=UNITS.get(field))
+            raise error.located(self.where) from None
 
     def number(self, name, word=None, unknown=False) -> float:
-        """The word in this column as a finite number; ``unknown``: it may be marked with #."""
+        """Return the word in this column as a finite number; ``unknown``: it may be marked with #."""
         word = self[name] if word is None else word
-        self.require(unknown or not word.startswith("#"), f"{name}: {word!r} is marked as unknown, but must be given")
+        is_known = unknown or not word.startswith("#")
+        self.require(is_known, f"{word!r} is marked as unknown, but must be given", name, word)
         digits = word.removeprefix("#") or "0"
         plain = re.fullmatch(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", digits, re.ASCII)
-        self.require(word and plain and math.isfinite(float(digits)), f"{name}: {word!r} must be a number")
+        self.require(word and plain and math.isfinite(float(digits)), f"{word!r} must be a number", name, word)
         return float(digits)
 
     def checked(self, make, *arguments, **named):
-        """make(...), its InputError with the line number."""
+        """Return make(...); its InputError gets the line number."""
         try:
             return make(*arguments, **named)
         except InputError as error:
-            self.require(False, error)
+            raise error.located(self.where) from None
 
 
 def _sections(path, lines) -> dict[str, list[_Row]]:
@@ -144,7 +153,7 @@ def _sections(path, lines) -> dict[str, list[_Row]]:
 
 
 def _check_header(where, section, words, header):
-    """Names of the columns as in MAP++ (those of MoorDyn look alike and mean other things), then their units."""
+    """Raise InputError unless the columns are those of MAP++ (MoorDyn's look alike and mean others), then units."""
     names = SECTIONS[section].split()
     same = [word.lower() in (name.lower(), ALIASES.get(name)) for word, name in zip(words, names, strict=False)]
     if header == 0 and (len(words) != len(names) or not all(same)):
@@ -154,11 +163,11 @@ def _check_header(where, section, words, header):
 
 
 def _node(row, i, environment) -> Node:
-    row.require(row["Node"] == str(i), f"Node: {row['Node']!r} must be {i}: numbered 1, 2, ... in order")
+    row.require(row["Node"] == str(i), f"{row['Node']!r} must be {i}: numbered 1, 2, ... in order", "Node")
     kind = KINDS.get(row["Type"].lower())
     free, on_seabed = kind == "free", row["Z"].lower() == "depth"
-    row.require(kind, f"Type: {row['Type']!r} must be one of {', '.join(KINDS)}")
-    row.require(not on_seabed or environment.depth, "Z: 'depth' needs the argument depth of read_map_file")
+    row.require(kind, f"{row['Type']!r} must be one of {', '.join(KINDS)}", "Type")
+    row.require(not on_seabed or environment.depth, "'depth' needs the argument depth of read_map_file", "Z")
     z = -environment.depth if on_seabed else row.number("Z", unknown=free)
     r = row.number("X", unknown=free), row.number("Y", unknown=free), z
     # the force that holds a fix or vessel node is an output: # or a guess of it, no load
@@ -167,17 +176,17 @@ def _node(row, i, environment) -> Node:
 
 
 def _element(row, i, types, n) -> Element:
-    row.require(row["Line"] == str(i), f"Line: {row['Line']!r} must be {i}: numbered 1, 2, ... in order")
-    row.require(row["LineType"] in types, f"LineType: {row['LineType']!r} is none of {', '.join(types)}")
+    row.require(row["Line"] == str(i), f"{row['Line']!r} must be {i}: numbered 1, 2, ... in order", "Line")
+    row.require(row["LineType"] in types, f"{row['LineType']!r} is none of {', '.join(types)}", "LineType")
     for name in ("NodeAnch", "NodeFair"):
-        row.require(row[name] in map(str, range(1, n + 1)), f"{name}: {row[name]!r} must be a node from 1 to {n}")
+        row.require(row[name] in map(str, range(1, n + 1)), f"{row[name]!r} must be a node from 1 to {n}", name)
     row.require(row["NodeAnch"] != row["NodeFair"], f"NodeAnch and NodeFair are both {row['NodeAnch']}")
     ends = int(row["NodeAnch"]) - 1, int(row["NodeFair"]) - 1
     return row.checked(Element, L=row.number("UnstrLen"), ends=ends, **types[row["LineType"]])
 
 
 def _flags(row, environment):
-    """The flags of a line as text, all without a meaning here; those that change the model are refused."""
+    """Yield the flags of a line as text, all without a meaning here; those that change the model are refused."""
     flags = iter(row.more)
     for flag in flags:
         key = flag.lower()

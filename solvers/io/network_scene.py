@@ -10,7 +10,6 @@ name = "..."                 optional: description
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from difflib import get_close_matches
 
@@ -68,17 +67,18 @@ def _from_tables(data: dict, stem: str) -> NamedNetwork:
             node_names=tuple(nodes),
         )
     except InputError as error:
-        raise InputError(
-            re.sub(r"^node (\d+)", lambda i: f"[[nodes]] {list(nodes)[int(i[1])]!r}", str(error))
-        ) from None
+        if not error.item or error.item[0] != "node":
+            raise
+        i = error.item[1]
+        raise error.labelled(f"[[nodes]] {list(nodes)[i]!r} ({made[i].kind})") from None
 
 
 def _entries(name: str, tables):
-    """(where, table) of an array of tables, each with its keys checked."""
+    """Yield (where, table) of an array of tables, each with its keys checked."""
     if not isinstance(tables, list) or not all(isinstance(table, dict) for table in tables):
-        raise InputError(f"{name}: must be tables, each under a line [[{name}]]")
+        raise InputError(f"must be tables, each under a line [[{name}]]", field=name, value=tables)
     if not tables:
-        raise InputError(f"{name}: there must be at least one, under a line [[{name}]]")
+        raise InputError(f"there must be at least one, under a line [[{name}]]", field=name, value=tables)
     for i, table in enumerate(tables, start=1):
         own = repr(table["name"]) if "name" in table else f"number {i}"
         where = f"[[{name}]] {own}"
@@ -92,35 +92,35 @@ def _check(where: str, table: dict, required, optional):
         if key not in known:
             near = [k for k in known if k.lower() == key.lower()] or get_close_matches(key, known, n=1)
             hint = f"did you mean {near[0]!r}?" if near else f"known keys are {', '.join(sorted(known))}"
-            raise InputError(f"unknown key {key!r} in {where}; {hint}")
+            raise InputError(f"unknown key {key!r} in {where}; {hint}", field=key, value=table[key], label="")
     for key in required:
         if key not in table:
-            raise InputError(f"missing key {key!r} in {where}")
+            raise InputError(f"missing key {key!r} in {where}", field=key, label="")
 
 
 def _by_name(kind: str, tables) -> dict:
-    """Name -> (where, table)."""
-    found = {}
+    """Return {name: (where, table)}."""
+    by_name = {}
     for where, table in _entries(kind, tables):
-        name = _text(f"{where}: name", table["name"])
-        if name in found:
-            raise InputError(f"{where}: the name {name!r} is there already")
-        found[name] = where, table
-    return found
+        name = _text("name", table["name"], label=f"{where}: name")
+        if name in by_name:
+            raise InputError(f"the name {name!r} is there already", field="name", value=name, label=where)
+        by_name[name] = where, table
+    return by_name
 
 
-def _text(name: str, value) -> str:
+def _text(name: str, value, label=None) -> str:
     if not isinstance(value, str):
-        raise InputError(f"{name}: {value!r} must be a text")
+        raise InputError(f"{value!r} must be a text", field=name, value=value, label=label)
     return value
 
 
 def _located(where: str, make, *arguments):
-    """make(...), its InputError with the place in the file."""
+    """Return make(...); its InputError gets the table of the file."""
     try:
         return make(*arguments)
     except InputError as error:
-        raise InputError(f"{where}: {error}") from None
+        raise error.located(where) from None
 
 
 def _cable(table) -> CableProperties:
@@ -136,7 +136,8 @@ def _node(table) -> Node:
 
 def _vector(force):
     if not isinstance(force, list) or len(force) != 3:
-        raise InputError(f"force: {force!r} must be three components [x, y, z] (N)")
+        problem = f"{force!r} must be three components [x, y, z] (N)"
+        raise InputError(problem, field="force", value=force, unit="N")
     return tuple(force)
 
 
@@ -144,13 +145,14 @@ def _element(table, cables, order, environment) -> Element:
     cable = _known("line_type", table["line_type"], cables)
     ends = tuple(_known(end, table[end], order) for end in ("anchor", "fairlead"))
     if ends[0] == ends[1]:
-        raise InputError(f"anchor and fairlead are both {table['anchor']!r}")
+        problem = f"anchor and fairlead are both {table['anchor']!r}"
+        raise InputError(problem, field="fairlead", value=table["fairlead"], label="")
     return Element(cable.weight_in(environment), cable.EA, table["length"], ends, table.get("friction", 0.0))
 
 
-def _known(key: str, name, found: dict):
-    if not isinstance(name, str) or name not in found:
-        near = get_close_matches(str(name), found, n=1)
-        hint = f"did you mean {near[0]!r}?" if near else f"known are {', '.join(map(repr, found))}"
-        raise InputError(f"{key}: {name!r} is not in the file; {hint}")
-    return found[name]
+def _known(key: str, name, by_name: dict):
+    if not isinstance(name, str) or name not in by_name:
+        near = get_close_matches(str(name), by_name, n=1)
+        hint = f"did you mean {near[0]!r}?" if near else f"known are {', '.join(map(repr, by_name))}"
+        raise InputError(f"{name!r} is not in the file; {hint}", field=key, value=name)
+    return by_name[name]

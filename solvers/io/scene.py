@@ -1,4 +1,4 @@
-"""A scene: one TOML file with a cable, its surroundings, its ends and the tolerance its owner wants.
+"""A scene: one TOML file with a cable, its environment, its ends and the tolerance that is asked for.
 
 name = "OC3 Hywind"                  optional: description
 tolerance = 1e-6                     relative error wanted of the fairlead tension
@@ -29,7 +29,8 @@ import numpy as np
 from ..catenary.span import Span
 from ..common.motion import Motion
 from ..common.outcome import InputError
-from ..common.properties import CableProperties, Environment, positive_number, real_number, vector
+from ..common.properties import CableProperties, Environment
+from ..common.validation import positive_number, real_number, vector
 
 _SECTION = ("diameter", "mass_per_length", "submerged_weight", "Cdn", "Cdb", "Cdt", "Ca", "damping")
 _KEYS = {
@@ -50,7 +51,7 @@ _REQUIRED = {
 
 @dataclass(frozen=True)
 class Scene:
-    """One line with its surroundings: length in m, friction a tuple of coefficients, anchor and fairlead (3,) in m.
+    """One line with its environment: length in m, friction a tuple of coefficients, anchor and fairlead (3,) in m.
 
     motion: of the fairlead about that place, or None. Raises InputError naming the key, its value and its unit.
     """
@@ -78,7 +79,7 @@ class Scene:
             _check_keys(name, table)
         for key in ("name", "description"):
             if not isinstance(data.get(key, ""), str):
-                raise InputError(f"{key}: {data[key]!r} must be a text")
+                raise InputError(f"{data[key]!r} must be a text", field=key, value=data[key])
         line, ends = tables["line"], tables["ends"]
         friction = line.get("friction", 0.0)
         section = {key: line[key] for key in _SECTION if key in line}
@@ -95,31 +96,32 @@ class Scene:
             motion=_motion(tables["motion"]) if "motion" in tables else None,
         )
         if not scene.friction:
-            raise InputError("line.friction: the list is empty; give one coefficient or several")
+            problem = "the list is empty; give one coefficient or several"
+            raise InputError(problem, field="line.friction", value=friction)
         scene.spans()
         if scene.motion is not None:
             scene._check_dynamics()
         return scene
 
     def _check_dynamics(self):
-        """What the motion takes beside a line at rest."""
+        """Raise InputError for what a motion needs and a line at rest does not."""
         for key, unit in (("diameter", "m"), ("mass_per_length", "kg/m")):
             if getattr(self.cable, key) is None:
-                raise InputError(f"line.{key}: not given ({unit}), and [motion] takes it")
+                raise InputError(f"not given ({unit}), and [motion] takes it", field=f"line.{key}", unit=unit)
         depth = self.environment.depth
         if depth is None:
             return
         if self.environment.seabed_stiffness is None:
-            raise InputError("environment.seabed_stiffness: not given (N/m^2), and [motion] over a seabed takes it")
+            problem = "not given (N/m^2), and [motion] over a seabed takes it"
+            raise InputError(problem, field="environment.seabed_stiffness", unit="N/m^2")
         period = np.linspace(0.0, self.motion.period, 64 * self.motion.harmonics + 1)
         lowest = self.fairlead[2] + self.motion.displacement(period)[2].min()
         if lowest < -depth:
-            raise InputError(
-                f"motion.amplitude: takes the fairlead down to z = {lowest:g} m, below the seabed, {-depth:g} m"
-            )
+            problem = f"takes the fairlead down to z = {lowest:g} m, below the seabed, {-depth:g} m"
+            raise InputError(problem, field="motion.amplitude", value=self.motion.sine.tolist(), unit="m")
 
     def spans(self) -> tuple[Span, ...]:
-        """The line as solvers.Span in its vertical plane, one for each friction coefficient."""
+        """Return the line as solvers.Span in its vertical plane, one for each friction coefficient."""
         (x0, y0, z0), (x1, y1, z1) = self.anchor, self.fairlead
         depth = self.environment.depth
         shape = {
@@ -135,44 +137,49 @@ class Scene:
 
 
 def read_tables(path, build):
-    """build(tables, stem) of a TOML file. Raises InputError naming the file, for what it is and for what is in it."""
+    """Return build(tables, stem) of a TOML file; raises InputError naming the file for what is wrong with or in it."""
     try:
         path = Path(path)
         data = tomllib.loads(path.read_text(encoding="utf-8"))
     except TypeError:
-        raise InputError(f"path: {path!r} is not the path of a scene file") from None
+        raise InputError(f"{path!r} is not the path of a scene file", field="path", value=path) from None
     except FileNotFoundError:
-        raise InputError(f"{path}: there is no such scene file") from None
+        raise _path_error(path, "there is no such scene file") from None
     except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: cannot be read as a text file: {error}") from None
+        raise _path_error(path, f"cannot be read as a text file: {error}") from None
     except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{path}: is not a TOML file: {error}") from None
+        raise _path_error(path, f"is not a TOML file: {error}") from None
     except ValueError:
-        raise InputError(f"path: {str(path)!r} is not the path of a scene file") from None
+        raise InputError(f"{str(path)!r} is not the path of a scene file", field="path", value=path) from None
     try:
         return build(data, path.stem)
     except InputError as error:
-        raise InputError(f"{path}: {error}") from None
+        raise error.located(str(path)) from None
+
+
+def _path_error(path, problem) -> InputError:
+    return InputError(problem, field="path", value=str(path), label=str(path))
 
 
 def _check_keys(name: str, table):
     where = f"[{name}]" if name else "the top level"
     if not isinstance(table, dict):
-        raise InputError(f"{name}: {table!r} must be a table, [{name}]")
+        raise InputError(f"{table!r} must be a table, [{name}]", field=name, value=table)
     for key in table:
         if key not in _KEYS[name]:
             near = [k for k in _KEYS[name] if k.lower() == key.lower()] or get_close_matches(key, _KEYS[name], n=1)
             hint = f"did you mean {near[0]!r}?" if near else f"known keys are {', '.join(sorted(_KEYS[name]))}"
-            raise InputError(f"unknown key {key!r} in {where}; {hint}")
+            raise InputError(f"unknown key {key!r} in {where}; {hint}", field=key, value=table[key], label="")
     for key in _REQUIRED[name]:
         if key not in table:
-            raise InputError(f"missing key {key!r} in {where}")
+            raise InputError(f"missing key {key!r} in {where}", field=key, label="")
 
 
 def _tolerance(value) -> float:
     tolerance = positive_number("tolerance", value, "(dimensionless)")
     if tolerance >= 1:
-        raise InputError(f"tolerance: {tolerance:g} (dimensionless) must be < 1, a relative error")
+        problem = f"{tolerance:g} (dimensionless) must be < 1, a relative error"
+        raise InputError(problem, field="tolerance", value=tolerance, unit="(dimensionless)")
     return tolerance
 
 
@@ -184,19 +191,20 @@ def _motion(table: dict) -> Motion:
     amplitude = _rows("motion.amplitude", table["amplitude"], "m")
     phase = _rows("motion.phase", table["phase"], "rad") if "phase" in table else np.zeros_like(amplitude)
     if phase.shape != amplitude.shape:
-        raise InputError(f"motion.phase: {len(phase)} rows [x, y, z] (rad) do not fit {len(amplitude)} of amplitude")
+        problem = f"{len(phase)} rows [x, y, z] (rad) do not fit {len(amplitude)} of amplitude"
+        raise InputError(problem, field="motion.phase", value=table["phase"], unit="rad")
     if given[0] == "period":
         frequency = 1 / frequency
     return Motion(frequency, amplitude * np.cos(phase), amplitude * np.sin(phase))
 
 
 def _rows(name: str, value, unit: str) -> np.ndarray:
-    """[x, y, z] of the first harmonic, or a list of such rows, as an array (K, 3)."""
+    """Return [x, y, z] of the first harmonic, or a list of such rows, as an array (K, 3)."""
     rows = value if isinstance(value, list) and value and isinstance(value[0], list) else [value]
     return np.array([vector(f"{name}[{k}]" if rows is value else name, row, unit) for k, row in enumerate(rows)])
 
 
 def _point(name: str, value) -> tuple[float, float, float]:
     if not isinstance(value, list) or len(value) != 3:
-        raise InputError(f"{name}: {value!r} must be three coordinates [x, y, z] (m)")
+        raise InputError(f"{value!r} must be three coordinates [x, y, z] (m)", field=name, value=value, unit="m")
     return tuple(real_number(f"{name}[{i}]", v, "m") for i, v in enumerate(value))

@@ -14,7 +14,8 @@ import numpy as np
 
 from ..catenary.span import Span
 from ..common.outcome import InputError
-from ..common.properties import Environment, non_negative_number, one_of, real_array, vector
+from ..common.properties import Environment
+from ..common.validation import non_negative_number, one_of, real_array, vector
 from .equations import Balance
 
 KINDS = ("fixed", "free", "coupled")
@@ -65,7 +66,7 @@ class Element:
         try:
             first, last = (index(end) for end in self.ends if not isinstance(end, (bool, np.bool_)))
         except (TypeError, ValueError):
-            raise InputError(f"ends: {self.ends!r} must be two node indices") from None
+            raise InputError(f"{self.ends!r} must be two node indices", field="ends", value=self.ends) from None
         object.__setattr__(self, "ends", (first, last))
 
 
@@ -81,24 +82,30 @@ class Network:
         for name, kind in (("nodes", Node), ("elements", Element)):
             object.__setattr__(self, name, _all_of(name, getattr(self, name), kind))
         if not isinstance(self.environment, Environment):
-            raise InputError(f"environment: {self.environment!r} is not a solvers.Environment")
+            problem = f"{self.environment!r} is not a solvers.Environment"
+            raise InputError(problem, field="environment", value=self.environment)
         if not self.elements:
-            raise InputError("elements: a network needs at least one element")
+            raise InputError("a network needs at least one element", field="elements", value=self.elements)
         n, depth = len(self.nodes), self.environment.depth
         for e, element in enumerate(self.elements):
+            ends = {"item": ("element", e), "field": "ends", "value": element.ends}
             if not all(0 <= end < n for end in element.ends):
-                raise InputError(f"element {e}: ends {element.ends} must be node indices from 0 to {n - 1}")
+                raise InputError(f"ends {element.ends} must be node indices from 0 to {n - 1}", **ends)
             if element.ends[0] == element.ends[1]:
-                raise InputError(f"element {e}: both ends are node {element.ends[0]}")
+                raise InputError(f"both ends are node {element.ends[0]}", **ends)
+        node_error = lambda i, problem, **field: InputError(
+            problem, item=("node", i), label=f"node {i} ({self.nodes[i].kind})", **field
+        )
         for i, node in enumerate(self.nodes):
             if depth is not None and node.r[2] < -depth:
-                raise InputError(f"node {i} ({node.kind}): z = {node.r[2]:g} m lies below the seabed at {-depth:g} m")
+                problem = f"z = {node.r[2]:g} m lies below the seabed at {-depth:g} m"
+                raise node_error(i, problem, field="r", value=node.r, unit="m")
         held, carrying = self._held(), {end for element in self.elements for end in element.ends}
-        for i, node in enumerate(self.nodes):
+        for i in range(n):
             if i not in carrying:
-                raise InputError(f"node {i} ({node.kind}): carries no element")
+                raise node_error(i, "carries no element")
             if not held[i]:
-                raise InputError(f"node {i} ({node.kind}): no chain of elements ties it to a fixed or coupled node")
+                raise node_error(i, "no chain of elements ties it to a fixed or coupled node")
 
     def _held(self) -> list[bool]:
         """Nodes that are tied to a fixed or coupled node; one that carries no element is not."""
@@ -152,8 +159,8 @@ def _all_of(name: str, given, kind: type) -> tuple:
     try:
         given = tuple(given)
     except TypeError:
-        raise InputError(f"{name}: {given!r} must be a list of solvers.{kind.__name__}") from None
+        raise InputError(f"{given!r} must be a list of solvers.{kind.__name__}", field=name, value=given) from None
     for i, one in enumerate(given):
         if not isinstance(one, kind):
-            raise InputError(f"{name}[{i}]: {one!r} is not a solvers.{kind.__name__}")
+            raise InputError(f"{one!r} is not a solvers.{kind.__name__}", field=f"{name}[{i}]", value=one)
     return given

@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from ..common.outcome import InputError, Outcome, Status
-from ..common.properties import flags, one_of, real_array, real_number, vector
+from ..common.validation import flags, one_of, real_array, real_number, vector
 from .equations import Balance
 from .model import Network
 from .monolithic import solve as monolithic
@@ -122,9 +122,10 @@ def solve_network(
         one_of(name, value, METHODS[name])
     flags(fallback=fallback, throw=throw)
     if not isinstance(network, Network):
-        raise InputError(f"network: {network!r} is not a solvers.Network")
+        raise InputError(f"{network!r} is not a solvers.Network", field="network", value=network)
     if not 0 < real_number("tolerance", tolerance, "dimensionless") < 1:
-        raise InputError(f"tolerance: {tolerance!r} (dimensionless) must lie in (0, 1)")
+        problem = f"{tolerance!r} (dimensionless) must lie in (0, 1)"
+        raise InputError(problem, field="tolerance", value=tolerance, unit="(dimensionless)")
     balance, count = network.balance, Count()
     first = _start(balance, start, count)
     if balance.size == 0:
@@ -177,10 +178,12 @@ def _start(balance, start, count):
         try:
             given, H, V = map(real_array, parts)
         except (TypeError, ValueError):
-            raise InputError("start: must be None, 'nodes', a NetworkState or arrays (r, H, V)") from None
+            problem = "must be None, 'nodes', a NetworkState or arrays (r, H, V)"
+            raise InputError(problem, field="start", value=start) from None
         shapes, wanted = (given.shape, H.shape, V.shape), (r.shape, balance.w.shape, balance.w.shape)
         if shapes != wanted or not np.isfinite(given).all():
-            raise InputError(f"start: shapes {shapes} of (r, H, V) must be {wanted}, positions finite")
+            problem = f"shapes {shapes} of (r, H, V) must be {wanted}, positions finite"
+            raise InputError(problem, field="start", value=start)
         r[balance.free] = given[balance.free]
     r = balance.on_floor(r)
     if H is None and balance.size:

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigs
 
 from ..common.outcome import ConvergenceError, InputError, Status
-from ..common.properties import non_negative_number
+from ..common.validation import non_negative_number, whole_number
 from .chain import BandedJacobian, ChainSystem, product
 
 _RIGID = 1e-5  # share of the shift below which an eigenvalue is zero: the end rows see velocities, not places
@@ -39,15 +39,16 @@ def natural_modes(system: ChainSystem, count: int = 6, near: float = 0.0) -> Mod
     rounding hides the modes, ConvergenceError when Arnoldi's method fails.
     """
     n_f, nodes = len(system.fields), system.nodes
-    if isinstance(count, bool) or not isinstance(count, (int, np.integer)) or count < 1:
-        raise InputError(f"count: {count!r} must be a whole number >= 1")
+    count = whole_number("count", count, 1, unit="modes")
     if 2 * count > n_f * nodes:  # eigenvalues come in pairs
-        raise InputError(f"count: {count} modes asked, a chain of {nodes} nodes has at most {n_f * nodes // 2}")
+        problem = f"{count} modes asked, a chain of {nodes} nodes has at most {n_f * nodes // 2}"
+        raise InputError(problem, field="count", value=count, unit="modes")
     near = non_negative_number("near", near, "Hz")
     if near:
         lowest = float(natural_modes(system, 1).frequencies[0])
         if near > _LOST * lowest:
-            raise InputError(f"near: {near:g} Hz must not exceed {_LOST:g} of the lowest frequency, {lowest:.3g} Hz")
+            problem = f"{near:g} Hz must not exceed {_LOST:g} of the lowest frequency, {lowest:.3g} Hz"
+            raise InputError(problem, field="near", value=near, unit="Hz")
         near *= near > lowest / _FAR  # the modes nearest to a number far below all are the lowest
     rest = system.rest_state()
     rows = [f(rest, np.zeros_like(rest), 0.0) for f in (system.start, system.cells_or_empty, system.end)]
@@ -86,7 +87,8 @@ def natural_modes(system: ChainSystem, count: int = 6, near: float = 0.0) -> Mod
             break
         if k >= size:
             where = f" at near = {near:g} Hz" if near else ""
-            raise InputError(f"count: {count} modes asked, {eigenvalues.size} found on {nodes} nodes{where}")
+            problem = f"{count} modes asked, {eigenvalues.size} found on {nodes} nodes{where}"
+            raise InputError(problem, field="count", value=count, unit="modes")
         k *= 2
     chosen = np.argsort(abs(eigenvalues[:count]))
     eigenvalues, shapes = eigenvalues[chosen], vectors[:, chosen].reshape(nodes, n_f, count).swapaxes(0, 1)

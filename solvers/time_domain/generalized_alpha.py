@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..common.outcome import InputError
-from ..common.properties import real_number
+from ..common.validation import real_number
 from ..numerics.chain import BandedJacobian, stack
 from ..numerics.newton import adapted_relaxation
 from .drift_control import DRIFT_CONTROLS
@@ -35,7 +35,8 @@ class Scheme:
         """Second order, with this spectral radius at infinite frequency: 1 is the box method, 0 damps in one step."""
         rho = real_number("rho_inf", rho_inf, "(dimensionless)")
         if not 0 <= rho <= 1:
-            raise InputError(f"rho_inf: {rho:g} (dimensionless) must be between 0 and 1")
+            problem = f"{rho:g} (dimensionless) must be between 0 and 1"
+            raise InputError(problem, field="rho_inf", value=rho, unit="(dimensionless)")
         alpha_m, alpha_f = (3 - rho) / (2 + 2 * rho), 1 / (1 + rho)
         return cls(alpha_m, alpha_f, 0.5 + alpha_m - alpha_f)
 

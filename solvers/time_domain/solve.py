@@ -10,8 +10,8 @@ import numpy as np
 
 from ..common import diagnostics as invariants
 from ..common.outcome import InputError, Outcome, Status
-from ..common.properties import flags, one_of, positive_number, real_array, real_number
 from ..common.response import Response
+from ..common.validation import flags, one_of, positive_number, real_array, real_number, whole_number
 from ..numerics.chain import ChainSystem
 from .drift_control import DRIFT_CONTROLS
 from .generalized_alpha import Scheme, Stepper
@@ -49,7 +49,8 @@ class TimeHistory(Response, Outcome):
         """Start of the last whole period that is stored, and the period, s. Raises InputError without one."""
         period = self.system.period
         if period is None or self.time[-1] - self.time[0] < period * (1 - _ROUNDING):
-            raise InputError(f"time: {self.time[-1] - self.time[0]:g} s are stored, no whole period ({period} s)")
+            problem = f"{self.time[-1] - self.time[0]:g} s are stored, no whole period ({period} s)"
+            raise InputError(problem, field="time", value=self.time, unit="s")
         return max(self.time[0], self.time[-1] - period), period
 
     def at(self, t) -> np.ndarray:
@@ -75,7 +76,8 @@ class TimeHistory(Response, Outcome):
         slack = _ROUNDING * time[-1]
         inside = (t >= time[0] - slack) & (t <= time[-1] + slack)
         if not np.all(inside):
-            raise InputError(f"t: {t[~inside].flat[0]:g} s is outside the history, {time[0]:g} to {time[-1]:g} s")
+            problem = f"{t[~inside].flat[0]:g} s is outside the history, {time[0]:g} to {time[-1]:g} s"
+            raise InputError(problem, field="t", value=t, unit="s")
         i = np.clip(np.searchsorted(time, t, side="right") - 1, 0, time.size - 2)
         h = time[i + 1] - time[i]
         x = (t - time[i]) / h
@@ -125,17 +127,18 @@ def solve_time_domain(
     end = _duration(system, periods, duration)
     dt, tolerance = positive_number("dt", dt, "s"), positive_number("tolerance", tolerance, "(mean change of a state)")
     if dt > end:
-        raise InputError(f"dt: {dt:g} s must not exceed the duration (or periods), {end:g} s")
+        problem = f"{dt:g} s must not exceed the duration (or periods), {end:g} s"
+        raise InputError(problem, field="dt", value=dt, unit="s")
     if end / MAX_STEPS > dt:
-        raise InputError(f"dt: {dt:g} s makes more than {MAX_STEPS:g} steps of the duration (or periods), {end:g} s")
+        problem = f"{dt:g} s makes more than {MAX_STEPS:g} steps of the duration (or periods), {end:g} s"
+        raise InputError(problem, field="dt", value=dt, unit="s")
     if step_tolerance is not None:
         step_tolerance = positive_number("step_tolerance", step_tolerance, "(dimensionless)")
-    if isinstance(every, bool) or not isinstance(every, (int, np.integer)) or every < 1:
-        raise InputError(f"every: {every!r} must be a whole number >= 1")
+    every = whole_number("every", every, 1, unit="steps")
     flags(allow_invalid=allow_invalid, throw=throw)
     scheme = _scheme(scheme, rho_inf)
     if not (progress is None or callable(progress)):
-        raise InputError(f"progress: {progress!r} must be a function of time (s), or None")
+        raise InputError(f"{progress!r} must be a function of time (s), or None", field="progress", value=progress)
     ramp = _ramp(system, ramp, start)
     moving = system.ramped(ramp) if ramp else system
     stepper = Stepper(moving, scheme, tolerance, _checked_hold(system, hold), dt)
@@ -216,12 +219,12 @@ class _Run:
 
 def _duration(system, periods, duration) -> float:
     if (periods is None) == (duration is None):
-        raise InputError("periods: give either periods (a number of them) or duration (s)")
+        raise InputError("give either periods (a number of them) or duration (s)", field="periods", value=periods)
     if duration is not None:
         return positive_number("duration", duration, "s")
     periods = positive_number("periods", periods, "(a number of periods)")
     if system.period is None:
-        raise InputError("periods: the motion has no period; give duration (s)")
+        raise InputError("the motion has no period; give duration (s)", field="periods", value=periods)
     return periods * system.period
 
 
@@ -230,20 +233,21 @@ def _ramp(system, ramp, start) -> float:
         return 0.0 if start is not None or system.period is None else system.period / 2
     ramp = real_number("ramp", ramp, "s")
     if ramp < 0:
-        raise InputError(f"ramp: {ramp:g} s must be >= 0")
+        raise InputError(f"{ramp:g} s must be >= 0", field="ramp", value=ramp, unit="s")
     return ramp
 
 
 def _scheme(scheme, rho_inf) -> Scheme:
     if not (scheme is None or isinstance(scheme, Scheme)):
-        raise InputError(f"scheme: {scheme!r} is not a solvers.time_domain.generalized_alpha.Scheme")
+        problem = f"{scheme!r} is not a solvers.time_domain.generalized_alpha.Scheme"
+        raise InputError(problem, field="scheme", value=scheme)
     return Scheme.from_spectral_radius(rho_inf) if scheme is None else scheme
 
 
 def _checked_hold(system, hold):
     one_of("hold", hold, DRIFT_CONTROLS)
     if hold == "mean" and system.period is None:
-        raise InputError("hold: 'mean' takes a motion with a period; use 'position'")
+        raise InputError("'mean' takes a motion with a period; use 'position'", field="hold", value=hold)
     return hold
 
 
@@ -257,10 +261,11 @@ def _start_state(system, start):
         y, ydot = start
         y, ydot = (None if part is None else real_array(part) for part in (y, ydot))
     except (TypeError, ValueError):
-        raise InputError("start: must be (y, ydot), two arrays of numbers, ydot may be None") from None
+        problem = "must be (y, ydot), two arrays of numbers, ydot may be None"
+        raise InputError(problem, field="start", value=start) from None
     for name, part in (("y", y), ("ydot", ydot)):
         if part is not None and (part.shape != shape or not np.isfinite(part).all()):
-            raise InputError(f"start: {name} of shape {part.shape} must be {shape}, all finite")
+            raise InputError(f"{name} of shape {part.shape} must be {shape}, all finite", field="start", value=start)
     if y is None:
-        raise InputError(f"start: y is None; it must be an array of shape {shape}")
+        raise InputError(f"y is None; it must be an array of shape {shape}", field="start", value=start)
     return y, ydot

@@ -12,8 +12,9 @@ from functools import cache
 import numpy as np
 import pytest
 
-from solvers.cable import system as cable
-from solvers.cable.midpoint_stencils import stencils
+from solvers.cable import equations
+from solvers.cable.mesh import trapezoidal_weights
+from solvers.cable.midpoint_stencils import Stencils, midpoint_stencils
 from solvers.cable.statics import solve_static
 from solvers.cable.system import cable_system
 from solvers.common.outcome import ConvergenceError, InputError, Status
@@ -98,7 +99,7 @@ def orders(name, planar, mesh, deferred=True, **options) -> np.ndarray:
 def stencil_errors(s, degree) -> dict[str, float]:
     """Of the three weights for a polynomial of a degree on a mesh, over the largest value."""
     p = np.polynomial.Polynomial(np.random.default_rng(degree).uniform(0.5, 1.5, degree + 1), domain=[s[0], s[-1]])
-    rule, middle, h = stencils(s), (s[1:] + s[:-1]) / 2, np.diff(s)
+    rule, middle, h = midpoint_stencils(s), (s[1:] + s[:-1]) / 2, np.diff(s)
     wanted = {"value": p(middle), "slope": p.deriv()(middle), "integral": p.integ()(s[1:]) - p.integ()(s[:-1])}
     assert (abs(rule.integral).sum() > 0) and rule.at.shape == rule.value.shape
     return {
@@ -135,7 +136,7 @@ def point_error(name, planar, of=None) -> float:
     t, h = np.array([0.7, 6.1, 13.3]), 1e-3
     y, y_s, y_t = made.state(t)
     y_st = (made.state(t + h)[1] - made.state(t - h)[1]) / (2 * h)
-    rows = (of or made.system._rows).point(made.system, y, y_t, y_s, y_st)
+    rows = (of or made.system.equations).point(made.system, y, y_t, y_s, y_st)
     wanted = cable_mp.source_grid(made.p, made.fields, made.system.s, t, planar=planar)
     return float(abs(rows - wanted).max() / (made.p.EA * abs(y_s[0]).max()))
 
@@ -363,39 +364,34 @@ class Opposite:
 
 def second_order_slopes(monkeypatch):
     def planted(s):
-        true = stencils(s)
+        true = midpoint_stencils(s)
         cell, slope = np.arange(s.size - 1)[:, None], np.zeros_like(true.slope)
         slope[true.at == cell], slope[true.at == cell + 1] = -1 / np.diff(s), 1 / np.diff(s)
         return true._replace(slope=slope)
 
-    monkeypatch.setattr(cable, "stencils", planted)
+    monkeypatch.setattr(equations, "midpoint_stencils", planted)
 
 
 def second_order_middle(monkeypatch):
     def planted(s):
-        true, cell = stencils(s), np.arange(s.size - 1)[:, None]
+        true, cell = midpoint_stencils(s), np.arange(s.size - 1)[:, None]
         return true._replace(value=np.where((true.at == cell) | (true.at == cell + 1), 0.5, 0.0))
 
-    monkeypatch.setattr(cable, "stencils", planted)
+    monkeypatch.setattr(equations, "midpoint_stencils", planted)
 
 
 def old_weights(monkeypatch):
-    def planted(self):
-        weights = np.zeros(self.nodes)
-        weights[1:] += self.ds / 2
-        weights[:-1] += self.ds / 2
-        return weights
-
-    monkeypatch.setattr(cable.CableSystem, "_weights", property(planted))
+    planted = lambda self: trapezoidal_weights(self.integral.sum(axis=1))
+    monkeypatch.setattr(Stencils, "quadrature", planted)
 
 
 def source_of_the_box(monkeypatch):
     def planted(self, y, ydot, t):
-        to, q = self._stencils, self.source(t)
+        to, q = self.stencils, self.source(t)
         (middle, slope), (middle_t, slope_t) = (to(part, to.value, to.slope) for part in (y, ydot))
-        return 2 * self._rows.point(self, middle, middle_t, slope, slope_t) - (q[:, 1:] + q[:, :-1])
+        return 2 * self.equations.point(self, middle, middle_t, slope, slope_t) - (q[:, 1:] + q[:, :-1])
 
-    monkeypatch.setattr(cable.CableSystem, "_middle", planted)
+    monkeypatch.setattr(equations.CableEquations, "_midpoint_residual", planted)
 
 
 FAULTS = [wrong_sign, second_order_slopes, second_order_middle, old_weights, source_of_the_box]

@@ -180,7 +180,7 @@ def test_the_carried_state_is_the_equilibrium_that_follows(fields):
         wanted = solve_static(cable_system(replace(chain.scene, fairlead=tuple(end)), 21)).r
         assert largest(chain.positions(y)[..., i] - wanted) < SECOND_ORDER * SMALL
     rates = (chain.positions(later) - chain.positions(earlier)) / (2 * RATE_STEP)
-    velocity = np.einsum("dc,dnt->cnt", chain.axes, chain._rows.velocity(y)[0])
+    velocity = np.einsum("dc,dnt->cnt", chain.axes, chain.equations.velocity(y)[0])
     assert largest(velocity - rates) < SECOND_ORDER * largest(rates)
     assert largest(chain.start(y, 0 * y, t, False).value) < SECOND_ORDER * largest(rates)
 

@@ -94,7 +94,11 @@ SOLVES = {
 def test_each_method_has_a_default_that_solves_or_says_its_name():
     """What ChainSystem offers is used by one of the solvers as it is, or raises NotImplementedError with its name."""
     used = {name for kind in (Minimal, MinimalTowed) for solve in SOLVES.values() for name in calls_of(kind, solve)}
-    deferred = lambda chain: pytest.raises(InputError, solve_periodic, chain, harmonics=5, deferred_correction=True)
+
+    def deferred(chain):
+        with pytest.raises(InputError):
+            solve_periodic(chain, harmonics=5, deferred_correction=True)
+
     used |= calls_of(Minimal, deferred)
     assert set(METHODS) == used | MISSING | {"residual"}
     assert not used & MISSING
