@@ -221,7 +221,7 @@ def test_work_and_energy_of_a_swing_balance(case, fields):
             "-m * u if c.current is None else m * u + c.inertia * along",
         ),
         Fault("cable.loads", "quadratic_drag", "-coefficient", "-1.02 * coefficient"),
-        Fault("cable.planar", "cells", "2 * D[V] + S[U] * D_phi", "2 * D[V] + 0.9 * S[U] * D_phi"),
+        Fault("cable.planar", "_add_stiffness", "count * y_s[V] + u * y_s[PHI]", "count * y_s[V] + 0.9 * u * y_s[PHI]"),
     ],
     ids=str,
 )

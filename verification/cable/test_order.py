@@ -208,8 +208,9 @@ def test_tables_that_are_none_are_refused(steps):
 # ---------------------------------------------------------------- planted faults
 SHARE = 15  # every fifteenth sign by default; all of them in the long version
 SIGNS = {
-    "cable.planar": ("_loads", "_local", "cells", "velocity", "stretched_tangent"),
-    "cable.spatial": ("__init__", "_local", "cells", "velocity", "stretched_tangent"),
+    "cable.planar": ("_loads", "_local", "_add_stiffness", "_up", "cells", "velocity", "stretched_tangent"),
+    "cable.spatial": ("__init__", "_local", "_stiffness_coefficients", "_add_stiffness", "_up", "cells", "velocity",
+                      "stretched_tangent"),
 }
 """Functions of the two modules of HB (1)-(12) in which each term in turn is planted with the wrong sign."""
 

@@ -279,12 +279,12 @@ def test_a_method_that_is_none_is_refused():
     "fault",
     [
         Fault("cable.planar", "_local", "m * (v * phi_t - u_t) - c.w0 * cos", "m * (v * phi_t - u_t) + c.w0 * cos"),
-        Fault("cable.planar", "cells", "F[1] += S_T * D_phi", "F[1] -= S_T * D_phi"),
+        Fault("cable.planar", "_add_stiffness", "F[1] += T * y_s[PHI]", "F[1] -= T * y_s[PHI]"),
         Fault(
             "cable.planar",
             "cells",
-            "F[0] += 2 * (T[1:] - T[:-1]) / ds\nF[1] += S_T * D_phi",
-            "F[0] += 2 * (T[1:] - T[:-1]) / ds\nF[1] += 2 * T[1:] * D_phi",
+            "(S_T, S[U], S[V])",
+            "(2 * T[1:], S[U], S[V])",
         ),
         Fault(
             "cable.statics",

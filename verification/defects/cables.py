@@ -49,8 +49,8 @@ def reused(faults: Iterable[tuple[Fault, str]], kind: str, check) -> tuple[Defec
 ERRATA_FAULTS = [
     (
         Fault(
-            "cable.system",
-            "CableSystem.__init__",
+            "cable.equations",
+            "CableEquations._set_loads",
             "(1 + cable.Ca) * rho * cable.area",
             "(1 + cable.Ca) * rho * d**2 / 4",
             where="0.5 * rho * math.pi * d",
@@ -58,21 +58,24 @@ ERRATA_FAULTS = [
         "HB (22): C_m rho d^2/4",
     ),
     (
-        Fault("cable.planar", "cells", "F[1] += S_T * D_phi", "F[1] -= S_T * D_phi"),
+        Fault("cable.planar", "_add_stiffness", "F[1] += T * y_s[PHI]", "F[1] -= T * y_s[PHI]"),
         "HB (30): f2 with -EA eps cos(theta) dphi/ds",
     ),
     (
-        Fault("cable.spatial", "cells", "F[1] += S25 * D_phi", "F[1] -= S25 * D_phi"),
+        Fault("cable.spatial", "_add_stiffness", "F[1] += k25 * D_phi", "F[1] -= k25 * D_phi"),
         "HB (30): f2 with -EA eps cos(theta) dphi/ds",
     ),
     (
         Fault(
-            "cable.spatial", "cells", "2 * D[W] - S65 * D_phi - S66 * D_theta", "2 * D[W] - S65 * D_phi + S66 * D_theta"
+            "cable.spatial",
+            "_add_stiffness",
+            "count * y_s[W] - k65 * D_phi - k66 * D_theta",
+            "count * y_s[W] - k65 * D_phi + k66 * D_theta",
         ),
         "HB (34): f6, +u dtheta/ds",
     ),
-    (Fault("cable.planar", "cells", "2 * D[U]", "4 * D[U]"), "HB (37): the constant part of K counted twice, row 4"),
-    (Fault("cable.spatial", "cells", "F[2] -= S_T * D_theta", "F[2] -= 2 * S_T * D_theta"), "HB (37): the same, row 3"),
+    (Fault("cable.planar", "_add_stiffness", "count * y_s[U]", "2 * count * y_s[U]"), "HB (37): the constant part of K counted twice, row 4"),
+    (Fault("cable.spatial", "_add_stiffness", "F[2] -= T * D_theta", "F[2] -= 2 * T * D_theta"), "HB (37): the same, row 3"),
     (
         Fault(
             "cable.planar",
@@ -98,31 +101,31 @@ ERRATA_FAULTS = [
 
 LOAD_FAULTS = [
     (
-        Fault("cable.system", "CableSystem.__init__", "0.5 * rho * math.pi * d", "0.5 * rho * d"),
+        Fault("cable.equations", "CableEquations._set_loads", "0.5 * rho * math.pi * d", "0.5 * rho * d"),
         "tangential drag on d l, not pi d l",
     ),
     (
-        Fault("cable.system", "CableSystem.__init__", "0.5 * rho * d * cable.Cdn", "rho * d * cable.Cdn"),
+        Fault("cable.equations", "CableEquations._set_loads", "0.5 * rho * d * cable.Cdn", "rho * d * cable.Cdn"),
         "normal drag without its half",
     ),
-    (Fault("cable.system", "CableSystem.__init__", "cable.Cdb", "cable.Cdn"), "binormal drag with C_dn"),
+    (Fault("cable.equations", "CableEquations._set_loads", "cable.Cdb", "cable.Cdn"), "binormal drag with C_dn"),
     (
-        Fault("cable.system", "CableSystem.__init__", "(1 + cable.Ca) * rho", "cable.Ca * rho"),
+        Fault("cable.equations", "CableEquations._set_loads", "(1 + cable.Ca) * rho", "cable.Ca * rho"),
         "C_m = C_a: no Froude-Krylov force",
     ),
     (Fault("cable.planar", "cells", "F[:2] += support * S_up", "F[:2] -= support * S_up"), "the seabed pulls"),
     (Fault("cable.spatial", "cells", "F[:3] += support * S_up", "F[:3] -= support * S_up"), "the seabed pulls"),
     (Fault("cable.planar", "cells", "S[Z] / 2", "S[Z]"), "the seabed at the sum of two heights"),
-    (Fault("cable.system", "CableSystem.cells", "np.subtract", "np.add"), "source with the wrong sign"),
-    (Fault("cable.system", "CableSystem.positions", "self.ds / 2", "self.ds"), "positions twice as far"),
+    (Fault("cable.equations", "CableEquations.cells", "np.subtract", "np.add"), "source with the wrong sign"),
+    (Fault("cable.outputs", "CableOutputs.positions", "self.ds / 2", "self.ds"), "positions twice as far"),
     (
-        Fault("cable.system", "CableSystem._weights", "weights[1:] += self.ds / 2", "weights[1:] += self.ds"),
+        Fault("cable.mesh", "trapezoidal_weights", "weights[1:] += ds / 2", "weights[1:] += ds"),
         "drift by a wrong quadrature",
     ),
     (
         Fault(
-            "cable.system",
-            "CableSystem.end",
+            "cable.equations",
+            "CableEquations.end",
             "value - self.axes @ self.motion.velocity(t)",
             "value + self.axes @ self.motion.velocity(t)",
         ),
@@ -176,8 +179,8 @@ LOAD_FAULTS = [
         Fault(
             "cable.planar",
             "cells",
-            "F[0] += 2 * (T[1:] - T[:-1]) / ds\nF[1] += S_T * D_phi",
-            "F[0] += 2 * (T[1:] - T[:-1]) / ds\nF[1] += 2 * T[1:] * D_phi",
+            "(S_T, S[U], S[V])",
+            "(2 * T[1:], S[U], S[V])",
         ),
         "(39): K of one node, not the mean",
     ),
@@ -234,14 +237,14 @@ DEFECTS = (
     ),
     Defect(
         "zero lets through",
-        Fault("common.properties", "positive_number", "value <= 0", "value < 0"),
+        Fault("common.validation", "positive_number", "value <= 0", "value < 0"),
         "input",
         "a stiffness, length or depth of zero is accepted",
         "common/test_failures.py::test_properties_are_validated_when_built",
     ),
     Defect(
         "infinite is a number",
-        Fault("common.properties", "real_number", "not math.isfinite(value)", "math.isnan(value)"),
+        Fault("common.validation", "real_number", "not math.isfinite(number)", "math.isnan(number)"),
         "input",
         "infinite inputs are accepted",
         "common/test_failures.py::test_numbers_must_be_finite",
@@ -344,77 +347,77 @@ DEFECTS = (
     # ------------------------------------------------------------ cable
     Defect(
         "anchor row one field early",
-        Fault("cable.system", "CableSystem.start", "y[1 : 1 + self.start_rows, 0]", "y[0 : self.start_rows, 0]"),
+        Fault("cable.equations", "CableEquations.start", "y[1 : 1 + self.start_rows, 0]", "y[0 : self.start_rows, 0]"),
         "boundary",
         "the anchor holds its strain instead of its last velocity",
         _TANGENTS + " -k planar",
     ),
     Defect(
         "anchor held at the next node",
-        Fault("cable.system", "CableSystem.start", "y[1 : 1 + self.start_rows, 0]", "y[1 : 1 + self.start_rows, 1]"),
+        Fault("cable.equations", "CableEquations.start", "y[1 : 1 + self.start_rows, 0]", "y[1 : 1 + self.start_rows, 1]"),
         "boundary",
         "the boundary condition of the anchor is that of its neighbour",
         _TANGENTS + " -k planar",
     ),
     Defect(
         "fairlead one node short",
-        Fault("cable.system", "CableSystem.end", "y[:, -1]", "y[:, -2]"),
+        Fault("cable.equations", "CableEquations.end", "y[:, -1]", "y[:, -2]"),
         "boundary",
         "the prescribed velocity acts on the last node but one",
         "cable/test_order.py::test_fields_linear_in_s_and_t_are_reproduced -k bare",
     ),
     Defect(
         "anchor's height is that of still water",
-        Fault("cable.system", "CableSystem.start", "y[-1, 0] - self.anchor[2]", "y[-1, 0]"),
+        Fault("cable.equations", "CableEquations.start", "y[-1, 0] - self.anchor[2]", "y[-1, 0]"),
         "boundary",
         "over a seabed the anchor is at z = 0",
         _MEETS + " -k seabed",
     ),
     Defect(
         "motion across the line forgotten",
-        Fault("cable.system", "_planar", "(current, *moves)", "(current,)"),
+        Fault("cable.system", "_is_planar", "(current, *directions)", "(current,)"),
         "regime",
         "a sway is computed in the plane of the line, where it does nothing",
         "cable/test_invariants.py::test_the_scene_picks_the_fields",
     ),
     Defect(
         "out-of-plane axis to the other side",
-        Fault("cable.system", "_axes", "[-cy, cx, 0.0]", "[cy, -cx, 0.0]"),
+        Fault("cable.equations", "line_axes", "[-cy, cx, 0.0]", "[cy, -cx, 0.0]"),
         "sign",
         "a left-handed frame: sideways motion and current are mirrored",
         _GEOMETRY + " -k spatial",
     ),
     Defect(
         "line always along x",
-        Fault("cable.system", "_axes", "(dx / span, dy / span)", "(1.0, 0.0)"),
+        Fault("cable.equations", "line_axes", "(dx / span, dy / span)", "(1.0, 0.0)"),
         "term",
         "the azimuth of the line is not looked at",
         "cable/test_invariants.py::test_the_scene_picks_the_fields",
     ),
     Defect(
         "weights of the other cells",
-        Fault("cable.system", "CableSystem._weights", "weights[:-1] += self.ds / 2", "weights[:-1] += self.ds[::-1] / 2"),
+        Fault("cable.mesh", "trapezoidal_weights", "weights[:-1] += ds / 2", "weights[:-1] += ds[::-1] / 2"),
         "index",
         "the trapezoidal rule is right on even meshes only",
         "common/test_found_by_defects.py::test_drift_is_the_end_of_the_positions_on_any_mesh",
     ),
     Defect(
         "damping out of the tension",
-        Fault("cable.system", "CableSystem.tension", "y[0] + self.beta * ydot[0]", "y[0]"),
+        Fault("cable.outputs", "CableOutputs.tension", "y[0] + self.beta * ydot[0]", "y[0]"),
         "term",
         "the tension that is reported has no part of the material's damping",
         "common/test_found_by_defects.py::test_tension_has_its_part_of_damping",
     ),
     Defect(
         "mirror keeps the sideways velocity",
-        Fault("cable.system", "CableSystem.mirror", "(1, 1, 1, -1, 1, -1, *z)", "(1, 1, 1, 1, 1, -1, *z)"),
+        Fault("cable.equations", "CableEquations.mirror", "(1, 1, 1, -1, 1, -1, *z)", "(1, 1, 1, 1, 1, -1, *z)"),
         "sign",
         "the symmetry of the system has a wrong sign for w",
         "cable/test_invariants.py::test_the_mirror_of_the_system_is_its_symmetry",
     ),
     Defect(
         "compression anywhere is fine",
-        Fault("cable.system", "CableSystem.invalid", "y[0][least] < 0", "y[0][least] < -1"),
+        Fault("cable.equations", "CableEquations.invalid", "y[0][least] < 0", "y[0][least] < -1"),
         "regime",
         "a cable in compression is no event",
         "harmonic_balance/test_solve.py::test_compression_is_named",
@@ -423,9 +426,9 @@ DEFECTS = (
         "equilibrium of another system",
         Fault(
             "cable.system",
-            "CableSystem.ramped",
-            "ramped = copy.copy(self)",
-            "self.motion, self.__dict__['_equilibrium'] = self.motion, 0 * self.rest_state()\nramped = copy.copy(self)",
+            "CableSystem.replace",
+            "super().replace(**kept | changes)",
+            "super().replace(equilibrium=self.equilibrium, **changes)",
         ),
         "stale",
         "a copy of a system takes over an equilibrium that is none",
@@ -485,8 +488,8 @@ DEFECTS = (
     Defect(
         "a seabed that carries the weight at most",
         Fault(
-            "cable.system",
-            "CableSystem.support",
+            "cable.equations",
+            "CableEquations.support",
             "return seabed_support(self.seabed_stiffness, self.scene.environment.depth, z)",
             (
                 "support, slope = seabed_support(self.seabed_stiffness, self.scene.environment.depth, z)\n"
@@ -586,7 +589,7 @@ DEFECTS = (
     ),
     Defect(
         "half the current is the current",
-        Fault("cable.statics", "solve_static", "_eased(system, x, share)", "_eased(system, x, share / 2)"),
+        Fault("cable.statics", "solve_static", "_with_eased_loads(system, x, load_factor)", "_with_eased_loads(system, x, load_factor / 2)"),
         "regime",
         "the continuation ends half way and calls it the equilibrium",
         "cable/test_statics.py::test_a_strong_current_is_reached_in_steps",

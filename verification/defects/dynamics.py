@@ -375,10 +375,10 @@ DEFECTS = (
     Defect(
         "carried start turned the wrong way",
         Fault(
-            "cable.system",
-            "CableSystem.carried",
-            'np.einsum("dcn,adn,at->cnt", turn, place, rate)',
-            'np.einsum("cdn,adn,at->cnt", turn, place, rate)',
+            "cable.predictor",
+            "quasi_static_predictor",
+            'np.einsum("dcn,adn,at->cnt", rotation, by_position, rate)',
+            'np.einsum("cdn,adn,at->cnt", rotation, by_position, rate)',
         ),
         "symbol",
         "the rotation into the frame of the line is transposed: the start moves elsewhere than its fairlead",
@@ -386,7 +386,7 @@ DEFECTS = (
     ),
     Defect(
         "the fairlead led by its anchor",
-        Fault("cable.statics", "follow", "moved[-n:] = np.eye(n)", "moved[:n] = np.eye(n)"),
+        Fault("cable.statics", "rest_sensitivity", "displacement[-n:] = np.eye(n)", "displacement[:n] = np.eye(n)"),
         "boundary",
         "the equilibrium follows the anchor in place of the fairlead",
         _FOLLOWS,
@@ -655,7 +655,7 @@ DEFECTS = (
     ),
     Defect(
         "a cure that is there",
-        Fault("common.diagnostics", "of_history", 'history.hold == "position"', 'history.hold == "mean"'),
+        Fault("common.diagnostics", "check_history", 'history.hold == "position"', 'history.hold == "mean"'),
         "regime",
         "the end that is held is told to be held",
         "suite/test_stability.py::test_the_cure_of_a_drift_is_one_that_is_left",
@@ -663,21 +663,21 @@ DEFECTS = (
     # ------------------------------------------------------------ deferred correction
     Defect(
         "stencils to one side",
-        Fault("cable.midpoint_stencils", "stencils", "cell - width // 2 + 1", "cell - width // 2 + 3"),
+        Fault("cable.midpoint_stencils", "midpoint_stencils", "cell - width // 2 + 1", "cell - width // 2 + 3"),
         "index",
         "the nodes of a cell lie to its right: cubics are exact still, a response of growing steps is not",
         "harmonic_balance/test_deferred_correction.py::test_cases_of_the_paper_gain",
     ),
     Defect(
         "moments of a whole cell",
-        Fault("cable.midpoint_stencils", "stencils", "power + 1", "power + 2"),
+        Fault("cable.midpoint_stencils", "midpoint_stencils", "power + 1", "power + 2"),
         "factor",
         "the integral of a cell with wrong moments",
         "harmonic_balance/test_deferred_correction.py::test_stencils_are_exact_for_cubics",
     ),
     Defect(
         "slope of a unit cell",
-        Fault("cable.midpoint_stencils", "stencils", "slope / h[:, None]", "slope"),
+        Fault("cable.midpoint_stencils", "midpoint_stencils", "slope / h[:, None]", "slope"),
         "unit",
         "the slope of the middle per cell, not per metre",
         "harmonic_balance/test_deferred_correction.py::test_stencils_are_exact_for_cubics",
@@ -725,10 +725,10 @@ DEFECTS = (
     Defect(
         "trapezoids beside cells of fourth order",
         Fault(
-            "cable.system",
-            "CableSystem._weights",
-            "np.add.at(weights, self._stencils.at, self._stencils.integral)",
-            "np.add.at(weights, np.arange(self.nodes), np.gradient(self.s))",
+            "cable.equations",
+            "CableEquations.__init__",
+            "trapezoidal_weights(self.ds) if order == 2 else self.stencils.quadrature()",
+            "trapezoidal_weights(self.ds)",
         ),
         "order",
         "the mean place of the fairlead by a rule of second order",

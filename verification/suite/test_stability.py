@@ -325,8 +325,8 @@ def test_no_wave_grows_on_a_seabed(nodes, stiffness):
 
 
 LIMITED = Fault(
-    "cable.system",
-    "CableSystem.support",
+    "cable.equations",
+    "CableEquations.support",
     "return seabed_support(self.seabed_stiffness, self.scene.environment.depth, z)",
     (
         "support, slope = seabed_support(self.seabed_stiffness, self.scene.environment.depth, z)\n"
