@@ -76,7 +76,7 @@ class Stepper:
         self.iterations = self.factorisations = self.worst = 0
         self.error, self._size = 0.0, np.zeros((len(system.fields), system.nodes))
         y, t = system.rest_state(), 0.0
-        self.constraints = tuple(not rows(y, 0 * y, t).ydot.any() for rows in (system.start, system.end))
+        self.constraints = tuple(not rows(y, 0 * y, t).dydot.any() for rows in (system.start, system.end))
         self.drift_control = DRIFT_CONTROLS[hold](system, dt) if hold and system.drift(y, t) is not None else None
         self._factorised_for = None
 
