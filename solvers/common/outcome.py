@@ -1,4 +1,4 @@
-"""What every solver returns besides its numbers: a status that reads as a sentence, and the errors it raises."""
+"""Statuses that every solver returns, and the errors that it raises."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ class Outcome:
         return self.status is Status.SUCCESS
 
     def or_raise(self, given) -> Outcome:
-        """This result if it is a success; raises ConvergenceError naming what was ``given`` otherwise."""
+        """Return this result if it is a success; raises ConvergenceError naming what was ``given`` otherwise."""
         if self.status is not Status.SUCCESS:
             raise ConvergenceError(
                 f"{self.status.value} (given {given}; {self.iterations} iterations, residual {self.residual_norm:.3g})",
