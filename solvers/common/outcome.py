@@ -64,9 +64,7 @@ class InputError(ValueError):
 
     def labelled(self, label: str) -> InputError:
         """Return the error with another label in its message, in place of its field or item."""
-        return InputError(
-            self.problem, field=self.field, value=self.value, unit=self.unit, item=self.item, label=label
-        )
+        return InputError(self.problem, field=self.field, value=self.value, unit=self.unit, item=self.item, label=label)
 
     def located(self, place: str) -> InputError:
         """Return the error with the place of the input, a file, line or table, in front of its message."""
