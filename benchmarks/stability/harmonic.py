@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from solvers import Status, solve_periodic
-from solvers.common import diagnostics as invariants
+from solvers.common import diagnostics
 
 from .cables import flowing
 from .maps import Axis, Found, Map
@@ -16,7 +16,7 @@ SAMPLES = 16  # at which the claims are looked at, for each harmonic
 
 ROWS = 1e-9
 """Largest Fourier coefficient of a row over the sum of the sizes of its terms at the samples."""
-ERROR = 4 * invariants.TAIL
+ERROR = 4 * diagnostics.TAIL
 """Largest error without a warning, of the range of the tension: a tail of harmonics, some of them near a resonance."""
 MEAN = 1e-8  # m: the mean place of the fairlead over the samples, of a chord of 885 m
 

@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 
 from solvers import Motion, Status, cable_system, solve_time_domain
-from solvers.common import diagnostics as invariants
+from solvers.common import diagnostics
 from solvers.time_domain.generalized_alpha import Scheme
 
 from ..cable.cases import scene
@@ -50,9 +50,9 @@ def maps() -> list[Map]:
     claim = (
         "the rows of every step met to the solver's tolerance, states finite, no tension below zero at a step; and "
         f"without a warning the error within {BENDS:g} times the change of the tension's slope in a step, for which it "
-        f"warns above {invariants.CURVED:g} of the range, and {WAVES:g} for the waves of the start"
+        f"warns above {diagnostics.CURVED:g} of the range, and {WAVES:g} for the waves of the start"
     )
-    held = f"{claim}, and the fairlead within {invariants.DRIFT:g} of its amplitude of its place"
+    held = f"{claim}, and the fairlead within {diagnostics.DRIFT:g} of its amplitude of its place"
     lost = (
         "Invalid: the solver stops with a status, at the time and node where the tension vanishes or the line would "
         "break. Too coarse: a shorter step does so, or fails. With a spectral radius near 1 nothing damps the shortest "
@@ -125,7 +125,7 @@ def _solve(system, hold, steps=STEPS, radius=0.5) -> Found:
         return Found(history.status, lost=lost, finer=finer.status, warned=warned)
     tension, exact = history.tension[-1], finer.tension[-1]
     error = float(abs(tension - exact[:: 2**HALVINGS]).max() / np.ptp(exact))
-    allowed = BENDS * invariants.bends(tension, history.time) / np.ptp(tension) + WAVES
+    allowed = BENDS * diagnostics.largest_slope_change(tension, history.time) / np.ptp(tension) + WAVES
     if not warned and error > allowed:
         lost.append(f"error {error:.3g} above {allowed:.3g}")
     return Found(history.status, error, lost, warned=warned)
@@ -150,5 +150,5 @@ def broken(history, scheme, hold):
         yield f"rates {miss.max():.3g}"
     if hold == "position" and not history.warnings:
         drift = history.drift().max() / np.linalg.norm(history.system.motion.sine[0])
-        if drift > invariants.DRIFT:
+        if drift > diagnostics.DRIFT:
             yield f"drift {drift:.3g}"

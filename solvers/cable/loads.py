@@ -1,7 +1,6 @@
 """Loads on a cable per unit unstretched length, each with its derivatives; HB section 2.1.
 
-A load is a function of what it depends on; square roots of squares stand for absolute values so that a complex step
-passes through.
+Square roots of squares stand for absolute values so that a complex step passes through.
 """
 
 from __future__ import annotations

@@ -149,10 +149,10 @@ def velocity(y, tangents=True):
     value = np.array([u * cos - v * sin, u * sin + v * cos])
     if not tangents:
         return value, None
-    slope = np.zeros((2, *y.shape), dtype=y.dtype)
-    slope[0, U], slope[0, V], slope[0, PHI] = cos, -sin, -value[1]
-    slope[1, U], slope[1, V], slope[1, PHI] = sin, cos, value[0]
-    return value, slope
+    by_y = np.zeros((2, *y.shape), dtype=y.dtype)
+    by_y[0, U], by_y[0, V], by_y[0, PHI] = cos, -sin, -value[1]
+    by_y[1, U], by_y[1, V], by_y[1, PHI] = sin, cos, value[0]
+    return value, by_y
 
 
 def stretched_tangent(y, tangents=True):
@@ -161,7 +161,7 @@ def stretched_tangent(y, tangents=True):
     value = np.array([stretch * cos, stretch * sin])
     if not tangents:
         return value, None
-    slope = np.zeros((2, *y.shape), dtype=y.dtype)
-    slope[0, EPS], slope[0, PHI] = cos, -value[1]
-    slope[1, EPS], slope[1, PHI] = sin, value[0]
-    return value, slope
+    by_y = np.zeros((2, *y.shape), dtype=y.dtype)
+    by_y[0, EPS], by_y[0, PHI] = cos, -value[1]
+    by_y[1, EPS], by_y[1, PHI] = sin, value[0]
+    return value, by_y

@@ -1,4 +1,4 @@
-"""The equilibrium of a cable and how it follows its fairlead: what the start of a periodic solve is made of."""
+"""The equilibrium of a cable and its quasi-static response to the fairlead, which starts a periodic solve."""
 
 from __future__ import annotations
 

@@ -201,13 +201,13 @@ def velocity(y, tangents=True):
     value = np.array([level * cos_p - v * sin_p, level * sin_p + v * cos_p, out])
     if not tangents:
         return value, None
-    slope = np.zeros((3, *y.shape), dtype=y.dtype)
-    slope[0, U], slope[0, V], slope[0, W] = cos_p * cos_t, -sin_p, cos_p * sin_t
-    slope[1, U], slope[1, V], slope[1, W] = sin_p * cos_t, cos_p, sin_p * sin_t
-    slope[2, U], slope[2, W] = -sin_t, cos_t
-    slope[0, PHI], slope[1, PHI] = -value[1], value[0]
-    slope[0, THETA], slope[1, THETA], slope[2, THETA] = out * cos_p, out * sin_p, -level
-    return value, slope
+    by_y = np.zeros((3, *y.shape), dtype=y.dtype)
+    by_y[0, U], by_y[0, V], by_y[0, W] = cos_p * cos_t, -sin_p, cos_p * sin_t
+    by_y[1, U], by_y[1, V], by_y[1, W] = sin_p * cos_t, cos_p, sin_p * sin_t
+    by_y[2, U], by_y[2, W] = -sin_t, cos_t
+    by_y[0, PHI], by_y[1, PHI] = -value[1], value[0]
+    by_y[0, THETA], by_y[1, THETA], by_y[2, THETA] = out * cos_p, out * sin_p, -level
+    return value, by_y
 
 
 def stretched_tangent(y, tangents=True):
@@ -217,9 +217,9 @@ def stretched_tangent(y, tangents=True):
     t = np.array([cos_p * cos_t, sin_p * cos_t, -sin_t])
     if not tangents:
         return stretch * t, None
-    slope = np.zeros((3, *y.shape), dtype=y.dtype)
-    slope[:, EPS] = t
-    slope[0, PHI], slope[1, PHI] = -stretch * t[1], stretch * t[0]
-    slope[0, THETA], slope[1, THETA] = -stretch * cos_p * sin_t, -stretch * sin_p * sin_t
-    slope[2, THETA] = -stretch * cos_t
-    return stretch * t, slope
+    by_y = np.zeros((3, *y.shape), dtype=y.dtype)
+    by_y[:, EPS] = t
+    by_y[0, PHI], by_y[1, PHI] = -stretch * t[1], stretch * t[0]
+    by_y[0, THETA], by_y[1, THETA] = -stretch * cos_p * sin_t, -stretch * sin_p * sin_t
+    by_y[2, THETA] = -stretch * cos_t
+    return stretch * t, by_y

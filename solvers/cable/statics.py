@@ -1,7 +1,7 @@
 """Equilibrium of a cable on its own mesh: the box scheme with nothing moving, and both ends at their positions.
 
 Unknowns are strain, angles and positions (up, along[, out]) of the nodes; the velocities are zero and rows 4 to 6 are
-met. The start is the catenary; a current, where Newton's method alone does not get there, is raised in steps.
+met. The start is the catenary; where Newton's method fails from there, the loads are raised in steps.
 """
 
 from __future__ import annotations
@@ -151,8 +151,8 @@ class _Statics:
         environment = system.scene.environment
         seabed = system.has_seabed and system.seabed_stiffness > 0
         clearance = system.anchor[2] + environment.depth if seabed else 0.0
-        rise, run = system.chord[:2]
-        span = Span(system.w0, system.EA, float(system.s[-1]), run, rise, seabed, 0.0, clearance)
+        height, distance = system.chord[:2]
+        span = Span(system.w0, system.EA, float(system.s[-1]), distance, height, seabed, 0.0, clearance)
         state = solve_span(span)
         along, up, T = state.profile(system.s)
         x = np.zeros((2 * n, system.nodes))

@@ -1,20 +1,20 @@
-"""What a moving cable must keep, looked at in the finished result: a sentence with the number for each that is lost."""
+"""A-posteriori checks of a moving cable's result; each violation yields a warning with its number."""
 
 from __future__ import annotations
 
 import numpy as np
 
-DRIFT = 0.05  # of the excursion of the fairlead: coarse meshes miss their place by that much
+DRIFT = 0.05  # of the excursion of the fairlead: coarse meshes miss the prescribed position by that much
 CURVED = 0.08  # of the range of the tension: its change of slope in a step, about the error of a second-order method
 SETTLED = 1e-2  # of the range of the tension: the difference of two periods
 TAIL = 5e-3  # of the range of the tension: the amplitude of the last two harmonics
-FEW = 4  # harmonics; with less, a resonance of the next one, of 0.02 of the range, was not seen
+FEW = 4  # harmonics; with fewer, a resonance of the next one, of 0.02 of the range, was missed
 _INSTANTS = 16  # for each harmonic
-_PLACES = 200  # of the fairlead, for its excursion
+_POSITIONS = 200  # of the fairlead, for its excursion
 
 
 def check_history(history):
-    """Yield what a TimeHistory has lost: place of the fairlead, tension, resolution in time, periodicity."""
+    """Yield warnings about a TimeHistory: position of the fairlead, tension, resolution in time, periodicity."""
     system, time = history.ramped_system, history.time
     if time.size < 3:
         yield f"time: only {time.size - 1} step is stored, which shows nothing of the error: use a shorter dt"
@@ -24,13 +24,14 @@ def check_history(history):
     cure = (
         "more nodes or a shorter dt" if history.hold == "position" else 'more nodes, a shorter dt, or hold="position"'
     )
-    yield from _misplaced(history.drift(), history.system, time[-1], cure)
-    middle = (time[1:] + time[:-1]) / 2
-    yield from _compressed(system.tension(history.at(middle), history.rate_at(middle)), middle, "a shorter dt")
+    yield from _check_position(history.drift(), history.system, time[-1], cure)
+    midpoints = (time[1:] + time[:-1]) / 2
+    between_steps = system.tension(history.at(midpoints), history.rate_at(midpoints))
+    yield from _check_compression(between_steps, midpoints, "a shorter dt")
     if time.size == history.steps + 1 and spread > 0:
-        curved = bends(tension, time) / spread
-        if curved > CURVED:
-            yield f"dt: the slope of the tension changes by {curved:.2g} of its range in a step: use a shorter dt"
+        change = largest_slope_change(tension, time) / spread
+        if change > CURVED:
+            yield f"dt: the slope of the tension changes by {change:.2g} of its range in a step: use a shorter dt"
     period = history.system.period
     if period is None or spread == 0 or time[-1] < 2 * period:
         return
@@ -42,14 +43,14 @@ def check_history(history):
 
 
 def check_response(response):
-    """Yield what a PeriodicResponse has lost: place of the fairlead, tension, harmonics, mean forces."""
+    """Yield warnings about a PeriodicResponse: position of the fairlead, tension, harmonics, mean forces."""
     system, basis = response.system, response.basis
     count = _INSTANTS * basis.harmonics
     t = response.last_period[1] / count * np.arange(count)
     y, ydot = response.at(t), response.rate_at(t)
     tension = system.tension(y, ydot)
-    yield from _misplaced(np.linalg.norm(system.drift(y, t), axis=0), system, 0.0, "more nodes or harmonics")
-    yield from _compressed(tension, t, "more harmonics")
+    yield from _check_position(np.linalg.norm(system.drift(y, t), axis=0), system, 0.0, "more nodes or harmonics")
+    yield from _check_compression(tension, t, "more harmonics")
     amplitudes = 2 * abs(np.fft.rfft(tension[-1])[1 : basis.harmonics + 1]) / count
     last, spread = amplitudes[-2:].max(), np.ptp(tension[-1])  # of two: a symmetric motion has every second only
     if basis.harmonics < FEW:
@@ -60,24 +61,24 @@ def check_response(response):
         yield "mean: without the constant term the mean forces are not in balance"
 
 
-def _misplaced(drift, system, end, cure):
+def _check_position(drift, system, end, cure):
     if system.motion is None:
         return
-    t = np.linspace(0.0, max(end, system.period or 0.0), _PLACES)
+    t = np.linspace(0.0, max(end, system.period or 0.0), _POSITIONS)
     extent = np.linalg.norm(np.ptp(system.motion.displacement(t), axis=-1)) / 2
     if drift.max() > DRIFT * extent:
-        share = f", {drift.max() / extent:.2g} of its excursion" if extent else ""
-        yield f"drift: the fairlead is up to {drift.max():.3g} m from its place{share}: use {cure}"
+        relative = f", {drift.max() / extent:.2g} of its excursion" if extent else ""
+        yield f"drift: the fairlead is up to {drift.max():.3g} m from its place{relative}: use {cure}"
 
 
-def _compressed(tension, t, cure):
+def _check_compression(tension, t, cure):
     node, k = np.unravel_index(tension.argmin(), tension.shape)
     if tension[node, k] < 0:
         yield f"tension: {tension[node, k]:.3g} N between instants, at t = {t[k]:.4g} s, node {node + 1}: use {cure}"
 
 
-def bends(values, time) -> float:
-    """Largest change of the slope from one step to the next, in values for a step."""
+def largest_slope_change(values, time) -> float:
+    """Return the largest change of the slope from one step to the next, in units of the values per step."""
     step = np.diff(time)
     slope = np.diff(values) / step
     return float((abs(np.diff(slope)) * np.minimum(step[1:], step[:-1])).max())

@@ -1,9 +1,9 @@
-"""Prescribed motion of the fairlead: displacement about its mean place and its derivatives, SI units, public frame.
+"""Prescribed motion of the fairlead: displacement about its mean position and its derivatives, SI units, public frame.
 
 A solver takes any object with ``displacement(t)`` and ``velocity(t)`` in m and m/s, t in s a number -> (3,) or an array
-(S,) -> (3, S), and ``directions()`` -> (k, 3), unit vectors whose combinations hold the motion: from these it knows
-whether the motion stays in the plane of the line. Here: ``Motion`` (periodic), ``SampledMotion`` (a measured series),
-``FunctionMotion`` (any function of time) and ``Ramped`` (one of these, started from rest).
+(S,) -> (3, S), and ``directions()`` -> (k, 3), unit vectors that span the motion: they tell whether it stays in
+the plane of the line. Here: ``Motion`` (periodic), ``SampledMotion`` (a measured series), ``FunctionMotion`` (any
+function of time) and ``Ramped`` (one of these, started from rest).
 t may be complex in Motion, SampledMotion and Ramped: a complex step passes through.
 """
 
@@ -22,7 +22,7 @@ from .validation import as_array, positive_number, real_number, vector
 
 _SAME_DIRECTION = 1e-12  # share of the largest extent below which an extent is rounding: 1e4 eps
 _EXTREME = 1e100  # s; a ramp between this and its inverse has squares within double precision
-_END_OF_SERIES = 1e-9  # share of the duration of a series by which a sum of time steps may pass its ends
+_END_OF_SERIES = 1e-9  # share of the duration of a series by which a sum of time steps may exceed its ends
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +49,7 @@ class Motion:
 
     @classmethod
     def harmonic(cls, frequency, amplitude, phase=(0.0, 0.0, 0.0)) -> Motion:
-        """amplitude sin(2 pi f t + phase): frequency in Hz, amplitude (3,) in m, phase (3,) in rad, in x, y, z."""
+        """Return the motion amplitude sin(2 pi f t + phase): Hz, amplitude (3,) in m, phase (3,) in rad, in x, y, z."""
         amplitude, phase = np.array(vector("amplitude", amplitude, "m")), np.array(vector("phase", phase, "rad"))
         return cls(frequency, [amplitude * np.cos(phase)], [amplitude * np.sin(phase)])
 
@@ -69,11 +69,11 @@ class Motion:
         return not (self.sine[:, 1].any() or self.cosine[:, 1].any())
 
     def directions(self) -> np.ndarray:
-        """Unit vectors whose combinations hold the motion, (k, 3)."""
-        return _span_of(np.concatenate([self.sine, self.cosine]))
+        """Return unit vectors that span the motion, (k, 3)."""
+        return _spanning_vectors(np.concatenate([self.sine, self.cosine]))
 
     def scaled(self, factor: float) -> Motion:
-        """The same motion with every displacement multiplied by a number."""
+        """Return the same motion with every displacement multiplied by a number."""
         factor = real_number("factor", factor, "(dimensionless)")
         return Motion(self.frequency, factor * self.sine, factor * self.cosine)
 
@@ -88,18 +88,18 @@ class Motion:
         return self._omega * self.sine.T, -self._omega * self.cosine.T
 
     def displacement(self, t) -> np.ndarray:
-        """Displacement, m: t in s, number -> (3,) or (S,) -> (3, S)."""
+        """Return the displacement, m: t in s, number -> (3,) or (S,) -> (3, S)."""
         angle = np.multiply.outer(self._omega, _times(t))
         return self.sine.T @ np.sin(angle) + self.cosine.T @ np.cos(angle)
 
     def velocity(self, t) -> np.ndarray:
-        """Velocity, m/s: t in s, number -> (3,) or (S,) -> (3, S)."""
+        """Return the velocity, m/s: t in s, number -> (3,) or (S,) -> (3, S)."""
         angle = np.multiply.outer(self._omega, _times(t))
         of_cosine, of_sine = self._rates
         return of_cosine @ np.cos(angle) + of_sine @ np.sin(angle)
 
     def acceleration(self, t) -> np.ndarray:
-        """Acceleration, m/s^2: t in s, number -> (3,) or (S,) -> (3, S)."""
+        """Return the acceleration, m/s^2: t in s, number -> (3,) or (S,) -> (3, S)."""
         angle = np.multiply.outer(self._omega, _times(t))
         of_cosine, of_sine = self._rates
         return (self._omega * of_sine) @ np.cos(angle) - (self._omega * of_cosine) @ np.sin(angle)
@@ -130,8 +130,8 @@ class SampledMotion:
         object.__setattr__(self, "samples", series)
 
     def directions(self) -> np.ndarray:
-        """Unit vectors whose combinations hold the motion, (k, 3)."""
-        return _span_of(self.samples)
+        """Return unit vectors that span the motion, (k, 3)."""
+        return _spanning_vectors(self.samples)
 
     @cached_property
     def _cubics(self):
@@ -139,7 +139,7 @@ class SampledMotion:
         return np.moveaxis(CubicSpline(self.time, self.samples).c, 1, 2)
 
     def _locate(self, t):
-        """Coefficients (4, 3, *S) of the pieces that hold t, and t from their left ends."""
+        """Return the coefficients (4, 3, *S) of the pieces that contain t, and t from their left ends."""
         t = _times(t)
         first, last = self.time[0], self.time[-1]
         slack = _END_OF_SERIES * (last - first)
@@ -152,17 +152,17 @@ class SampledMotion:
         return self._cubics[..., i], t - self.time[i]
 
     def displacement(self, t) -> np.ndarray:
-        """Displacement, m: t in s, number -> (3,) or (S,) -> (3, S). Raises InputError outside the series."""
+        """Return the displacement, m: t in s, number -> (3,) or (S,) -> (3, S); InputError outside the series."""
         (a, b, c, d), h = self._locate(t)
         return ((a * h + b) * h + c) * h + d
 
     def velocity(self, t) -> np.ndarray:
-        """Velocity, m/s: t in s, number -> (3,) or (S,) -> (3, S). Raises InputError outside the series."""
+        """Return the velocity, m/s: t in s, number -> (3,) or (S,) -> (3, S); InputError outside the series."""
         (a, b, c, _), h = self._locate(t)
         return (3 * a * h + 2 * b) * h + c
 
     def acceleration(self, t) -> np.ndarray:
-        """Acceleration, m/s^2: t in s, number -> (3,) or (S,) -> (3, S). Raises InputError outside the series."""
+        """Return the acceleration, m/s^2: t in s, number -> (3,) or (S,) -> (3, S); InputError outside the series."""
         (a, b, _, _), h = self._locate(t)
         return 6 * a * h + 2 * b
 
@@ -181,16 +181,16 @@ class FunctionMotion:
                 raise InputError(f"{given!r} must be a function of time (s)", field=name, value=given)
 
     def directions(self) -> np.ndarray:
-        """x, y and z: a function may go anywhere, (3, 3)."""
+        """Return x, y and z, (3, 3): a function may go anywhere."""
         return np.eye(3)
 
     def displacement(self, t) -> np.ndarray:
-        """Displacement, m: t in s, number -> (3,) or (S,) -> (3, S). Raises InputError where it is not finite."""
-        return _called("position", self.position, t, "m")
+        """Return the displacement, m: t in s, number -> (3,) or (S,) -> (3, S); InputError where it is not finite."""
+        return _evaluate("position", self.position, t, "m")
 
     def velocity(self, t) -> np.ndarray:
-        """Velocity, m/s: t in s, number -> (3,) or (S,) -> (3, S). Raises InputError where it is not finite."""
-        return _called("rate", self.rate, t, "m/s")
+        """Return the velocity, m/s: t in s, number -> (3,) or (S,) -> (3, S); InputError where it is not finite."""
+        return _evaluate("rate", self.rate, t, "m/s")
 
 
 @dataclass(frozen=True, eq=False)
@@ -211,11 +211,11 @@ class Ramped:
         object.__setattr__(self, "duration", duration)
 
     def directions(self) -> np.ndarray:
-        """Unit vectors whose combinations hold the motion, (k, 3)."""
+        """Return unit vectors that span the motion, (k, 3)."""
         return self.motion.directions()
 
     def _ramp(self, t):
-        """q and its first two time derivatives, each of the shape of t."""
+        """Return q and its first two time derivatives, each of the shape of t."""
         if np.ndim(t) == 0 and t.real >= self.duration:
             return 1.0, 0.0, 0.0
         t = _times(t)
@@ -224,25 +224,25 @@ class Ramped:
         return q, 30 * x**2 * (1 - x) ** 2 / self.duration, 60 * x * (1 - x) * (1 - 2 * x) / self.duration**2
 
     def displacement(self, t) -> np.ndarray:
-        """Displacement, m: t in s, number -> (3,) or (S,) -> (3, S)."""
+        """Return the displacement, m: t in s, number -> (3,) or (S,) -> (3, S)."""
         return self._ramp(t)[0] * self.motion.displacement(t)
 
     def velocity(self, t) -> np.ndarray:
-        """Velocity, m/s: t in s, number -> (3,) or (S,) -> (3, S)."""
+        """Return the velocity, m/s: t in s, number -> (3,) or (S,) -> (3, S)."""
         if np.ndim(t) == 0 and t.real >= self.duration:  # the motion itself, at nearly every step
             return self.motion.velocity(t)
         q, q_t, _ = self._ramp(t)
         return q_t * self.motion.displacement(t) + q * self.motion.velocity(t)
 
     def acceleration(self, t) -> np.ndarray:
-        """Acceleration, m/s^2: t in s, number -> (3,) or (S,) -> (3, S)."""
+        """Return the acceleration, m/s^2: t in s, number -> (3,) or (S,) -> (3, S)."""
         q, q_t, q_tt = self._ramp(t)
         r, v, a = self.motion.displacement(t), self.motion.velocity(t), self.motion.acceleration(t)
         return q_tt * r + 2 * q_t * v + q * a
 
 
 def _times(t) -> np.ndarray:
-    """t as an array of one axis at most."""
+    """Return t as an array of one axis at most."""
     t = np.asarray(t)
     if t.ndim > 1:
         raise InputError(f"shape {t.shape} must be () or (S,) (s)", field="t", value=t, unit="s")
@@ -250,7 +250,7 @@ def _times(t) -> np.ndarray:
 
 
 def _real_array(name, values, unit) -> np.ndarray:
-    """A read-only float copy of an array of real numbers."""
+    """Return a read-only float copy of an array of real numbers."""
     try:
         array = as_array(values)
     except ValueError:
@@ -265,7 +265,7 @@ def _real_array(name, values, unit) -> np.ndarray:
 
 
 def _finite(name, array, unit):
-    """Raises InputError naming the first entry that is not finite."""
+    """Raise InputError naming the first entry that is not finite."""
     if not np.isfinite(array).all():
         at = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
         field = f"{name}[{', '.join(map(str, at))}]"
@@ -273,7 +273,7 @@ def _finite(name, array, unit):
 
 
 def _rows(name, values, least) -> np.ndarray:
-    """A read-only array (n, 3) of finite numbers in m, n >= least."""
+    """Return a read-only array (n, 3) of finite numbers in m, n >= least."""
     array = _real_array(name, values, "m")
     if array.ndim != 2 or array.shape[1] != 3 or len(array) < least:
         problem = f"shape {array.shape} must be (n, 3), n >= {least} rows [x, y, z] (m)"
@@ -282,14 +282,14 @@ def _rows(name, values, least) -> np.ndarray:
     return array
 
 
-def _span_of(rows) -> np.ndarray:
-    """Orthonormal vectors (k, 3), k = 0..3, whose combinations hold the rows (n, 3)."""
+def _spanning_vectors(rows) -> np.ndarray:
+    """Return orthonormal vectors (k, 3), k = 0..3, that span the rows (n, 3)."""
     _, extent, axes = np.linalg.svd(rows, full_matrices=False)
     return axes[extent > _SAME_DIRECTION * max(extent[0], np.finfo(float).tiny)]
 
 
-def _called(name, function, t, unit) -> np.ndarray:
-    """function at each t, (3, *S); raises InputError naming the time at which it is not three finite numbers."""
+def _evaluate(name, function, t, unit) -> np.ndarray:
+    """Return function at each t, (3, *S); raises InputError naming the time where it is not three finite numbers."""
     t = _times(t)
     values = [np.asarray(function(one)) for one in t.ravel().tolist()]
     for one, value in zip(t.ravel(), values, strict=True):

@@ -1,4 +1,4 @@
-"""What every solver returns besides its numbers: a status that reads as a sentence, and the errors it raises."""
+"""Statuses that every solver returns, and the errors that it raises."""
 
 from __future__ import annotations
 
@@ -64,9 +64,7 @@ class InputError(ValueError):
 
     def labelled(self, label: str) -> InputError:
         """Return the error with another label in its message, in place of its field or item."""
-        return InputError(
-            self.problem, field=self.field, value=self.value, unit=self.unit, item=self.item, label=label
-        )
+        return InputError(self.problem, field=self.field, value=self.value, unit=self.unit, item=self.item, label=label)
 
     def located(self, place: str) -> InputError:
         """Return the error with the place of the input, a file, line or table, in front of its message."""
@@ -93,7 +91,7 @@ class Outcome:
         return self.status is Status.SUCCESS
 
     def or_raise(self, given) -> Outcome:
-        """This result if it is a success; raises ConvergenceError naming what was ``given`` otherwise."""
+        """Return this result if it is a success; raises ConvergenceError naming what was ``given`` otherwise."""
         if self.status is not Status.SUCCESS:
             raise ConvergenceError(
                 f"{self.status.value} (given {given}; {self.iterations} iterations, residual {self.residual_norm:.3g})",

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..common import diagnostics as invariants
+from ..common import diagnostics
 from ..common.outcome import Outcome, Status
 from ..common.response import Response
 from ..numerics.chain import ChainSystem
@@ -68,7 +68,7 @@ class PeriodicResponse(Response, Outcome):
     @cached_property
     def warnings(self) -> tuple[str, ...]:
         """What a cable's response has lost: drift, compression between instants, too few harmonics, mean forces."""
-        return tuple(invariants.check_response(self))
+        return tuple(diagnostics.check_response(self))
 
     def at(self, t) -> np.ndarray:
         """State at times t (S,) in s, (n_f, N, S)."""

@@ -1,4 +1,4 @@
-"""Reading a MAP++ input file (.map; ..._MAP.dat of OpenFAST) as a Network.
+"""Read a MAP++ input file (.map; ..._MAP.dat of OpenFAST) as a Network.
 
 Four sections, each a title between dashes, a line of column names, a line of units, then its rows, words parted by
 blanks or tabs:
@@ -62,7 +62,7 @@ def read_map_file(path, *, depth=None, rho=Environment.rho, g=Environment.g) -> 
     """
     environment, types, angles = Environment(rho=rho, g=g, depth=depth), {}, []
     try:
-        text = Path(path).read_text(encoding="latin-1")  # what counts is ASCII; the unit m^3 comes in any encoding
+        text = Path(path).read_text(encoding="latin-1")  # all but the unit m^3 is ASCII, and that comes in any encoding
     except (TypeError, ValueError):
         raise InputError(f"{path!r} is not the path of a MAP++ file", field="path", value=path) from None
     except OSError as error:

@@ -10,7 +10,7 @@ Cdn = 1.6                            dynamics: drag Cdn, Cdb, Cdt, added mass Ca
 [ends]
 anchor = [-853.87, 0.0, -320.0]      m, z up from still water
 fairlead = [-5.2, 0.0, -70.0]
-[motion]                             of the fairlead about that place; optional, and takes diameter and mass_per_length
+[motion]                             of the fairlead about that position; optional, needs diameter and mass_per_length
 frequency = 0.05                     Hz, or period (s)
 amplitude = [5.0, 0.0, 0.0]          m in x, y, z, of sin(2 pi f t + phase); phase (rad) is 0 where it is not given;
                                      both may be lists of rows [x, y, z], one for each harmonic of the frequency
@@ -53,7 +53,7 @@ _REQUIRED = {
 class Scene:
     """One line with its environment: length in m, friction a tuple of coefficients, anchor and fairlead (3,) in m.
 
-    motion: of the fairlead about that place, or None. Raises InputError naming the key, its value and its unit.
+    motion: of the fairlead about that position, or None. Raises InputError naming the key, its value and its unit.
     """
 
     name: str

@@ -1,6 +1,6 @@
 """The contract between physics and the two dynamic solvers: a chain of nodes coupled to their neighbours only.
 
-``ChainSystem`` is all that the dynamic solvers know of what moves; ``BandedJacobian`` solves with its tangents.
+``ChainSystem`` is all that the dynamic solvers know of a moving body; ``BandedJacobian`` solves with its tangents.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Loops that numba compiles: where arrays are so small that interpreted loops over them take several times as long."""
+"""Compile loops with numba: over arrays so small that interpreted loops take several times as long."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from numba import njit
 
 
 def compiled(loop):
-    """Compiled at the first call: once for all processes, or in each where numba finds no folder to keep it in.
+    """Return the loop compiled at its first call, cached on disk for all processes where numba finds a folder.
 
-    What a loop calls has to stand in its own file: numba looks at no other for changes.
+    What a loop calls has to stand in its own file: numba checks no other file for changes.
     """
     try:
         return njit(cache=True)(loop)

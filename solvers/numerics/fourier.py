@@ -1,4 +1,4 @@
-"""Fourier series of real periodic functions, and the way from samples to coefficients and back (AFT).
+"""Fourier series of real periodic functions, between samples and coefficients (AFT).
 
 y(t) = c_0/sqrt(2) + sum_k s_k sin(k w t / nu) + c_k cos(k w t / nu), HB (49); coefficients in the order of (51):
 c_0, s_1, c_1, s_2, c_2, ..., without c_0 in the paper's variant.
@@ -26,7 +26,7 @@ class Basis:
         self.P = 2 / samples * self.Q
 
     def functions(self, t):
-        """q(t) and its rate, (S, C) each, for times (S,) in s, (55), (57)."""
+        """Return q(t) and its rate, (S, C) each, for times (S,) in s, (55), (57)."""
         k = self.omega * np.arange(1, self.harmonics + 1)
         angle = np.multiply.outer(t, k)
         sin, cos, first = np.sin(angle), np.cos(angle), int(self.mean)

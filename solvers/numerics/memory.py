@@ -1,4 +1,4 @@
-"""Memory that is freed stays with the process: the first touch of new pages takes as long as the arithmetic on them."""
+"""Keep freed memory in the process: touching new pages takes as long as the arithmetic on them."""
 
 from __future__ import annotations
 
@@ -6,15 +6,14 @@ from functools import lru_cache
 
 import numpy as np
 
-_LARGEST = 31 * 2**20  # bytes; glibc learns from blocks up to 32 MiB
+_LARGEST = 31 * 2**20  # bytes; glibc adapts its threshold to blocks of up to 32 MiB
 
 
 @lru_cache(maxsize=1)
 def keep_freed_memory():
-    """Take one large block, untouched, and give it back.
+    """Allocate one large block and free it, so that glibc keeps later blocks of up to that size.
 
-    The C library of GNU then takes blocks up to that size from its own heap, of which it keeps up to twice as much
-    (mallopt(3), M_MMAP_THRESHOLD), where it would ask the system for new pages and return them each time. Elsewhere
-    nothing changes.
+    glibc then raises its threshold (mallopt(3), M_MMAP_THRESHOLD) and serves such blocks from its heap, instead of
+    asking the system for new pages each time. Other C libraries are not affected.
     """
     np.empty(_LARGEST, np.uint8)

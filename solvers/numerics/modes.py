@@ -1,4 +1,4 @@
-"""Small motions of a ChainSystem about rest: natural frequencies, damping and shapes; knows nothing of cables."""
+"""Natural modes of a ChainSystem about rest: frequencies, damping and shapes."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from ..common.outcome import ConvergenceError, InputError, Status
 from ..common.validation import non_negative_number, whole_number
 from .chain import BandedJacobian, ChainSystem, product
 
-_RIGID = 1e-5  # share of the shift below which an eigenvalue is zero: the end rows see velocities, not places
-_FAR = 10.0  # ratio of the shift to the lowest frequency at which another shift pays
-_LOST = 1e8  # ratio of a shift to the lowest frequency at which a frequency loses eight of its digits
+_RIGID = 1e-5  # share of the shift below which an eigenvalue is zero: the end rows see velocities, not positions
+_FAR = 10.0  # ratio of the shift to the lowest frequency at which another shift saves time
+_MAX_SHIFT = 1e8  # of the lowest frequency: beyond, a frequency loses more than eight of its digits
 _ACCURACY = 1e-13  # of the eigenvalues of the operator, relative
 
 
@@ -31,7 +31,7 @@ class Modes:
 
 
 def natural_modes(system: ChainSystem, count: int = 6, near: float = 0.0) -> Modes:
-    """The ``count`` oscillations about rest of the lowest frequencies, or of those nearest to ``near`` in Hz.
+    """Return the ``count`` oscillations about rest of the lowest frequencies, or of those nearest to ``near`` in Hz.
 
     Eigenvalues of (A + lambda B) x = 0 with A = dF/dy and B = dF/d(ydot) at rest: Arnoldi's method on
     (A + sigma B)^-1 B. A real sigma orders undamped modes by their frequency, whatever its size.
@@ -46,8 +46,8 @@ def natural_modes(system: ChainSystem, count: int = 6, near: float = 0.0) -> Mod
     near = non_negative_number("near", near, "Hz")
     if near:
         lowest = float(natural_modes(system, 1).frequencies[0])
-        if near > _LOST * lowest:
-            problem = f"{near:g} Hz must not exceed {_LOST:g} of the lowest frequency, {lowest:.3g} Hz"
+        if near > _MAX_SHIFT * lowest:
+            problem = f"{near:g} Hz must not exceed {_MAX_SHIFT:g} of the lowest frequency, {lowest:.3g} Hz"
             raise InputError(problem, field="near", value=near, unit="Hz")
         near *= near > lowest / _FAR  # the modes nearest to a number far below all are the lowest
     rest = system.rest_state()
@@ -56,7 +56,7 @@ def natural_modes(system: ChainSystem, count: int = 6, near: float = 0.0) -> Mod
     size = n_f * nodes
 
     def nearest(sigma, k):
-        """k or more eigenvalues nearest to sigma: the oscillations among them, and their vectors."""
+        """Return the oscillations among the k or more eigenvalues nearest to sigma, and their vectors."""
         jacobian = BandedJacobian(n_f, nodes, system.start_rows, type(sigma))
         if not jacobian.factorise(*(part.dy + sigma * part.dydot for part in rows)):
             raise ConvergenceError(f"the shift {sigma:g} rad/s meets an eigenvalue: give another ``near``")
@@ -69,8 +69,8 @@ def natural_modes(system: ChainSystem, count: int = 6, near: float = 0.0) -> Mod
             try:
                 mu, vectors = eigs(operator, k=k, v0=start, tol=_ACCURACY, ncv=min(size, 3 * k + 20))
             except ArpackNoConvergence as error:
-                found = f"{len(error.eigenvalues)} of {k} eigenvalues near {near:g} Hz"
-                raise ConvergenceError(f"{Status.NOT_CONVERGED.value} (given {found})") from None
+                reached = f"{len(error.eigenvalues)} of {k} eigenvalues near {near:g} Hz"
+                raise ConvergenceError(f"{Status.NOT_CONVERGED.value} (given {reached})") from None
         with np.errstate(divide="ignore", invalid="ignore"):
             eigenvalues = sigma - 1 / mu
         good = np.isfinite(eigenvalues) & (eigenvalues.imag > _RIGID * abs(sigma))

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..common import diagnostics as invariants
+from ..common import diagnostics
 from ..common.outcome import InputError, Outcome, Status
 from ..common.response import Response
 from ..common.validation import flags, one_of, positive_number, real_array, real_number, whole_number
@@ -64,7 +64,7 @@ class TimeHistory(Response, Outcome):
     @cached_property
     def warnings(self) -> tuple[str, ...]:
         """What a cable's history has lost: drift, compression between steps, steps too long, not periodic yet."""
-        return tuple(invariants.check_history(self))
+        return tuple(diagnostics.check_history(self))
 
     def drift(self) -> np.ndarray:
         """Distance of the last node from its prescribed place at the stored times, (K,), m."""

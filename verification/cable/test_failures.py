@@ -105,10 +105,10 @@ RESULTS = {
 
 @pytest.mark.parametrize("name", RESULTS)
 def test_results_go_from_one_process_to_another(name):
-    """A study over many cases runs in a pool of processes: what is found there comes back whole, with its system."""
-    found = RESULTS[name]()
-    copy = pickle.loads(pickle.dumps(found))
-    assert copy.status is found.status and np.array_equal(copy.tension, found.tension)
+    """A study over many cases runs in a pool of processes: its results come back whole, with their systems."""
+    result = RESULTS[name]()
+    copy = pickle.loads(pickle.dumps(result))
+    assert copy.status is result.status and np.array_equal(copy.tension, result.tension)
     assert np.array_equal(solve_static(pickle.loads(pickle.dumps(moving()))).y, copy.system.rest_state())
 
 

@@ -59,7 +59,7 @@ SAME_PLACE = 5e-12  # m, of positions up to 1000 m: measured 7e-13
 
 
 def same(a, b, move=None, tension=SAME):
-    """Two histories have the same tension, and places moved by a matrix."""
+    """Two histories have the same tension, and positions moved by a matrix."""
     move = np.eye(3) if move is None else move
     assert abs(a.tension - b.tension).max() <= tension * abs(a.tension).max()
     assert abs(np.einsum("ij,jnk->ink", move, a.r) - b.r).max() <= SAME_PLACE
@@ -67,14 +67,14 @@ def same(a, b, move=None, tension=SAME):
 
 @pytest.mark.parametrize("angle", [0.3, 2.0, math.pi / 2, math.pi])
 def test_turning_the_frame_turns_the_motion(angle):
-    """Ends, current and motion turned about z: the same tension and turned places, with every term on."""
+    """Ends, current and motion turned about z: the same tension and turned positions, with every term on."""
     c, s = math.cos(angle), math.sin(angle)
     a, b = (solve(system(case, 20), **TIGHT) for case in (EVERYTHING, EVERYTHING.turned(angle)))
     same(a, b, np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]))
 
 
 def test_a_mirror_mirrors_the_motion():
-    """y -> -y of everything: the same tension and mirrored places, bit for bit."""
+    """y -> -y of everything: the same tension and mirrored positions, bit for bit."""
     a, b = (solve(system(case, 20), **TIGHT) for case in (EVERYTHING, EVERYTHING.mirrored()))
     assert np.array_equal(a.tension, b.tension)
     assert np.array_equal(a.r * np.array([1.0, -1.0, 1.0])[:, None, None], b.r)
@@ -95,7 +95,7 @@ def test_the_mirror_of_the_system_is_its_symmetry():
 
 
 def test_shifting_the_line_changes_nothing():
-    """Without a seabed the place of the anchor does not enter: tensions are equal bit for bit."""
+    """Without a seabed the position of the anchor does not enter: tensions are equal bit for bit."""
     shift = np.array([100.0, 50.0, -7.0])
     case = replace(OC3, amplitude=(3.0, 1.0, 0.0))
     moved = replace(case, anchor=tuple(shift), fairlead=tuple(case.fairlead + shift))
@@ -183,7 +183,7 @@ def loss(case, chain, y, ydot) -> np.ndarray:
 
 def imbalance(case, fields, of=SOLVERS):
     """(energies over time, largest imbalance over the first energy) on three meshes with their time steps."""
-    found = []
+    energies_and_gaps = []
     for nodes, dt in ((26, 0.1), (51, 0.05), (101, 0.025)):
         chain = system(case, nodes, of, fields=fields)
         start = (swing(chain), None)
@@ -191,8 +191,8 @@ def imbalance(case, fields, of=SOLVERS):
         E, P = energy(chain, history.y), loss(case, chain, history.y, history.ydot)
         work = np.concatenate([[0.0], np.cumsum((P[1:] + P[:-1]) / 2 * np.diff(history.time))])
         first = E[0] - energy(chain, chain.rest_state()[..., None])[0]
-        found.append((E / first, float(abs(E - E[0] - work).max() / first)))
-    return found
+        energies_and_gaps.append((E / first, float(abs(E - E[0] - work).max() / first)))
+    return energies_and_gaps
 
 
 BALANCE = 6e-3  # of the first energy, on 101 nodes: twice the largest measured
@@ -203,10 +203,10 @@ DAMPED = replace(OC3, Cdt=0.05, damping=0.02)
 @pytest.mark.parametrize("case", [replace(OC3, Cdn=1e-9), DAMPED], ids=["undamped", "damped"])
 def test_work_and_energy_of_a_swing_balance(case, fields):
     """Energy lost is work of the drag and of the material; what is missing falls with ds^2 and dt^2."""
-    found = imbalance(case, fields)
-    assert_order([4, 2, 1], [gap for _, gap in found], 2, ceiling=BALANCE, what="energy")
+    energies_and_gaps = imbalance(case, fields)
+    assert_order([4, 2, 1], [gap for _, gap in energies_and_gaps], 2, ceiling=BALANCE, what="energy")
     if case is DAMPED:
-        E = found[-1][0]
+        E = energies_and_gaps[-1][0]
         assert (np.diff(E) < 0).all() and E[0] - E[-1] > 0.9  # it decays at every step, by more than nine tenths
 
 

@@ -97,11 +97,11 @@ def test_unequal_sees_a_small_entry_and_an_entry_that_should_not_be():
 
 
 def test_complex_step_is_exact():
-    """The derivative of a product of fields is found to rounding."""
+    """The derivative of a product of fields is exact to rounding."""
     y = np.array([[2.0, 3.0], [5.0, 7.0]], complex)
     masks = [np.array([[1.0, 1.0], [0, 0]]), np.array([[0, 0], [1.0, 1.0]])]
-    found = by_complex_step(lambda y: (y[0] * y[1] ** 2)[None], y, masks)
-    assert found[0] == pytest.approx(np.array([[25.0, 49.0], [20.0, 42.0]]), rel=4e-16)
+    derivative = by_complex_step(lambda y: (y[0] * y[1] ** 2)[None], y, masks)
+    assert derivative[0] == pytest.approx(np.array([[25.0, 49.0], [20.0, 42.0]]), rel=4e-16)
 
 
 STATICS_FAULTS = [

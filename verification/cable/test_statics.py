@@ -29,7 +29,7 @@ solve_static = SOLVERS.cable.statics.solve_static
 # ---------------------------------------------------------------- truth
 @dataclass(frozen=True)
 class Truth:
-    """Forces of the line on the vessel and on the anchor, (3,), N, and r(s): places (3, n), m."""
+    """Forces of the line on the vessel and on the anchor, (3,), N, and r(s): positions (3, n), m."""
 
     fairlead_force: np.ndarray
     anchor_force: np.ndarray
@@ -72,29 +72,29 @@ def shot(case) -> Truth:
         return solve_ivp(rate, (0, case.length), start, "DOP853", rtol=1e-13, atol=1e-10, dense_output=dense)
 
     guess = solve_static(system(case, 51)).anchor_force
-    found = root(lambda F: shoot(F).y[:3, -1] - case.fairlead, guess, tol=1e-12)
-    assert abs(found.fun).max() < MISSED, found.message
-    line = shoot(found.x, True).sol
-    return Truth(-line(case.length)[3:], found.x, lambda s: line(s)[:3])
+    solution = root(lambda F: shoot(F).y[:3, -1] - case.fairlead, guess, tol=1e-12)
+    assert abs(solution.fun).max() < MISSED, solution.message
+    line = shoot(solution.x, True).sol
+    return Truth(-line(case.length)[3:], solution.x, lambda s: line(s)[:3])
 
 
 MISSED = 1e-8  # m between the end of the shot and the fairlead: 1e-10 of the force, below every error measured here
 
 
 def errors(case, truth, mesh) -> tuple[float, float, float]:
-    """Errors at one mesh: force on vessel and anchor over the tension there, and places over the length."""
+    """Errors at one mesh: force on vessel and anchor over the tension there, and positions over the length."""
     state = solve_static(system(case, mesh=mesh))
     relative = lambda got, wanted: float(np.linalg.norm(got - wanted) / np.linalg.norm(wanted))
     some = slice(None, None, (state.system.nodes - 1) // 10)
-    place = abs(state.r[:, some] - truth.r(state.system.s[some])).max() / case.length
+    position = abs(state.r[:, some] - truth.r(state.system.s[some])).max() / case.length
     return (
         relative(state.fairlead_force, truth.fairlead_force),
         relative(state.anchor_force, truth.anchor_force),
-        float(place),
+        float(position),
     )
 
 
-CEILING = 8e-5  # of forces and places at 201 nodes: twice the largest measured (buoyant line, graded mesh)
+CEILING = 8e-5  # of forces and positions at 201 nodes: twice the largest measured (buoyant line, graded mesh)
 
 # ---------------------------------------------------------------- without seabed
 TAUT = replace(OC3, name="taut", length=880.0)
@@ -108,10 +108,10 @@ MESHES = {"uniform": lambda L, n: np.linspace(0.0, L, n), "graded": graded}
 @pytest.mark.parametrize("mesh", MESHES)
 @pytest.mark.parametrize("case", [OC3, TAUT, SLACK, LOW, BUOYANT, SOFT], ids=lambda case: case.name)
 def test_box_scheme_converges_to_the_catenary(case, mesh):
-    """Forces at both ends and places of the nodes converge to the catenary with order 2, on even and graded meshes."""
+    """Forces at both ends and positions of nodes converge to the catenary with order 2, on even and graded meshes."""
     truth = catenary(case)
     table = np.array([errors(case, truth, MESHES[mesh](case.length, n)) for n in NODES])
-    for column, what in zip(table.T, ("fairlead", "anchor", "places"), strict=True):
+    for column, what in zip(table.T, ("fairlead", "anchor", "positions"), strict=True):
         assert_order([1 / (n - 1) for n in NODES], column, 2, ceiling=CEILING, what=f"{case.name}, {what}")
 
 
@@ -132,7 +132,7 @@ def test_box_scheme_converges_to_the_line_in_a_current(case, mesh):
     """The same in a current, against a shot along the line in Cartesian vectors."""
     truth = shot(case)
     table = np.array([errors(case, truth, MESHES[mesh](case.length, n)) for n in NODES])
-    for column, what in zip(table.T, ("fairlead", "anchor", "places"), strict=True):
+    for column, what in zip(table.T, ("fairlead", "anchor", "positions"), strict=True):
         assert_order([1 / (n - 1) for n in NODES], column, 2, ceiling=CEILING, what=f"{case.name}, {what}")
 
 

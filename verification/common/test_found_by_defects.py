@@ -1,4 +1,4 @@
-"""What did the seeded defects show to be unchecked? One claim for each mistake that no other check had seen."""
+"""Regression tests for mistakes that no other check detects, one claim each, from the lowest room to the highest."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def test_an_iteration_that_runs_out_of_steps_is_no_success(monkeypatch):
 
 @pytest.mark.parametrize(("x", "z"), [(90.0, 10.0), (95.0, -4.0), (93.0, 0.0)])
 def test_a_line_that_rests_between_raised_ends_is_that_of_50_digits(x, z):
-    """Forces, touchdown, place and tension of a sagging line: its higher end is the fairlead, or the anchor."""
+    """Forces, touchdown, positions and tension of a sagging line: its higher end is the fairlead, or the anchor."""
     span = Span(30.0, 1e6, 100.0, x, z, clearance=5.0)
     state, inputs = solve_span(span), {name: getattr(span, name) for name in Span.__slots__}
     assert state.regime is Regime.SAGGING
@@ -150,7 +150,7 @@ def test_shooting_knows_the_binormal():
 
 
 def test_drift_is_the_end_of_the_positions_on_any_mesh():
-    """Where cells differ, too, the drift of the end is that of the places of the nodes."""
+    """Where cells differ, too, the drift of the end is that of the positions of the nodes."""
     chain = system(replace(SURGE_5, amplitude=None), mesh=graded(SURGE_5.length, 9))
     y, _ = random_state(chain, 3)
     off = chain.positions(y)[:, -1] - chain.scene.fairlead
@@ -168,7 +168,7 @@ def test_a_series_goes_through_its_samples():
 
 
 def test_tangents_times_a_state_are_the_change_of_the_rows():
-    """The product that eigenvalues are found with, on a chain whose rows are linear: F(y + x) - F(y), node by node."""
+    """The matrix product of the eigenvalue solver, on a chain whose rows are linear: F(y + x) - F(y), node by node."""
     y, x = np.random.default_rng(12).normal(size=(2, 3, 3))
     rows = [part(y, 0 * y, 0.0) for part in (LINEAR.start, LINEAR.cells_or_empty, LINEAR.end)]
     values = [[part(state, 0 * y, 0.0).value for part in (LINEAR.start, LINEAR.cells_or_empty, LINEAR.end)]

@@ -64,7 +64,12 @@ CALLS = {
     "Span": (lambda: Span(100.0, -1e8, 900.0, 850.0, 200.0), "EA", -1e8, "N"),
     "Span, no number": (lambda: Span("a", 1e8, 900.0, 850.0, 200.0), "w", "a", "N/m"),
     "solve_span": (lambda: solve_span(LINE, tolerance="1"), "tolerance", "1", "dimensionless"),
-    "solve_spans": (lambda: solve_spans(1.0, 1.0, 1.0, 1.0, 1.0, tolerance=math.nan), "tolerance", None, "dimensionless"),
+    "solve_spans": (
+        lambda: solve_spans(1.0, 1.0, 1.0, 1.0, 1.0, tolerance=math.nan),
+        "tolerance",
+        None,
+        "dimensionless",
+    ),
     "Node": (lambda: Node("free", (0.0, 0.0, 0.0), mass=-2.0), "mass", -2.0, "kg"),
     "Node, a component": (lambda: Node("free", (0.0, None, 0.0)), "r[1]", None, "m"),
     "Element": (lambda: Element(100.0, 1e8, 0.0, (0, 1)), "L", 0.0, "m"),
@@ -153,7 +158,12 @@ def test_an_error_goes_from_one_process_to_another():
     error = InputError("-1 kg must be >= 0", field="mass", value=-1, unit="kg", item=("node", 3)).located("a.map:7")
     copy = pickle.loads(pickle.dumps(error))
     assert str(copy) == str(error) == "a.map:7: node 3: -1 kg must be >= 0"
-    assert vars(copy) == vars(error) and (copy.field, copy.value, copy.unit, copy.item) == ("mass", -1, "kg", ("node", 3))
+    assert vars(copy) == vars(error) and (copy.field, copy.value, copy.unit, copy.item) == (
+        "mass",
+        -1,
+        "kg",
+        ("node", 3),
+    )
 
 
 def test_a_free_message_has_no_field():

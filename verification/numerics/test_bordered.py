@@ -121,12 +121,12 @@ def backward_error(chain, x) -> float:
 
 def lapack_error(chain) -> float:
     """The largest ``backward_error`` of LAPACK on the whole matrix, its rows and columns in orders that are drawn."""
-    (A, b), rng, found, x = chain.dense(), np.random.default_rng(0), [], np.empty(chain.dense()[1].size)
+    (A, b), rng, errors, x = chain.dense(), np.random.default_rng(0), [], np.empty(chain.dense()[1].size)
     for _ in range(ORDERS):
         rows, columns = rng.permutation(b.size), rng.permutation(b.size)
         x[columns] = np.linalg.solve(A[np.ix_(rows, columns)], b[rows])
-        found.append(backward_error(chain, x))
-    return max(found)
+        errors.append(backward_error(chain, x))
+    return max(errors)
 
 
 @pytest.mark.parametrize("name", CHAINS)
