@@ -5,6 +5,7 @@ from __future__ import annotations
 from .defect import Defect
 
 _DERIVATIVES = "network/test_jacobian.py::test_network_derivatives"
+_RESTING = "network/test_jacobian.py::test_stiffness_with_a_node_that_rests_on_the_seabed"
 _CLOSED = "network/test_solve.py::test_closed_forms"
 _ROUNDING = "network/test_solve.py -k 'below_the_rounding or within_rounding'"
 _REACTIONS = "network/test_solve.py::test_reactions_carry_loads_and_weights"
@@ -343,6 +344,15 @@ DEFECTS = (
         f"{_DERIVATIVES} -k 'coupled or body'",
     ),
     Defect(
+        "resting weight that rises",
+        "network.nested",
+        "own[resting, 2] = False",
+        "own[resting, 2] = True",
+        "regime",
+        "stiffness of the coupled nodes with the free nodes on the seabed free to leave it",
+        _RESTING,
+    ),
+    Defect(
         "balanced to a percent",
         "network.nested",
         "return tolerance * largest_force(elements)",
@@ -452,6 +462,15 @@ DEFECTS = (
         "tolerance",
         "a network that is out of balance is a success",
         "network/test_solve.py::test_stopping_short_is_a_status",
+    ),
+    Defect(
+        "pressed nodes taken for lifted ones",
+        "network.solve",
+        "self.reaction[:, 2] < 0",
+        "self.reaction[:, 2] > 0",
+        "sign",
+        "nodes that press on the seabed count as free to rise in the stiffness",
+        _RESTING,
     ),
     # ------------------------------------------------------------ network_scene
     Defect(

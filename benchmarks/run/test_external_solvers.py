@@ -21,7 +21,7 @@ from .. import peers
 from ..cable import work_precision as dynamic_work
 from ..cable.cases import Reference, system, wave
 from ..network import accuracy as network_accuracy
-from ..run import harness
+from . import harness
 
 ROOT = Path(__file__).parents[2]
 SCENE = ROOT / "reference_data" / "scenes" / "taut_polyester.toml"
