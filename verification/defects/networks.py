@@ -6,6 +6,8 @@ from .defect import Defect
 
 _DERIVATIVES = "network/test_jacobian.py::test_network_derivatives"
 _RESTING = "network/test_jacobian.py::test_stiffness_with_a_node_that_rests_on_the_seabed"
+_ORIGINAL = "network/test_solve.py::test_solving_a_moved_network_leaves_the_original_as_it_was"
+_MEMORY = "network/test_solve.py::test_a_state_shares_no_memory_with_its_network"
 _CLOSED = "network/test_solve.py::test_closed_forms"
 _ROUNDING = "network/test_solve.py -k 'below_the_rounding or within_rounding'"
 _REACTIONS = "network/test_solve.py::test_reactions_carry_loads_and_weights"
@@ -184,6 +186,15 @@ DEFECTS = (
         "lines with a raised anchor end have friction, which statics cannot tell",
         "common/test_found_by_defects.py::test_friction_acts_only_where_the_anchor_end_lies",
     ),
+    Defect(
+        "moved network that moves its original",
+        "network.equations",
+        "other.position = self.position.copy()",
+        "other.position = self.position",
+        "stale",
+        "the positions of a moved network are those of the original, changed in place",
+        _ORIGINAL,
+    ),
     # ------------------------------------------------------------ network_few
     Defect(
         "step past the smallest force",
@@ -353,6 +364,24 @@ DEFECTS = (
         _RESTING,
     ),
     Defect(
+        "stiffness that renumbers the equations",
+        "network.nested",
+        "every = copy(balance)",
+        "every = balance",
+        "stale",
+        "the coupled nodes stay unknowns of the network's equations after its stiffness was asked for",
+        _ORIGINAL,
+    ),
+    Defect(
+        "start in the network's own array",
+        "network.nested",
+        "r, free = balance.position.copy(), np.flatnonzero(balance.free)",
+        "r, free = balance.position, np.flatnonzero(balance.free)",
+        "stale",
+        "a start from no guess overwrites the positions that the network was given",
+        _ORIGINAL,
+    ),
+    Defect(
         "balanced to a percent",
         "network.nested",
         "return tolerance * largest_force(elements)",
@@ -471,6 +500,15 @@ DEFECTS = (
         "sign",
         "nodes that press on the seabed count as free to rise in the stiffness",
         _RESTING,
+    ),
+    Defect(
+        "state in the network's own array",
+        "network.solve",
+        "state = _state(balance, first[0], count, tolerance)",
+        "state = _state(balance, balance.position, count, tolerance)",
+        "stale",
+        "positions of a state without free nodes are the array of the network itself",
+        _MEMORY,
     ),
     # ------------------------------------------------------------ network_scene
     Defect(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from copy import deepcopy
 from dataclasses import replace
 from functools import cache
 
@@ -40,6 +41,7 @@ from ..cases.networks import (
     bridle_system,
     chain,
     chain_wire_chain,
+    clump_weight,
     dragged_mass,
     hanging_mass,
     random_network,
@@ -674,6 +676,60 @@ def test_moved_is_the_network_built_there():
     network, case = network_of(bridle_system()), bridle_system(offset=(1.0, 2.0, 0.5))
     moved = network.moved([node.r for node in case.nodes if node.kind == "coupled"])
     assert moved == network_of(case) and network == network_of(bridle_system())
+
+
+def different_arrays(first, second) -> list[str]:
+    """Names of the attributes, arrays and numbers, in which two objects differ by a bit."""
+    return [name for name, value in vars(first).items() if not np.array_equal(value, vars(second)[name])]
+
+
+SHARING = (bridle_system(0.4), chain_wire_chain(0.6), clump_weight(0.4), spring_net())
+
+
+@pytest.mark.parametrize("case", SHARING, ids=lambda case: case.name)
+def test_solving_a_moved_network_leaves_the_original_as_it_was(case):
+    """Equations and solution of the original do not change by a bit, whatever is done with the moved one."""
+    network, untouched = network_of(case), network_of(case)
+    kept = deepcopy(network.balance)
+    places = network.balance.position[network.balance.coupled] + [1.0, 2.0, 0.5]
+    moved = network.moved(places)
+    for options in ({}, {"start": "nodes", "throw": False}, {"method": "nested"}):
+        state = solve_network(moved, **options)
+        assert np.array_equal(state.r[state.coupled], places)
+        assert state.stiffness.shape == (places.size, places.size)
+        assert different_arrays(kept, network.balance) == []
+    again, first = solve_network(network), solve_network(untouched)
+    for name in ("r", "H", "V", "reaction", "stiffness"):
+        assert np.array_equal(getattr(again, name), getattr(first, name)), name
+    assert different_arrays(kept, network.balance) == []
+
+
+@pytest.mark.parametrize("case", SHARING, ids=lambda case: case.name)
+def test_a_moved_network_is_solved_as_one_built_there(case):
+    """Bit for bit, after the original was solved, moved twice, and the given places were overwritten."""
+    network = network_of(case)
+    base = network.balance.position[network.balance.coupled]
+    state = solve_network(network)
+    assert state.stiffness.shape == (base.size, base.size)
+    places = base + [1.0, 2.0, 0.5]
+    moved = network.moved(base - [2.0, 0.0, 0.0]).moved(places)
+    rows = iter(places.tolist())
+    built = [replace(node, r=tuple(next(rows))) if node.kind == "coupled" else node for node in case.nodes]
+    wanted = solve_network(network_of(replace(case, nodes=tuple(built))))
+    places[:] = np.nan
+    for network_there in (moved, moved.moved(base).moved(base + [1.0, 2.0, 0.5])):
+        got = solve_network(network_there)
+        for name in ("r", "H", "V", "reaction", "stiffness"):
+            assert np.array_equal(getattr(got, name), getattr(wanted, name)), name
+
+
+def test_a_state_shares_no_memory_with_its_network():
+    """Also where no node is free and the positions are those of the network."""
+    alone = _network((ANCHOR, FAIRLEAD), [(0, 1)])
+    for net in (alone, network_of(bridle()), network_of(bridle()).moved([(-5.0, 8.0, -20.0), (-5.0, -9.0, -22.0)])):
+        for start in (None, "nodes"):
+            state = solve_network(net, start=start)
+            assert not np.shares_memory(state.r, net.balance.position)
 
 
 @pytest.mark.parametrize("reference", [[0, 0], "x", (0.0, 0.0, math.nan), 3.0])
