@@ -18,6 +18,7 @@ _SUMS = "harmonic_balance/test_jacobian.py::test_blocks_are_the_sums_over_the_sa
 _TRIGONOMETRIC = "harmonic_balance/test_oscillators.py::test_trigonometric_solutions_come_out_exactly"
 _MEAN = "harmonic_balance/test_oscillators.py::test_the_mean_is_closed_by_the_place"
 _CHAIN = "numerics/test_bordered.py::test_the_solution_meets_every_row"
+_BETWEEN = "harmonic_balance/test_oscillators.py::test_a_state_that_is_invalid_between_the_samples_is_found"
 _FORCES = "harmonic_balance/test_solve.py::test_forces_are_those_of_the_tension"
 
 
@@ -363,6 +364,24 @@ DEFECTS = (
         "boundary",
         "the equilibrium follows the anchor in place of the fairlead",
         _FOLLOWS,
+    ),
+    Defect(
+        "valid at the samples is valid",
+        "harmonic_balance.solve",
+        "_BETWEEN = 4",
+        "_BETWEEN = 1",
+        "regime",
+        "states that leave what the equations hold for between two samples are accepted",
+        _BETWEEN,
+    ),
+    Defect(
+        "event in the period of the driving",
+        "harmonic_balance.solve",
+        "* (2 * math.pi / basis.omega / (_BETWEEN * basis.samples))",
+        "* (2 * math.pi / nu / basis.omega / (_BETWEEN * basis.samples))",
+        "factor",
+        "a subharmonic response is looked at in one period of its driving alone",
+        _BETWEEN,
     ),
     # ------------------------------------------------------------ harmonic_rows
     Defect(
