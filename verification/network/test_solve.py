@@ -829,6 +829,71 @@ def test_no_step_within_rounding_leads_to_an_equilibrium():
         assert network.within_rounding(balance, off, TIGHT, count) is None
 
 
+def error_within_rounding(offset, tolerance, stiff):
+    """(|exact - stated| over the largest force, allowed) of a step that is accepted, None of one that is refused.
+
+    The step begins ``offset`` (2,) m from the balance of a node on two weightless lines, whose pulls are exact in 40
+    digits; ``stiff`` N: of a third line elsewhere, whose rounding would explain any force.
+    """
+    anchors, EA, L = np.array([[-3.0, 4.0], [5.0, 12.0]]), 1e3, (4.0, 11.0)
+    load = -sum(_spring_pull(a, (0.0, 0.0), EA, length) for a, length in zip(anchors, L, strict=True))
+    nodes = (
+        *(NodeCase("fixed", (a[0], 0.0, a[1])) for a in anchors.tolist()),
+        NodeCase("free", (offset[0], 0.0, offset[1]), force=(float(load[0]), 0.0, float(load[1]))),
+        NodeCase("fixed", (0.0, 5.0, 0.0)),
+        NodeCase("coupled", (1.0, 5.0, 0.0)),
+    )
+    lines = (*(ElementCase(0.0, EA, L[i], (i, 2)) for i in (0, 1)), ElementCase(1e-3, stiff, 1.0, (3, 4)))
+    balance = network_of(NetworkCase("springs", nodes, lines)).balance
+    accepted = network.within_rounding(balance, balance.position, tolerance, network_nested.Count())
+    if accepted is None:
+        return None
+    r, elements = accepted
+    stated = np.array([-elements.H[:2] * elements.geometry.direction[0, :2], -elements.V[:2]]).T
+    exact = [_spring_pull(a, r[2, [0, 2]].tolist(), EA, length) for a, length in zip(anchors, L, strict=True)]
+    largest = np.abs(elements.Q).max()
+    rounding = PLACES * EPS * (np.abs(r).max() + max(L)) * EA / min(L)
+    return float(np.abs(np.array(exact) - stated).max()) / largest, tolerance + rounding / largest
+
+
+def _spring_pull(anchor, place, EA, L):
+    """(2,) force of a weightless line on its end at ``place``, N, correct to its last bit."""
+    with mp.workdps(40):
+        reach = [mpf(a) - mpf(b) for a, b in zip(anchor, place, strict=True)]
+        length = mp.hypot(*reach)
+        return np.array([float(EA * (length / L - 1) * part / length) for part in reach])
+
+
+@pytest.mark.parametrize("tolerance", [1e-15, 1e-8])
+def test_what_is_accepted_as_within_rounding_is(tolerance):
+    """Forces that a step foresees are those of exact lines, or the step is refused: from 1e-9 m to 1 cm off.
+
+    Neither is done always: short steps are accepted, and the first refused one is off by less than ten times more.
+    """
+    offsets = 1e-9 * 10 ** np.arange(0.0, 7.01, 0.125)
+    accepted = [error_within_rounding((0.6 * size, 0.8 * size), tolerance, 1e17) for size in offsets]
+    count = accepted.index(None)
+    assert count > 4 and accepted[count:] == [None] * (offsets.size - count)
+    for error, allowed in accepted[:count]:
+        assert error <= allowed
+    assert accepted[count - 1][0] > allowed / 100  # the errors that are refused begin there
+
+
+def test_what_more_than_rounding_explains_is_not_mended():
+    """A node off its balance by half a rounding is mended; by a hundred it is not, though one step would."""
+    rounding = 4 * EPS * (12.0 + 11.0) * 0.25
+    assert error_within_rounding((0.0, rounding / 2), 1e-12, 1.0) is not None
+    assert error_within_rounding((0.0, 100 * rounding), 1e-12, 1.0) is None
+
+
+def test_a_node_that_nothing_holds_is_not_balanced_by_rounding():
+    """Pushed towards its only anchor by less than a rounding's force, it has no equilibrium near: refused."""
+    nodes = NodeCase("fixed", (0.0, 0.0, 0.0)), NodeCase("free", (0.0, 0.0, -1.0), force=(0.0, 0.0, 1e-9))
+    case = NetworkCase("pushed", nodes, (ElementCase(0.0, 1e8, 1.0, (0, 1)),))
+    balance = network_of(case).balance
+    assert network.within_rounding(balance, balance.position, BALANCE, network_nested.Count()) is None
+
+
 def test_stopping_short_is_a_status(monkeypatch):
     assert status_misses(monkeypatch) == []
     monkeypatch.setattr(network_monolithic, "MAX_ITERATIONS", 2)
