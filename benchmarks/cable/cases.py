@@ -95,7 +95,7 @@ class Reference:
         """rms and error of a waveform at equal times of the period: a multiple of TIMES, or a divisor."""
         given = np.asarray(tension)[:: max(1, len(tension) // TIMES)]
         difference = (given - self.tension[:: TIMES // len(given)]) / self.range
-        return {"rms": float(np.sqrt(np.mean(difference**2))), "error": float(abs(difference).max())}
+        return {"rms": rms(difference), "error": float(abs(difference).max())}
 
     def of(self, response) -> dict:
         """rms and error of the last period of a TimeHistory or PeriodicResponse."""
