@@ -84,7 +84,7 @@ class Reference:
         """rms and error of a waveform at equal times of the period: a multiple of INSTANTS, or a divisor."""
         given = np.asarray(tension)[:: max(1, len(tension) // INSTANTS)]
         difference = (given - self.tension[:: INSTANTS // len(given)]) / self.range
-        return {"rms": float(np.sqrt(np.mean(difference**2))), "error": float(abs(difference).max())}
+        return {"rms": rms(difference), "error": float(abs(difference).max())}
 
     def of(self, response) -> dict:
         """rms and error of the last period of a TimeHistory or PeriodicResponse."""

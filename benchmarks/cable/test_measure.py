@@ -65,6 +65,100 @@ def test_an_offset_is_measured_at_any_sampling(count):
     assert found["error"] == pytest.approx(0.01, rel=1e-12)
 
 
+# Amplitudes and phases of the harmonics of a wave and of its reference, and the offset between their means, N.
+WAVE, WAVE_REFERENCE, OFFSET = {1: (130.0, 0.3), 3: (20.0, -1.1)}, {1: (100.0, 0.0), 3: (25.0, 0.0)}, 7.0
+
+
+def wave_at(harmonics: dict, mean: float, t) -> np.ndarray:
+    """mean + sum of a cos(2 pi k t / PERIOD + phase)."""
+    return mean + sum(a * np.cos(2 * np.pi * k * t / PERIOD + phase) for k, (a, phase) in harmonics.items())
+
+
+def rms_in_closed_form() -> float:
+    """rms of the difference of the two waves over the range of the reference, 2 (100 + 25) N, by Parseval's theorem."""
+    parts = (WAVE[k][0] * np.exp(1j * WAVE[k][1]) - WAVE_REFERENCE[k][0] for k in WAVE)
+    return float(np.sqrt(OFFSET**2 + sum(abs(part) ** 2 for part in parts) / 2) / 250.0)
+
+
+class Tension:
+    """A response of three periods whose last one is the wave: before it is all else, after it nothing is known."""
+
+    last_period = (2 * PERIOD, PERIOD)
+
+    def fairlead_tension(self, t):
+        assert (t < 3 * PERIOD).all()
+        return wave_at(WAVE, 500.0 + OFFSET, t) + np.where(t < 2 * PERIOD, 1e3, 0.0)
+
+
+def rms_misses() -> list[str]:
+    """What the error of a wave against its reference, and ``rms`` alone, are off from their closed forms."""
+    known = reference(wave_at(WAVE_REFERENCE, 500.0, instants(PERIOD)))
+    misses, wanted = [], rms_in_closed_form()
+    found = {count: known.errors(wave_at(WAVE, 500.0 + OFFSET, instants(PERIOD, count)))["rms"]
+             for count in (TIMES // 5, TIMES // 2, TIMES, 3 * TIMES)}  # fmt: skip
+    found["a response"] = known.of(Tension())["rms"]
+    found["its wave"] = known.errors(wave(Tension()))["rms"]
+    for name, got in found.items():
+        misses += [] if got == pytest.approx(wanted, rel=1e-12) else [f"{name}: {got}, wanted {wanted}"]
+    alone = dynamic_cases.rms(wave_at({2: (3.0, 0.4), 5: (4.0, 1.0)}, 2.0, instants(PERIOD).reshape(2, -1)))
+    return misses if alone == pytest.approx(np.sqrt(4.0 + 12.5), rel=1e-12) else [*misses, f"alone: {alone}"]
+
+
+WRONG_RMS = {
+    "root of the sum": lambda values: float(np.sqrt(np.sum(np.square(values)))),
+    "mean square": lambda values: float(np.mean(np.square(values))),
+    "mean size": lambda values: float(np.mean(np.abs(values))),
+    "without the offset": lambda values: float(np.std(values)),
+    "of one sample less": lambda values: float(np.sqrt(np.sum(np.square(values)) / (np.size(values) - 1))),
+    "greatest": lambda values: float(np.max(np.abs(values))),
+}
+
+
+def test_the_rms_of_an_error_is_that_of_its_closed_form():
+    """Amplitudes, phases and offset of two harmonics, over the range of the reference, at any sampling."""
+    assert rms_misses() == []
+
+
+@pytest.mark.parametrize("wrong", WRONG_RMS.values(), ids=WRONG_RMS)
+def test_a_wrong_rms_is_found(wrong, monkeypatch):
+    monkeypatch.setattr(dynamic_cases, "rms", wrong)
+    assert len(rms_misses()) == 7
+
+
+WRONG_PLACES = {
+    "the end of the period twice": ("instants", lambda period, count=TIMES: np.linspace(0.0, period, count)),
+    "half an instant late": ("instants", lambda period, count=TIMES: period * (np.arange(count) + 0.5) / count),
+}
+
+
+@pytest.mark.parametrize("name", WRONG_PLACES)
+def test_a_response_at_wrong_instants_is_found(name, monkeypatch):
+    """Instants of the response that are not those of its reference change the error."""
+    monkeypatch.setattr(dynamic_cases, *WRONG_PLACES[name])
+    assert any(miss.startswith("a response") for miss in misses_or_refusal())
+
+
+def misses_or_refusal() -> list[str]:
+    """``rms_misses``, or that times were asked for that the response does not have."""
+    try:
+        return rms_misses()
+    except AssertionError:
+        return ["a response: asked beyond its last period"]
+
+
+@pytest.mark.parametrize("wrong", [np.max, np.std, lambda tension: np.ptp(tension) / 2])
+def test_a_wrong_range_is_found(wrong, monkeypatch):
+    """Errors are over greatest less least tension: with another scale the check of the closed form turns red."""
+    monkeypatch.setattr(Reference, "range", property(lambda self: float(wrong(self.tension))))
+    assert len(rms_misses()) == 6
+
+
+def test_harmonics_of_a_reference_are_its_amplitudes():
+    """Mean, amplitudes of harmonics 1 and 3, and nothing in between."""
+    found = reference(wave_at(WAVE, 500.0, instants(PERIOD))).harmonics(4)
+    assert np.allclose(found, [500.0, 130.0, 0.0, 20.0, 0.0], rtol=1e-12, atol=1e-9)
+
+
 class Planted(peers.Adapter):
     """A code whose tension is that function of time."""
 

@@ -130,7 +130,7 @@ def solve_network(
     first = _start(balance, start, count)
     if balance.size == 0:
         count.function_evaluations = 1
-        state = _state(balance, balance.position, count, tolerance)
+        state = _state(balance, first[0], count, tolerance)
     elif method == "monolithic":
         last, solved = monolithic(balance, *first, count, units, jacobian, globalisation, tolerance)
         state = _state(balance, last.r, count, tolerance, last.elements if solved else None)

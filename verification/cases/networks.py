@@ -191,6 +191,22 @@ def chain_wire_chain(friction: float = 0.0, depth: float = 100.0) -> NetworkCase
     return NetworkCase(f"chain-wire-chain, friction {friction:g}", nodes, lines, _water(depth))
 
 
+def clump_weight(friction: float = 0.0) -> NetworkCase:
+    """A weight that rests on the seabed: a soft chain lies behind it, two lines rise from it to a body."""
+    nodes = (
+        NodeCase("fixed", (-300.0, 40.0, -100.0)),
+        NodeCase("free", (-127.0, 17.0, -100.0), mass=3e4),
+        NodeCase("coupled", (-4.0, 7.0, -20.0)),
+        NodeCase("coupled", (-3.0, -6.0, -22.0)),
+    )
+    lines = (
+        ElementCase(400.0, 2e6, 172.0, (0, 1), friction),
+        ElementCase(150.0, 4e7, 152.0, (1, 2)),
+        ElementCase(150.0, 4e7, 151.5, (1, 3)),
+    )
+    return NetworkCase(f"clump weight, friction {friction:g}", nodes, lines, _water(100.0))
+
+
 def bridle() -> NetworkCase:
     """A lower line and two legs from a joint to a body, a buoy at the joint; no symmetry, no seabed."""
     nodes = (

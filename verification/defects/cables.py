@@ -74,8 +74,14 @@ ERRATA_FAULTS = [
         ),
         "HB (34): f6, +u dtheta/ds",
     ),
-    (Fault("cable.planar", "_add_stiffness", "count * y_s[U]", "2 * count * y_s[U]"), "HB (37): the constant part of K counted twice, row 4"),
-    (Fault("cable.spatial", "_add_stiffness", "F[2] -= T * D_theta", "F[2] -= 2 * T * D_theta"), "HB (37): the same, row 3"),
+    (
+        Fault("cable.planar", "_add_stiffness", "count * y_s[U]", "2 * count * y_s[U]"),
+        "HB (37): the constant part of K counted twice, row 4",
+    ),
+    (
+        Fault("cable.spatial", "_add_stiffness", "F[2] -= T * D_theta", "F[2] -= 2 * T * D_theta"),
+        "HB (37): the same, row 3",
+    ),
     (
         Fault(
             "cable.planar",
@@ -152,7 +158,12 @@ LOAD_FAULTS = [
         "(12): drag drives",
     ),
     (
-        Fault("cable.loads", "transverse_drag", "(-normal * (speed + vv), -normal * vw)", "(-normal * speed, -normal * vw)"),
+        Fault(
+            "cable.loads",
+            "transverse_drag",
+            "(-normal * (speed + vv), -normal * vw)",
+            "(-normal * speed, -normal * vw)",
+        ),
         "(11): d|q|/dq left out",
     ),
     (
@@ -166,10 +177,17 @@ LOAD_FAULTS = [
     ),
     (Fault("cable.loads", "transverse_drag", "v * v + w * w", "v * v"), "(11), (12): each component alone"),
     (Fault("cable.loads", "seabed_support", "-depth - z", "-depth + z"), "seabed above the water"),
-    (Fault("cable.loads", "seabed_support", "np.where(touching, support, 0.0)", "support"), "the seabed holds the line down"),
+    (
+        Fault("cable.loads", "seabed_support", "np.where(touching, support, 0.0)", "support"),
+        "the seabed holds the line down",
+    ),
     (
         Fault(
-            "cable.loads", "seabed_support", "np.where(touching, -stiffness, 0.0)", "-stiffness + 0.0 * z", where="-depth - z"
+            "cable.loads",
+            "seabed_support",
+            "np.where(touching, -stiffness, 0.0)",
+            "-stiffness + 0.0 * z",
+            where="-depth - z",
         ),
         "the seabed's tangent above it",
     ),
@@ -194,7 +212,12 @@ DEFECTS = (
     # ------------------------------------------------------------ outcome, properties, scene
     Defect(
         "a status that is no refusal is a success",
-        Fault("common.outcome", "Outcome.success", "self.status is Status.SUCCESS", "self.status is not Status.INVALID_INPUT"),
+        Fault(
+            "common.outcome",
+            "Outcome.success",
+            "self.status is Status.SUCCESS",
+            "self.status is not Status.INVALID_INPUT",
+        ),
         "regime",
         "every result but that of bad input says that it can be used",
         "common/test_failures.py::test_undetermined_friction_without_throw",
@@ -202,7 +225,10 @@ DEFECTS = (
     Defect(
         "failures are not thrown",
         Fault(
-            "common.outcome", "Outcome.or_raise", "self.status is not Status.SUCCESS", "self.status is Status.INVALID_INPUT"
+            "common.outcome",
+            "Outcome.or_raise",
+            "self.status is not Status.SUCCESS",
+            "self.status is Status.INVALID_INPUT",
         ),
         "regime",
         "a failed solve returns its numbers although throw is on",
@@ -210,7 +236,9 @@ DEFECTS = (
     ),
     Defect(
         "area from the diameter as radius",
-        Fault("common.properties", "CableProperties.area", "math.pi * self.diameter**2 / 4", "math.pi * self.diameter**2"),
+        Fault(
+            "common.properties", "CableProperties.area", "math.pi * self.diameter**2 / 4", "math.pi * self.diameter**2"
+        ),
         "factor",
         "pi d^2 for pi d^2/4",
         "io/test_network_scene.py::test_weights_follow_the_environment_of_the_file",
@@ -336,7 +364,7 @@ DEFECTS = (
         "everything moves in a plane",
         Fault(
             "common.motion",
-            "_span_of",
+            "_spanning_vectors",
             "_SAME_DIRECTION * max(extent[0], np.finfo(float).tiny)",
             "0.5 * max(extent[0], np.finfo(float).tiny)",
         ),
@@ -354,7 +382,9 @@ DEFECTS = (
     ),
     Defect(
         "anchor held at the next node",
-        Fault("cable.equations", "CableEquations.start", "y[1 : 1 + self.start_rows, 0]", "y[1 : 1 + self.start_rows, 1]"),
+        Fault(
+            "cable.equations", "CableEquations.start", "y[1 : 1 + self.start_rows, 0]", "y[1 : 1 + self.start_rows, 1]"
+        ),
         "boundary",
         "the boundary condition of the anchor is that of its neighbour",
         _TANGENTS + " -k planar",
@@ -515,7 +545,12 @@ DEFECTS = (
     # ------------------------------------------------------------ chain
     Defect(
         "band one row off",
-        Fault("numerics.chain", "BandedJacobian._position", "self.kl + self.ku + i - j", "self.kl + self.ku + i - j - (i > j)"),
+        Fault(
+            "numerics.chain",
+            "BandedJacobian._position",
+            "self.kl + self.ku + i - j",
+            "self.kl + self.ku + i - j - (i > j)",
+        ),
         "index",
         "entries below the diagonal stand one row too high in the band storage",
         _BAND,
@@ -589,7 +624,12 @@ DEFECTS = (
     ),
     Defect(
         "half the current is the current",
-        Fault("cable.statics", "solve_static", "_with_eased_loads(system, x, load_factor)", "_with_eased_loads(system, x, load_factor / 2)"),
+        Fault(
+            "cable.statics",
+            "solve_static",
+            "_with_eased_loads(system, x, load_factor)",
+            "_with_eased_loads(system, x, load_factor / 2)",
+        ),
         "regime",
         "the continuation ends half way and calls it the equilibrium",
         "cable/test_statics.py::test_a_strong_current_is_reached_in_steps",
@@ -638,7 +678,7 @@ DEFECTS = (
     ),
     Defect(
         "threads of the first thread alone",
-        Fault("numerics.threads", "_let_others_set", 'hasattr(library, "clear_controlling_thread")', "False"),
+        Fault("numerics.threads", "_release_owner", 'hasattr(library, "clear_controlling_thread")', "False"),
         "regime",
         "after a solve in one thread of Python the linear algebra heeds no other one",
         _OVERLAP,

@@ -77,8 +77,18 @@ _SPAN = ("catenary/test_exact.py", "catenary/test_jacobian.py", "catenary/test_l
 _NETWORK = ("network/test_solve.py", "network/test_jacobian.py", "io/test_network_scene.py", "io/test_map_file.py")
 _CABLE = ("cable/test_order.py", "cable/test_jacobian.py", "cable/test_statics.py", "cable/test_invariants.py",
           "io/test_scene.py")  # fmt: skip
-_TIME = ("time_domain/test_solve.py", "cable/test_order.py", "cable/test_invariants.py", "harmonic_balance/test_oscillators.py")
-_PERIODIC = ("harmonic_balance/test_jacobian.py", "harmonic_balance/test_oscillators.py", "numerics/test_bordered.py", "harmonic_balance/test_solve.py")
+_TIME = (
+    "time_domain/test_solve.py",
+    "cable/test_order.py",
+    "cable/test_invariants.py",
+    "harmonic_balance/test_oscillators.py",
+)
+_PERIODIC = (
+    "harmonic_balance/test_jacobian.py",
+    "harmonic_balance/test_oscillators.py",
+    "numerics/test_bordered.py",
+    "harmonic_balance/test_solve.py",
+)
 _FILES = {
     **dict.fromkeys(("catenary.span", "catenary.profile", "catenary.regimes", "catenary.solve", "numerics.elementary"), _SPAN),
     **dict.fromkeys(("network.solve", "network.equations", "network.scalar", "network.jacobian", "network.model", "network.nested",
@@ -115,6 +125,7 @@ def files(module: str) -> tuple[str, ...]:
 
 
 WIDER = {
-    module: (*(whole(file) for file in files), "common/test_found_by_defects.py", STORED) for module, files in _FILES.items()
+    module: (*(whole(file) for file in files), "common/test_found_by_defects.py", STORED)
+    for module, files in _FILES.items()
 }
 """Module of solvers -> checks that each of its defects is shown with --all, beside the one named for it."""

@@ -18,6 +18,7 @@ _SUMS = "harmonic_balance/test_jacobian.py::test_blocks_are_the_sums_over_the_sa
 _TRIGONOMETRIC = "harmonic_balance/test_oscillators.py::test_trigonometric_solutions_come_out_exactly"
 _MEAN = "harmonic_balance/test_oscillators.py::test_the_mean_is_closed_by_the_place"
 _CHAIN = "numerics/test_bordered.py::test_the_solution_meets_every_row"
+_BETWEEN_SAMPLES = "harmonic_balance/test_oscillators.py::test_a_state_that_is_invalid_between_the_samples_is_found"
 _FORCES = "harmonic_balance/test_solve.py::test_forces_are_those_of_the_tension"
 
 
@@ -31,7 +32,12 @@ def _check(module: str, what: str) -> str:
 TIME_FAULTS = [
     (Fault("time_domain.generalized_alpha", "Scheme.from_spectral_radius", "3 - rho", "3 + rho"), "alpha_m"),
     (
-        Fault("time_domain.generalized_alpha", "Scheme.from_spectral_radius", "0.5 + alpha_m - alpha_f", "0.5 - alpha_m + alpha_f"),
+        Fault(
+            "time_domain.generalized_alpha",
+            "Scheme.from_spectral_radius",
+            "0.5 + alpha_m - alpha_f",
+            "0.5 - alpha_m + alpha_f",
+        ),
         "gamma",
     ),
     (
@@ -64,8 +70,19 @@ TIME_FAULTS = [
         ),
         "the hold pushes away",
     ),
-    (Fault("time_domain.solve", "TimeHistory._cubic", "h * x * (1 - x) ** 2", "-h * x * (1 - x) ** 2"), "Hermite's cubic"),
-    (Fault("time_domain.solve", "_Run.step", "self.end * self.steps / self.count", "self.end * self.steps / (self.count + 1)"), "the clock"),
+    (
+        Fault("time_domain.solve", "TimeHistory._cubic", "h * x * (1 - x) ** 2", "-h * x * (1 - x) ** 2"),
+        "Hermite's cubic",
+    ),
+    (
+        Fault(
+            "time_domain.solve",
+            "_Run.step",
+            "self.end * self.steps / self.count",
+            "self.end * self.steps / (self.count + 1)",
+        ),
+        "the clock",
+    ),
 ]
 """The time integration: weights, levels of time, the hold, the interpolation."""
 
@@ -137,7 +154,9 @@ DEFECTS = (
     ),
     Defect(
         "Jacobian of the last step length",
-        Fault("time_domain.generalized_alpha", "Stepper.step", "self._factorised_for != h", "self._factorised_for is None"),
+        Fault(
+            "time_domain.generalized_alpha", "Stepper.step", "self._factorised_for != h", "self._factorised_for is None"
+        ),
         "stale",
         "after a change of the step the old factors are kept until they hardly converge",
         "common/test_found_by_defects.py::test_a_new_step_length_takes_a_new_jacobian",
@@ -224,7 +243,9 @@ DEFECTS = (
     ),
     Defect(
         "amplitudes halved",
-        Fault("common.response", "Response.tension_harmonics", "2 * abs(spectrum[1 : k + 1])", "abs(spectrum[1 : k + 1])"),
+        Fault(
+            "common.response", "Response.tension_harmonics", "2 * abs(spectrum[1 : k + 1])", "abs(spectrum[1 : k + 1])"
+        ),
         "factor",
         "harmonics of the tension are those of a two-sided spectrum",
         "common/test_found_by_defects.py::test_harmonics_of_the_tension_are_those_of_its_samples",
@@ -324,7 +345,10 @@ DEFECTS = (
     Defect(
         "one period of a subharmonic response",
         Fault(
-            "harmonic_balance.solve", "solve_periodic", "2 * math.pi / (nu * system.period)", "2 * math.pi / system.period"
+            "harmonic_balance.solve",
+            "solve_periodic",
+            "2 * math.pi / (nu * system.period)",
+            "2 * math.pi / system.period",
         ),
         "misprint",
         "(61): the integral over T_f and not over nu T_f",
@@ -353,7 +377,12 @@ DEFECTS = (
     ),
     Defect(
         "symmetry taken on trust",
-        Fault("harmonic_balance.solve", "solve_periodic", "not solution.residual.satisfies_omitted_rows(solution.z)", "False"),
+        Fault(
+            "harmonic_balance.solve",
+            "solve_periodic",
+            "not solution.residual.satisfies_omitted_rows(solution.z)",
+            "False",
+        ),
         "regime",
         "a mirror that passed by mistake is not looked at again",
         "harmonic_balance/test_oscillators.py::test_symmetry_is_looked_at_again_in_the_solution",
@@ -391,10 +420,34 @@ DEFECTS = (
         "the equilibrium follows the anchor in place of the fairlead",
         _FOLLOWS,
     ),
+    Defect(
+        "valid at the samples is valid",
+        Fault("harmonic_balance.solve", "", "INSTANTS_PER_SAMPLE = 4", "INSTANTS_PER_SAMPLE = 1"),
+        "regime",
+        "states that leave what the equations hold for between two samples are accepted",
+        _BETWEEN_SAMPLES,
+    ),
+    Defect(
+        "event in the period of the driving",
+        Fault(
+            "harmonic_balance.solve",
+            "_first_invalid",
+            "2 * math.pi / basis.omega / count",
+            "2 * math.pi / 2 / basis.omega / count",
+        ),
+        "factor",
+        "a subharmonic response is looked at in one period of its driving alone",
+        _BETWEEN_SAMPLES,
+    ),
     # ------------------------------------------------------------ harmonic_rows
     Defect(
         "mean of the velocity kept",
-        Fault("harmonic_balance.residual", "HarmonicResidual.__init__", "self.end_rows[offset + d][1:]", "self.end_rows[offset + d][:-1]"),
+        Fault(
+            "harmonic_balance.residual",
+            "HarmonicResidual.__init__",
+            "self.end_rows[offset + d][1:]",
+            "self.end_rows[offset + d][:-1]",
+        ),
         "boundary",
         "in place of the mean of an end row its last coefficient is given up",
         _MEAN,
@@ -541,7 +594,12 @@ DEFECTS = (
     ),
     Defect(
         "harmonics of the second on",
-        Fault("harmonic_balance.krylov", "HarmonicKrylov.__init__", "range(1, basis.harmonics + 1)", "range(basis.harmonics)"),
+        Fault(
+            "harmonic_balance.krylov",
+            "HarmonicKrylov.__init__",
+            "range(1, basis.harmonics + 1)",
+            "range(basis.harmonics)",
+        ),
         "index",
         "each harmonic is preconditioned with the frequency of the one below",
         "harmonic_balance/test_jacobian.py::test_harmonics_of_the_averaged_chain_are_the_inverse_at_rest -k 'mass or towed'",
@@ -636,7 +694,7 @@ DEFECTS = (
     # ------------------------------------------------------------ invariants
     Defect(
         "the slope instead of its change",
-        Fault("common.diagnostics", "bends", "abs(np.diff(slope))", "abs(np.diff(slope, 2))"),
+        Fault("common.diagnostics", "largest_slope_change", "abs(np.diff(slope))", "abs(np.diff(slope, 2))"),
         "index",
         "a warning of long steps from the third difference: of two steps nothing is left",
         "suite/test_stability.py::test_steps_too_long_for_the_motion_are_told",
@@ -645,7 +703,7 @@ DEFECTS = (
         "drift over the diameter of the motion",
         Fault(
             "common.diagnostics",
-            "_misplaced",
+            "_check_position",
             "np.linalg.norm(np.ptp(system.motion.displacement(t), axis=-1)) / 2",
             "np.linalg.norm(np.ptp(system.motion.displacement(t), axis=-1)) * 2",
         ),

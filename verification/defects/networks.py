@@ -6,8 +6,14 @@ from ..tools.planting import Fault
 from .defect import Defect
 
 _DERIVATIVES = "network/test_jacobian.py::test_network_derivatives"
+_RESTING = "network/test_jacobian.py::test_stiffness_with_a_node_that_rests_on_the_seabed"
+_ORIGINAL = "network/test_solve.py::test_solving_a_moved_network_leaves_the_original_as_it_was"
+_MEMORY = "network/test_solve.py::test_a_state_shares_no_memory_with_its_network"
 _CLOSED = "network/test_solve.py::test_closed_forms"
 _ROUNDING = "network/test_solve.py -k 'below_the_rounding or within_rounding'"
+_ACCEPTED = "network/test_solve.py::test_what_is_accepted_as_within_rounding_is"
+_EXPLAINED = "network/test_solve.py::test_what_more_than_rounding_explains_is_not_mended"
+_PUSHED = "network/test_solve.py::test_a_node_that_nothing_holds_is_not_balanced_by_rounding"
 _REACTIONS = "network/test_solve.py::test_reactions_carry_loads_and_weights"
 _AGREE = "network/test_solve.py::test_methods_agree"
 _REFUSED = "network/test_solve.py::test_refused_inputs"
@@ -194,6 +200,18 @@ DEFECTS = (
         "lines with a raised anchor end have friction, which statics cannot tell",
         "common/test_found_by_defects.py::test_friction_acts_only_where_the_anchor_end_lies",
     ),
+    Defect(
+        "moved network that moves its original",
+        Fault(
+            "network.equations",
+            "Balance.moved",
+            "other.position = self.position.copy()",
+            "other.position = self.position",
+        ),
+        "stale",
+        "the positions of a moved network are those of the original, changed in place",
+        _ORIGINAL,
+    ),
     # ------------------------------------------------------------ network_few
     Defect(
         "step past the smallest force",
@@ -340,6 +358,32 @@ DEFECTS = (
         f"{_DERIVATIVES} -k 'coupled or body'",
     ),
     Defect(
+        "resting weight that rises",
+        Fault("network.nested", "coupled_stiffness", "own[resting, 2] = False", "own[resting, 2] = True"),
+        "regime",
+        "stiffness of the coupled nodes with the free nodes on the seabed free to leave it",
+        _RESTING,
+    ),
+    Defect(
+        "stiffness that renumbers the equations",
+        Fault("network.nested", "coupled_stiffness", "every = copy(balance)", "every = balance"),
+        "stale",
+        "the coupled nodes stay unknowns of the network's equations after its stiffness was asked for",
+        _ORIGINAL,
+    ),
+    Defect(
+        "start in the network's own array",
+        Fault(
+            "network.nested",
+            "force_density",
+            "r, free = balance.position.copy(), np.flatnonzero(balance.free)",
+            "r, free = balance.position, np.flatnonzero(balance.free)",
+        ),
+        "stale",
+        "a start from no guess overwrites the positions that the network was given",
+        _ORIGINAL,
+    ),
+    Defect(
         "balanced to a percent",
         Fault("network.nested", "nested", "tolerance * largest_force(elements)", "1e-2 * largest_force(elements)"),
         "tolerance",
@@ -394,6 +438,39 @@ DEFECTS = (
         "the forces that the step adds are left out",
         _ROUNDING,
     ),
+    Defect(
+        "a thousand roundings are one",
+        Fault("network.rounding", "within_rounding", "g.rounding * np.abs(taut).max(axis=2).T", "1e3 * g.rounding * np.abs(taut).max(axis=2).T"),
+        "tolerance",
+        "foreseen forces are accepted that exact lines do not have",
+        _ACCEPTED,
+    ),
+    Defect(
+        "tolerance of the foreseen forces",
+        Fault(
+            "network.rounding",
+            "within_rounding",
+            "bound = tolerance * largest_force(found)",
+            "bound = 1e3 * tolerance * largest_force(found)",
+        ),
+        "tolerance",
+        "a step within rounding is held to a thousand times the tolerance",
+        _ACCEPTED,
+    ),
+    Defect(
+        "anything may be explained by rounding",
+        Fault("network.rounding", "within_rounding", "attainable(balance)", "1e3 * attainable(balance)"),
+        "tolerance",
+        "positions that are far from balanced are mended as if rounding had put them there",
+        _EXPLAINED,
+    ),
+    Defect(
+        "unbalanced within rounding",
+        Fault("network.rounding", "within_rounding", "rounded.all() and balanced", "rounded.all()"),
+        "tolerance",
+        "what is left of the force balance after the step is not looked at",
+        _PUSHED,
+    ),
     # ------------------------------------------------------------ network
     Defect(
         "reaction that acts on the support",
@@ -440,6 +517,25 @@ DEFECTS = (
         "tolerance",
         "a network that is out of balance is a success",
         "network/test_solve.py::test_stopping_short_is_a_status",
+    ),
+    Defect(
+        "pressed nodes taken for lifted ones",
+        Fault("network.solve", "NetworkState.stiffness", "self.reaction[:, 2] < 0", "self.reaction[:, 2] > 0"),
+        "sign",
+        "nodes that press on the seabed count as free to rise in the stiffness",
+        _RESTING,
+    ),
+    Defect(
+        "state in the network's own array",
+        Fault(
+            "network.solve",
+            "solve_network",
+            "state = _state(balance, first[0], count, tolerance)",
+            "state = _state(balance, balance.position, count, tolerance)",
+        ),
+        "stale",
+        "positions of a state without free nodes are the array of the network itself",
+        _MEMORY,
     ),
     # ------------------------------------------------------------ network_scene
     Defect(

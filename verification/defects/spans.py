@@ -330,7 +330,9 @@ DEFECTS = (
     ),
     Defect(
         "parameters of finished rows",
-        Fault("numerics.newton", "monotone_roots", "(p[left] for p in parameters)", "(p[: left.size] for p in parameters)"),
+        Fault(
+            "numerics.newton", "monotone_roots", "(p[left] for p in parameters)", "(p[: left.size] for p in parameters)"
+        ),
         "stale",
         "rows that go on in a batch are solved with the parameters of finished ones",
         "catenary/test_cross_solver.py::test_batch_equals_scalar_on_the_reference_table",

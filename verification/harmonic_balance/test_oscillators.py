@@ -352,6 +352,44 @@ def test_linear_chain_is_its_frequency_response():
     assert largest(solve_periodic(LINEAR, harmonics=5).z[0][:, [0, *range(3, 11)]]) <= ROUND_OFF
 
 
+@dataclass(frozen=True, eq=False)
+class Limited(MassChain):
+    """A chain whose states are invalid where a mass is farther than ``limit`` m on the positive side."""
+
+    limit: float = math.inf
+
+    def invalid(self, y):
+        farthest = np.unravel_index(y[0].argmax(), y[0].shape)
+        return (Status.OVERSTRETCHED, int(farthest[0])) if y[0][farthest] > self.limit else None
+
+
+@pytest.mark.parametrize("mass", range(3))
+@pytest.mark.parametrize(("samples", "nu", "peak"), [(8, 1, 5.25), (8, 1, 2.5), (7, 2, 1.75), (5, 1, 3.0), (8, 1, 0.5)])
+def test_a_state_that_is_invalid_between_the_samples_is_found(mass, samples, nu, peak):
+    """Three masses in closed form: the driven one passes a limit for a quarter of the time between two samples.
+
+    ``peak`` is when it is farthest, in these times; the event is that instant and that mass. With the limit above
+    the peak there is none.
+    """
+    omega, m, k = 4.0, np.array([1.0, 0.4, 0.7]), np.array([0.8, 0.5, 0.6])  # far above resonance
+    interval = nu * 2 * math.pi / omega / samples
+    place = frequency_response(MassChain("", 1.0, None, 3, m, 0.3, 0.0, k), omega, np.eye(3)[mass])
+    farthest = abs(place[mass])
+    force = harmonic_force(1.0, omega, mass, 3, -np.angle(place[mass]) - omega * peak * interval)
+    chain = Limited("limited", 2 * math.pi / omega, force, 3, m, 0.3, 0.0, k)
+    options = {"harmonics": 2, "samples": samples, "subharmonic": nu, "throw": False}
+    assert (np.delete(abs(place), mass) < 0.9 * farthest).all()
+    passed = replace(chain, limit=farthest * math.cos(omega * interval / 8))
+    response = solve_periodic(passed, **options)
+    assert response.status is Status.OVERSTRETCHED and response.amplitude == 1.0
+    time, node = response.event
+    assert node == mass and time == pytest.approx(peak * interval, rel=1e-14)
+    with pytest.raises(ConvergenceError, match=rf"invalid at t = {time:.4g} s, node {mass + 1} of 3"):
+        solve_periodic(passed, **options | {"throw": True})
+    above = solve_periodic(replace(chain, limit=farthest * (1 + 1e-9)), **options)
+    assert above.success and above.event is None
+
+
 @pytest.mark.parametrize(("term", "order"), [("k3", 2), ("k2", 2), ("d", 1)])
 def test_small_amplitudes_tend_to_the_frequency_response(term, order):
     """What a nonlinear term adds to the first harmonic falls with the power of the amplitude that it must have."""

@@ -30,10 +30,12 @@ from ..cases.networks import (
     bridle_system,
     chain,
     chain_wire_chain,
+    clump_weight,
     hanging_mass,
     spring_net,
     two_line,
 )
+from ..exact import network_mp
 from .test_solve import largest, network_of, solved
 
 COMPLEX_STEP = 1e-30  # no truncation, no cancellation
@@ -41,6 +43,8 @@ BLOCK = 1e-11  # of the largest entry of the block: the closed forms are differe
 DIFFERENCE_STEP = 1e-5  # m, of positions of some 100 m: rounding and curvature cost about 1e-8 each
 DIFFERENCE = 1e-5  # of the largest entry, central differences
 FORWARD = 1e-2  # the solver's own forward differences: at a coordinate of 0 its step is 1e-10 of the unit of length
+EXACT_STEP, EXACT_DIGITS = 2e-4, 20  # m, of central differences of forces with that many digits: curvature costs 1e-9
+EXACT_DIFFERENCE = 1e-8  # of the largest entry
 ROUNDING = 1e-11  # of the largest entry: two ways to add the same numbers
 STEP = 1e-7  # of the step: shift 1e-9 of the softest stiffness, condition 1e4
 
@@ -313,7 +317,7 @@ def float_misses() -> list[str]:
 
 # ---------------------------------------------------------------- stiffness of coupled nodes and of a body
 def stiffness_cases():
-    """Coupled nodes everywhere: bridles, raised bights, a joint on the seabed, an anchor that is moved."""
+    """Coupled nodes everywhere: bridles, raised bights, joints and weights on the seabed, an anchor that is moved."""
     anchored = two_line(TWO_LINE_W_PRINTED, 0.05)
     moved = (replace(anchored.nodes[0], kind="coupled"), *anchored.nodes[1:])
     return [
@@ -323,6 +327,7 @@ def stiffness_cases():
         chain(3),
         chain_wire_chain(),
         chain_wire_chain(0.6),
+        clump_weight(),
         _raised(),
         replace(anchored, name="coupled anchor on the seabed", nodes=moved),
     ]
@@ -363,7 +368,7 @@ def _one_column(function, r, i, step=1e-4):
 def body_misses() -> list[str]:
     """body_stiffness against forces and moments of a body that is moved and turned, about two reference points."""
     misses = []
-    for case in (bridle(), bridle_system(0.5, (5.0, 3.0, 0.0)), _raised()):
+    for case in (bridle(), bridle_system(0.5, (5.0, 3.0, 0.0)), clump_weight(), _raised()):
         network, state = network_of(case), solved(case)
         base = state.r[state.coupled]
         for reference in (np.zeros(3), np.array([3.0, -7.0, -40.0])):
@@ -382,6 +387,37 @@ def body_misses() -> list[str]:
             if not error <= DIFFERENCE:
                 misses.append(f"{case.name} about {reference}: off by {error:.3g} of the largest")
     return misses
+
+
+def exact_reactions(case, places) -> np.ndarray:
+    """(c, 3) forces of the lines on the coupled nodes at ``places`` (c, 3), N, by ``exact.network_mp``."""
+    places = iter(places.tolist())
+    nodes = [replace(node, r=tuple(next(places))) if node.kind == "coupled" else node for node in case.nodes]
+    exact = network_mp.solve(replace(case, nodes=tuple(nodes)), [node.r for node in nodes], EXACT_DIGITS)
+    rows = [row for row, node in zip(exact.force, nodes, strict=True) if node.kind == "coupled"]
+    return np.array([[float(c) for c in row] for row in rows])
+
+
+def test_stiffness_with_a_node_that_rests_on_the_seabed():
+    """A resting weight slides and does not rise: (6, 6) of the body, and of its nodes, against 20-digit forces."""
+    case, reference = clump_weight(friction=0.4), np.array([0.0, 0.0, -10.0])
+    state = solved(case)
+    assert state.r[1, 2] == -100.0 and state.reaction[1, 2] < 0 < state.V_anchor[1:].min()
+    base = np.array([node.r for node in case.nodes if node.kind == "coupled"])
+
+    def load(motion):
+        arms = (base - reference) @ _rotation(motion[3:]).T
+        forces = exact_reactions(case, reference + motion[:3] + arms)
+        return np.concatenate([forces.sum(axis=0), np.cross(arms, forces).sum(axis=0)])
+
+    of_nodes = [-_one_column(lambda r: exact_reactions(case, r).ravel(), base, i, EXACT_STEP) for i in range(base.size)]
+    scale = np.repeat([1.0, np.abs(base - reference).max()], 3)
+    of_body = [-_one_column(load, np.zeros(6), i, EXACT_STEP / scale[i]) / scale[i] / scale for i in range(6)]
+    for got, wanted in (
+        (state.stiffness, np.column_stack(of_nodes)),
+        (state.body_stiffness(reference) / np.outer(scale, scale), np.column_stack(of_body)),
+    ):
+        assert np.abs(got - wanted).max() <= EXACT_DIFFERENCE * np.abs(wanted).max()
 
 
 def _rotation(vector):

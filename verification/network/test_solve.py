@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from copy import deepcopy
 from dataclasses import replace
 from functools import cache
 
@@ -40,6 +41,7 @@ from ..cases.networks import (
     bridle_system,
     chain,
     chain_wire_chain,
+    clump_weight,
     dragged_mass,
     hanging_mass,
     random_network,
@@ -670,6 +672,60 @@ def test_moved_is_the_network_built_there():
     assert moved == network_of(case) and network == network_of(bridle_system())
 
 
+def different_arrays(first, second) -> list[str]:
+    """Names of the attributes, arrays and numbers, in which two objects differ by a bit."""
+    return [name for name, value in vars(first).items() if not np.array_equal(value, vars(second)[name])]
+
+
+SHARING = (bridle_system(0.4), chain_wire_chain(0.6), clump_weight(0.4), spring_net())
+
+
+@pytest.mark.parametrize("case", SHARING, ids=lambda case: case.name)
+def test_solving_a_moved_network_leaves_the_original_as_it_was(case):
+    """Equations and solution of the original do not change by a bit, whatever is done with the moved one."""
+    network, untouched = network_of(case), network_of(case)
+    kept = deepcopy(network.balance)
+    places = network.balance.position[network.balance.coupled] + [1.0, 2.0, 0.5]
+    moved = network.moved(places)
+    for options in ({}, {"start": "nodes", "throw": False}, {"method": "nested"}):
+        state = solve_network(moved, **options)
+        assert np.array_equal(state.r[state.coupled], places)
+        assert state.stiffness.shape == (places.size, places.size)
+        assert different_arrays(kept, network.balance) == []
+    again, first = solve_network(network), solve_network(untouched)
+    for name in ("r", "H", "V", "reaction", "stiffness"):
+        assert np.array_equal(getattr(again, name), getattr(first, name)), name
+    assert different_arrays(kept, network.balance) == []
+
+
+@pytest.mark.parametrize("case", SHARING, ids=lambda case: case.name)
+def test_a_moved_network_is_solved_as_one_built_there(case):
+    """Bit for bit, after the original was solved, moved twice, and the given places were overwritten."""
+    network = network_of(case)
+    base = network.balance.position[network.balance.coupled]
+    state = solve_network(network)
+    assert state.stiffness.shape == (base.size, base.size)
+    places = base + [1.0, 2.0, 0.5]
+    moved = network.moved(base - [2.0, 0.0, 0.0]).moved(places)
+    rows = iter(places.tolist())
+    built = [replace(node, r=tuple(next(rows))) if node.kind == "coupled" else node for node in case.nodes]
+    wanted = solve_network(network_of(replace(case, nodes=tuple(built))))
+    places[:] = np.nan
+    for network_there in (moved, moved.moved(base).moved(base + [1.0, 2.0, 0.5])):
+        got = solve_network(network_there)
+        for name in ("r", "H", "V", "reaction", "stiffness"):
+            assert np.array_equal(getattr(got, name), getattr(wanted, name)), name
+
+
+def test_a_state_shares_no_memory_with_its_network():
+    """Also where no node is free and the positions are those of the network."""
+    alone = _network((ANCHOR, FAIRLEAD), [(0, 1)])
+    for net in (alone, network_of(bridle()), network_of(bridle()).moved([(-5.0, 8.0, -20.0), (-5.0, -9.0, -22.0)])):
+        for start in (None, "nodes"):
+            state = solve_network(net, start=start)
+            assert not np.shares_memory(state.r, net.balance.position)
+
+
 @pytest.mark.parametrize("reference", [[0, 0], "x", (0.0, 0.0, math.nan), 3.0])
 def test_a_reference_point_has_three_coordinates(reference):
     with pytest.raises(InputError, match="reference"):
@@ -765,6 +821,71 @@ def test_no_step_within_rounding_leads_to_an_equilibrium():
         assert network.within_rounding(balance, state.r, TIGHT, count) is not None
         off = state.r + np.where(balance.unknown, 1e-3, 0.0)
         assert network.within_rounding(balance, off, TIGHT, count) is None
+
+
+def error_within_rounding(offset, tolerance, stiff):
+    """(|exact - stated| over the largest force, allowed) of a step that is accepted, None of one that is refused.
+
+    The step begins ``offset`` (2,) m from the balance of a node on two weightless lines, whose pulls are exact in 40
+    digits; ``stiff`` N: of a third line elsewhere, whose rounding would explain any force.
+    """
+    anchors, EA, L = np.array([[-3.0, 4.0], [5.0, 12.0]]), 1e3, (4.0, 11.0)
+    load = -sum(_spring_pull(a, (0.0, 0.0), EA, length) for a, length in zip(anchors, L, strict=True))
+    nodes = (
+        *(NodeCase("fixed", (a[0], 0.0, a[1])) for a in anchors.tolist()),
+        NodeCase("free", (offset[0], 0.0, offset[1]), force=(float(load[0]), 0.0, float(load[1]))),
+        NodeCase("fixed", (0.0, 5.0, 0.0)),
+        NodeCase("coupled", (1.0, 5.0, 0.0)),
+    )
+    lines = (*(ElementCase(0.0, EA, L[i], (i, 2)) for i in (0, 1)), ElementCase(1e-3, stiff, 1.0, (3, 4)))
+    balance = network_of(NetworkCase("springs", nodes, lines)).balance
+    accepted = network.within_rounding(balance, balance.position, tolerance, network_nested.Count())
+    if accepted is None:
+        return None
+    r, elements = accepted
+    stated = np.array([-elements.H[:2] * elements.geometry.direction[0, :2], -elements.V[:2]]).T
+    exact = [_spring_pull(a, r[2, [0, 2]].tolist(), EA, length) for a, length in zip(anchors, L, strict=True)]
+    largest = np.abs(elements.Q).max()
+    rounding = PLACES * EPS * (np.abs(r).max() + max(L)) * EA / min(L)
+    return float(np.abs(np.array(exact) - stated).max()) / largest, tolerance + rounding / largest
+
+
+def _spring_pull(anchor, place, EA, L):
+    """(2,) force of a weightless line on its end at ``place``, N, correct to its last bit."""
+    with mp.workdps(40):
+        reach = [mpf(a) - mpf(b) for a, b in zip(anchor, place, strict=True)]
+        length = mp.hypot(*reach)
+        return np.array([float(EA * (length / L - 1) * part / length) for part in reach])
+
+
+@pytest.mark.parametrize("tolerance", [1e-15, 1e-8])
+def test_what_is_accepted_as_within_rounding_is(tolerance):
+    """Forces that a step foresees are those of exact lines, or the step is refused: from 1e-9 m to 1 cm off.
+
+    Neither is done always: short steps are accepted, and the first refused one is off by less than ten times more.
+    """
+    offsets = 1e-9 * 10 ** np.arange(0.0, 7.01, 0.125)
+    accepted = [error_within_rounding((0.6 * size, 0.8 * size), tolerance, 1e17) for size in offsets]
+    count = accepted.index(None)
+    assert count > 4 and accepted[count:] == [None] * (offsets.size - count)
+    for error, allowed in accepted[:count]:
+        assert error <= allowed
+    assert accepted[count - 1][0] > allowed / 100  # the errors that are refused begin there
+
+
+def test_what_more_than_rounding_explains_is_not_mended():
+    """A node off its balance by half a rounding is mended; by a hundred it is not, though one step would."""
+    rounding = 4 * EPS * (12.0 + 11.0) * 0.25
+    assert error_within_rounding((0.0, rounding / 2), 1e-12, 1.0) is not None
+    assert error_within_rounding((0.0, 100 * rounding), 1e-12, 1.0) is None
+
+
+def test_a_node_that_nothing_holds_is_not_balanced_by_rounding():
+    """Pushed towards its only anchor by less than a rounding's force, it has no equilibrium near: refused."""
+    nodes = NodeCase("fixed", (0.0, 0.0, 0.0)), NodeCase("free", (0.0, 0.0, -1.0), force=(0.0, 0.0, 1e-9))
+    case = NetworkCase("pushed", nodes, (ElementCase(0.0, 1e8, 1.0, (0, 1)),))
+    balance = network_of(case).balance
+    assert network.within_rounding(balance, balance.position, BALANCE, network_nested.Count()) is None
 
 
 def test_stopping_short_is_a_status(monkeypatch):
