@@ -95,7 +95,7 @@ def rms_misses() -> list[str]:
     known = reference(wave_at(WAVE_REFERENCE, 500.0, instants(PERIOD)))
     misses, wanted = [], rms_in_closed_form()
     found = {count: known.errors(wave_at(WAVE, 500.0 + OFFSET, instants(PERIOD, count)))["rms"]
-             for count in (TIMES // 5, TIMES // 2, TIMES, 3 * TIMES)}  # fmt: skip
+             for count in (INSTANTS // 5, INSTANTS // 2, INSTANTS, 3 * INSTANTS)}  # fmt: skip
     found["a response"] = known.of(Tension())["rms"]
     found["its wave"] = known.errors(wave(Tension()))["rms"]
     for name, got in found.items():
@@ -126,8 +126,8 @@ def test_a_wrong_rms_is_found(wrong, monkeypatch):
 
 
 WRONG_PLACES = {
-    "the end of the period twice": ("instants", lambda period, count=TIMES: np.linspace(0.0, period, count)),
-    "half an instant late": ("instants", lambda period, count=TIMES: period * (np.arange(count) + 0.5) / count),
+    "the end of the period twice": ("instants", lambda period, count=INSTANTS: np.linspace(0.0, period, count)),
+    "half an instant late": ("instants", lambda period, count=INSTANTS: period * (np.arange(count) + 0.5) / count),
 }
 
 

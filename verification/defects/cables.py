@@ -462,7 +462,7 @@ DEFECTS = (
         ),
         "stale",
         "a copy of a system takes over an equilibrium that is none",
-        "cable/test_invariants.py::test_shifting_the_line_changes_nothing",
+        "cable/test_system.py",
     ),
     # ------------------------------------------------------------ cable_planar, cable_spatial
     Defect(
