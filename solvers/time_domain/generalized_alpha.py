@@ -108,10 +108,11 @@ class Stepper:
             error = float(np.add.reduce(size, axis=None)) / size.size
             if not math.isfinite(error):
                 return self._failed(F.reshape(y.T.shape).T)
-            new = new - relaxation * dy
             self.error = error
-            if error <= self.tolerance and relaxation == 1.0:
+            if error <= self.tolerance:  # the last step is taken in full, however the ones before were relaxed
+                new = new - dy
                 return new, rate * (new - y) - old_rate
+            new = new - relaxation * dy
             self._size = size
             if error > MAX_CONTRACTION * last_error:
                 if tangents:
