@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -27,7 +27,8 @@ class TimeHistory(Response, Outcome):
 
     residual_norm: mean |dy| of the last Newton step, HB (76). steps taken, and rejected by the step control.
     event: (time in s, node from 0) where the status arose, None on success. moved: the system with its ramp.
-    hold: what kept the last node from drifting, as given.
+    hold: what kept the last node from drifting, as given. ramp: time over which the motion grew from rest, s.
+    failed_ramp: the default ramp of half a period, s, where the integration failed with it and a longer one was taken.
     """
 
     system: ChainSystem = field(repr=False)
@@ -43,6 +44,8 @@ class TimeHistory(Response, Outcome):
     rejected: int
     event: tuple[float, int] | None = None
     hold: str | None = None
+    ramp: float = 0.0
+    failed_ramp: float | None = None
 
     @property
     def last_period(self) -> tuple[float, float]:
@@ -114,7 +117,9 @@ def solve_time_domain(
     rho_inf: spectral radius at infinite frequency (near 1 the shortest waves are not damped, and a motion may feed
     them); or scheme, a Scheme.
     tolerance: mean |dy| of the last Newton step, HB (76).
-    ramp: time in s over which the motion grows from rest (default half a period, HB 4.3; none from a ``start``).
+    ramp: time in s over which the motion grows from rest (none from a ``start``). Default: half a period, HB 4.3; where
+    a step fails or a state is invalid within the first two periods, which so short a ramp alone may cause, the
+    integration is done again over a whole period (if it is longer than that), and ``failed_ramp`` and a warning say so.
     hold: what keeps the last node from drifting, for the rows of the end see velocities only. "position": a velocity
     that leads it back at every step; "mean": one that takes back the mean drift once a period, so that the response
     is that of ``solve_periodic``; None: nothing, the paper's scheme.
@@ -139,23 +144,42 @@ def solve_time_domain(
     scheme = _scheme(scheme, rho_inf)
     if not (progress is None or callable(progress)):
         raise InputError(f"{progress!r} must be a function of time (s), or None", field="progress", value=progress)
-    ramp = _ramp(system, ramp, start)
-    moving = system.ramped(ramp) if ramp else system
-    stepper = Stepper(moving, scheme, tolerance, _checked_hold(system, hold), dt)
-    y, ydot = _start_state(system, start)
-    with np.errstate(all="ignore"):  # a Newton step that diverges is found by its size
-        if ydot is None:
-            ydot = stepper.initial_rate(y, 1e-3 * dt)
-        run = _Run(stepper, y, ydot, end, dt, step_tolerance, every)
-        while run.continues(allow_invalid):
-            run.step()
-            if progress is not None:
-                progress(run.t)
-    history = run.history(system, hold)
+    first_ramp = _first_ramp(system, ramp, start)
+    hold, state = _checked_hold(system, hold), _start_state(system, start)
+
+    def integrate(ramp) -> TimeHistory:
+        stepper = Stepper(system.ramped(ramp) if ramp else system, scheme, tolerance, hold, dt)
+        with np.errstate(all="ignore"):  # a Newton step that diverges is found by its size
+            y, ydot = state
+            run = _Run(stepper, y, stepper.initial_rate(y, 1e-3 * dt) if ydot is None else ydot, end, dt,
+                       step_tolerance, every)  # fmt: skip
+            while run.continues(allow_invalid):
+                run.step()
+                if progress is not None:
+                    progress(run.t)
+        return run.history(system, hold, ramp)
+
+    history, tried = integrate(first_ramp), f"ramp = {first_ramp:g} s"
+    early = history.event is not None and first_ramp > 0 and history.event[0] <= 2 * system.period
+    if ramp is None and early and end > system.period:  # the full motion has to be reached
+        longer = integrate(system.period)
+        tried += f", then {system.period:g} s"
+        if longer.success:
+            history = replace(longer, failed_ramp=first_ramp)
     if not throw or (allow_invalid and history.status is not Status.STEP_FAILED):
         return history
-    where = "" if run.event is None else f" at t = {run.event[0]:.6g} s, node {run.event[1] + 1} of {system.nodes}"
-    return history.or_raise(f"dt = {dt:g} s; stopped{where}" if where else f"dt = {dt:g} s")
+    return history.or_raise(_given(history, dt, tried))
+
+
+def _given(history, dt, ramps) -> str:
+    """Return what a failed integration was given, where it stopped and what only an integration can try."""
+    given = f"dt = {dt:g} s, {ramps}"
+    if history.event is not None:
+        time, node = history.event
+        given += f"; stopped at t = {time:.6g} s, node {node + 1} of {history.system.nodes}"
+    if history.status in (Status.COMPRESSION, Status.OVERSTRETCHED):
+        given += "; allow_invalid=True goes on, to be read with care"
+    return given
 
 
 class _Run:
@@ -206,7 +230,7 @@ class _Run:
         if invalid is not None:
             self.status, self.event = invalid[0], (self.t, invalid[1])
 
-    def history(self, system, hold) -> TimeHistory:
+    def history(self, system, hold, ramp) -> TimeHistory:
         """Return what was recorded."""
         if self.record[-1][0] != self.t:
             self.record.append((self.t, self.y, self.ydot))
@@ -214,7 +238,7 @@ class _Run:
         s = self.stepper
         counts = s.iterations, s.factorisations, s.error, self.steps, self.rejected
         series = np.array(time), np.stack(y, axis=-1), np.stack(ydot, axis=-1)
-        return TimeHistory(system, s.system, *series, self.status, *counts, self.event, hold)
+        return TimeHistory(system, s.system, *series, self.status, *counts, self.event, hold, ramp)
 
 
 def _duration(system, periods, duration) -> float:
@@ -228,7 +252,7 @@ def _duration(system, periods, duration) -> float:
     return periods * system.period
 
 
-def _ramp(system, ramp, start) -> float:
+def _first_ramp(system, ramp, start) -> float:
     if ramp is None:
         return 0.0 if start is not None or system.period is None else system.period / 2
     ramp = real_number("ramp", ramp, "s")
