@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .statics import rest_sensitivity, solve_static
+from .statics import StaticState, rest_sensitivity, solve_static
 
 
 class Equilibrium:
@@ -17,9 +17,19 @@ class Equilibrium:
         self.system = system
 
     @cached_property
+    def state(self) -> StaticState:
+        """The discrete equilibrium."""
+        return solve_static(self.system)
+
+    @property
     def y(self) -> np.ndarray:
-        """The discrete equilibrium, (n_f, N)."""
-        return solve_static(self.system).y
+        """Its fields, (n_f, N)."""
+        return self.state.y
+
+    @cached_property
+    def warnings(self) -> tuple[str, ...]:
+        """What the mesh has lost of the exact equilibrium."""
+        return self.state.warnings
 
     @cached_property
     def sensitivity(self) -> tuple[np.ndarray, np.ndarray] | None:
@@ -32,6 +42,7 @@ class RestrictedEquilibrium(NamedTuple):
 
     y: np.ndarray
     sensitivity: tuple[np.ndarray, np.ndarray] | None
+    warnings: tuple[str, ...] = ()
 
     @classmethod
     def to_nodes(cls, equilibrium, nodes) -> RestrictedEquilibrium:

@@ -24,6 +24,7 @@ from .shooting import shoot
 
 TOLERANCE = 1e-11  # mean change of (eps, angles in rad, positions in chords): a hundred roundings of a position
 _ROUNDING = 1e-14  # mean change of a state that fifty roundings make
+MAX_PRETENSION_ERROR = 0.01  # of the tension: what is left of a safety factor is read to a per cent
 MIN_LOAD_STEP = 2.0**-10  # of the load parameter, in the continuation
 
 
@@ -46,6 +47,26 @@ class StaticState(Outcome):
     def tension(self) -> np.ndarray:
         """Tension at the nodes, (N,), N."""
         return self.system.tension(self.y)
+
+    @cached_property
+    def pretension_error(self) -> float | None:
+        """Relative difference of the fairlead tension from that of the exact catenary; None in a current or a failure.
+
+        Where it is large over a seabed, from that of the continuous line on the elastic seabed, by shooting: the
+        catenary's is rigid.
+        """
+        exact, tension = exact_pretension(self.system), float(self.tension[-1])
+        if exact is None or not self.success:
+            return None
+        if abs(tension / exact - 1) > MAX_PRETENSION_ERROR and self.system.has_seabed:
+            shot = solve_static(self.system, method="shooting", throw=False)
+            exact = float(shot.tension[-1]) if shot.success else exact
+        return abs(tension / exact - 1)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What the mesh has lost: a pretension that is off by more than ``MAX_PRETENSION_ERROR``."""
+        return mesh_warnings(self.pretension_error)
 
     @property
     def fairlead_force(self) -> np.ndarray:
@@ -94,6 +115,32 @@ def solve_static(system: CableEquations, *, method="box", tolerance=TOLERANCE, t
     r = system.axes.T @ x[system.dimension :] + system.anchor[:, None]
     state = StaticState(system, y, r, status, iterations, float(residual_norm), tuple(steps))
     return state.or_raise(system.scene.name) if throw else state
+
+
+def exact_pretension(system) -> float | None:
+    """Return the fairlead tension of the exact catenary between the ends of the cable, N; None in a current.
+
+    Over a seabed the line rests w_0/k deep, MSQS (2.23) without friction: the height of the anchor above that plane.
+    """
+    if system.current is not None or system.w0 <= 0:
+        return None
+    depth, stiffness = system.scene.environment.depth, system.seabed_stiffness
+    seabed = system.has_seabed and stiffness > 0
+    clearance = max(0.0, float(system.anchor[2]) + depth + system.w0 / stiffness) if seabed else 0.0
+    height, distance = system.chord[:2]
+    span = Span(system.w0, system.EA, float(system.s[-1]), distance, height, seabed, 0.0, clearance)
+    state = solve_span(span, throw=False)
+    return float(state.tension) if state.success and state.tension > 0 else None
+
+
+def mesh_warnings(pretension_error) -> tuple[str, ...]:
+    """Return a warning where the pretension is off by more than ``MAX_PRETENSION_ERROR``."""
+    if pretension_error is None or not pretension_error > MAX_PRETENSION_ERROR:
+        return ()
+    return (
+        f"mesh: the pretension is off by {pretension_error:.2g} of the exact catenary's: use more nodes, or a finer mesh "
+        "where the line touches down or bends",
+    )
 
 
 def rest_sensitivity(system) -> tuple[np.ndarray, np.ndarray] | None:

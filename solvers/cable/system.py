@@ -78,6 +78,10 @@ class CableSystem(CableEquations):
         """Return the discrete equilibrium of this mesh, (n_f, N)."""
         return self.equilibrium.y
 
+    def rest_warnings(self) -> tuple[str, ...]:
+        """Return a warning where the pretension is off that of the exact catenary."""
+        return self.equilibrium.warnings
+
     def quasi_static_predictor(self, t) -> np.ndarray | None:
         """Return the equilibrium as it follows the fairlead, (n_f, N, S), or None."""
         return quasi_static_predictor(self, t)

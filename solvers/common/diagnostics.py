@@ -9,6 +9,7 @@ CURVED = 0.08  # of the range of the tension: its change of slope in a step, abo
 SETTLED = 1e-2  # of the range of the tension: the difference of two periods
 TAIL = 5e-3  # of the range of the tension: the amplitude of the last two harmonics
 FEW = 4  # harmonics; with fewer, a resonance of the next one, of 0.02 of the range, was missed
+ROUNDING = 1e-9  # of a size: smaller ranges and distances are rounding, and no motion
 _INSTANTS = 16  # for each harmonic
 _POSITIONS = 200  # of the fairlead, for its excursion
 
@@ -19,8 +20,11 @@ def check_history(history):
     if time.size < 3:
         yield f"time: only {time.size - 1} step is stored, which shows nothing of the error: use a shorter dt"
         return
+    yield from system.rest_warnings()
+    if history.failed_ramp is not None:
+        yield f"ramp: the default, {history.failed_ramp:g} s, led to a failure; the motion grows over {history.ramp:g} s"
     tension = history.tension[-1]
-    spread = np.ptp(tension)
+    spread = _range(tension)
     cure = (
         "more nodes or a shorter dt" if history.hold == "position" else 'more nodes, a shorter dt, or hold="position"'
     )
@@ -37,9 +41,9 @@ def check_history(history):
         return
     last = time[time >= time[-1] - period]
     now, before = history.fairlead_tension(last), history.fairlead_tension(last - period)
-    change = abs(now - before).max() / np.ptp(now)
-    if change > SETTLED:
-        yield f"periods: the last two differ by {change:.2g} of the range of the tension: not periodic yet"
+    change, spread = abs(now - before).max(), _range(now)
+    if change > SETTLED * spread and spread > 0:
+        yield f"periods: the last two differ by {change / spread:.2g} of the range of the tension: not periodic yet"
 
 
 def check_response(response):
@@ -49,13 +53,14 @@ def check_response(response):
     t = response.last_period[1] / count * np.arange(count)
     y, ydot = response.at(t), response.rate_at(t)
     tension = system.tension(y, ydot)
+    yield from system.rest_warnings()
     yield from _check_position(np.linalg.norm(system.drift(y, t), axis=0), system, 0.0, "more nodes or harmonics")
-    yield from _check_compression(tension, t, "more harmonics")
+    yield from _check_compression(tension, t, "more nodes, or more harmonics")
     amplitudes = 2 * abs(np.fft.rfft(tension[-1])[1 : basis.harmonics + 1]) / count
-    last, spread = amplitudes[-2:].max(), np.ptp(tension[-1])  # of two: a symmetric motion has every second only
+    last, spread = amplitudes[-2:].max(), _range(tension[-1])  # of two: a symmetric motion has every second only
     if basis.harmonics < FEW:
         yield f"harmonics: {basis.harmonics} are too few to show how the response falls off: use {FEW} or more"
-    elif last > TAIL * spread:
+    elif last > TAIL * spread and spread > 0:
         yield f"harmonics: the last of {basis.harmonics} carry {last / spread:.2g} of the tension's range: use more"
     if not response.mean:
         yield "mean: without the constant term the mean forces are not in balance"
@@ -66,9 +71,15 @@ def _check_position(drift, system, end, cure):
         return
     t = np.linspace(0.0, max(end, system.period or 0.0), _POSITIONS)
     extent = np.linalg.norm(np.ptp(system.motion.displacement(t), axis=-1)) / 2
-    if drift.max() > DRIFT * extent:
+    if drift.max() > max(DRIFT * extent, ROUNDING * system.s[-1]):
         relative = f", {drift.max() / extent:.2g} of its excursion" if extent else ""
         yield f"drift: the fairlead is up to {drift.max():.3g} m from its place{relative}: use {cure}"
+
+
+def _range(tension) -> float:
+    """Return the greatest less the least tension, 0 where that is rounding."""
+    spread = float(np.ptp(tension))
+    return spread if spread > ROUNDING * abs(tension).max() else 0.0
 
 
 def _check_compression(tension, t, cure):

@@ -28,15 +28,16 @@ class Status(Enum):
     )
     COMPRESSION = (
         "the tension vanished at a node, and a perfectly flexible cable in compression is ill-posed: "
-        "reduce the motion, or set allow_invalid=True and read what follows with care"
+        "reduce the motion, or let it grow from rest over a longer time"
     )
     OVERSTRETCHED = (
         "the line is stretched beyond 30 %, where no mooring line holds and EA has no meaning: "
-        "use a longer line or a smaller motion, or set allow_invalid=True in a time integration"
+        "use a longer line or a smaller motion"
     )
     NO_PERIODIC_RESPONSE = (
         "no periodic response was found at the full motion, even with its amplitude raised in small steps: "
-        "use more harmonics, start from a neighbouring response, or reduce the motion"
+        "use more nodes (over a seabed, where the line touches down) or fewer harmonics, start from a neighbouring "
+        "response, or reduce the motion"
     )
     NOT_CORRECTED = (
         "the periodic response was found, but its mesh is too coarse or too uneven for a deferred correction: "

@@ -58,6 +58,10 @@ class ChainSystem:
         """
         raise self._missing("end")
 
+    def rest_warnings(self) -> tuple[str, ...]:
+        """Return sentences on what the rest state itself has lost, for the warnings of every result about it."""
+        return ()
+
     def cells_or_empty(self, y, ydot, t, tangents=True) -> Residual:
         """Return ``cells``, or arrays without cells for a single node."""
         if self.nodes > 1:

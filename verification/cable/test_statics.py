@@ -15,7 +15,9 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import root
 
-from ..cases.cables import OC3, OC3_SEABED
+from solvers.cable.statics import exact_pretension
+
+from ..cases.cables import OC3, OC3_SEABED, SHORT_CHAIN
 from ..exact import catenary_mp
 from ..tools.orders import assert_order
 from ..tools.planting import Fault, planted
@@ -275,6 +277,29 @@ def test_a_method_that_is_none_is_refused():
 
 
 # ---------------------------------------------------------------- planted faults
+def test_a_pretension_that_the_mesh_spoils_is_warned_of():
+    """On a coarse mesh over a seabed, in the state and in what moves from it; on a finer one not."""
+    coarse, fine = (solve_static(system(SHORT_CHAIN, nodes)) for nodes in (25, 50))
+    assert coarse.pretension_error > 0.02 and coarse.warnings[0].startswith("mesh: the pretension is off by 0.03")
+    assert fine.pretension_error < 0.01 and not fine.warnings
+    moving = system(replace(SHORT_CHAIN, amplitude=(0.1, 0.0, 0.0)), 25)
+    history = SOLVERS.time_domain.solve.solve_time_domain(moving, dt=1.0, duration=4.0)
+    assert any(text.startswith("mesh:") for text in history.warnings)
+
+
+def test_the_pretension_error_is_that_of_the_catenary():
+    """Of a hanging line: the box scheme's 961.788 kN over the catenary's 961.530 kN; none in a current."""
+    assert abs(solve_static(system(OC3, 50)).pretension_error - (961.788 / 961.530 - 1)) < 2e-6
+    assert solve_static(system(replace(OC3, current=(0.5, 0.0, 0.0)), 25)).pretension_error is None
+
+
+def test_a_soft_seabed_is_no_error_of_the_mesh():
+    """The rigid catenary differs by 1 per cent from a line on a soft seabed; the continuous line does not."""
+    soft = replace(SHORT_CHAIN, anchor=(-55.0, 0.0, -12.0), seabed_stiffness=8e3)
+    state = solve_static(system(soft, 100))
+    assert abs(state.tension[-1] / exact_pretension(state.system) - 1) > 0.01 and not state.warnings
+
+
 @pytest.mark.parametrize(
     "fault",
     [

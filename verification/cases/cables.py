@@ -98,6 +98,37 @@ SLACK_CHAIN = CableCase(
 )
 """Two thirds of it rest; a cell of 25 nodes at the touchdown turns by 0.18 rad."""
 
+SHORT_CHAIN = CableCase(
+    "chain of 60 m on a seabed",
+    EA=6e8,
+    diameter=0.08,
+    mass_per_length=110.0,
+    submerged_weight=1028.2,
+    length=60.0,
+    anchor=(-50.0, 0.0, -12.0),
+    fairlead=(0.0, 0.0, 0.0),
+    depth=12.0,
+    seabed_stiffness=5e3,
+)
+"""On 25 nodes its pretension is off by 3 %, on 50 by 0.4 %."""
+
+STUDLESS_CHAIN = CableCase(
+    "studless chain of a 15 MW turbine",
+    EA=3.27e9,
+    diameter=0.333,
+    mass_per_length=685.0,
+    submerged_weight=5842.0,
+    Cdn=1.1,
+    length=850.0,
+    anchor=(-837.6, 0.0, -200.0),
+    fairlead=(-58.0, 0.0, -14.0),
+    depth=200.0,
+    seabed_stiffness=1.75e5,
+    frequency=0.2,
+    amplitude=(0.0, 0.0, 2.0),
+)
+"""A heave whose growth over half a period takes the tension away, and over a whole period does not."""
+
 EVERYTHING = replace(
     OC3_SEABED,
     name="every term",

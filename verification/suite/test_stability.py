@@ -275,6 +275,21 @@ def test_drift_is_told():
     assert f"{free.drift().max():.3g} m" in free.warnings[0]
 
 
+def test_a_line_that_does_not_move_warns_of_nothing():
+    """With a motion of no amplitude ranges are rounding: no share of them is taken, nothing is divided by zero."""
+    still = system(replace(SURGE_5, amplitude=(0.0, 0.0, 0.0)), 15)
+    assert not solve_periodic(still, harmonics=5).warnings
+    assert not solve_time_domain(still, dt=0.5, periods=2).warnings
+
+
+def test_advice_of_one_solver_is_not_that_of_another():
+    """Messages of statuses name no argument that only one solver has, and more harmonics are no cure on a seabed."""
+    texts = {status: status.value for status in Status}
+    assert not any("allow_invalid" in text for text in texts.values())
+    assert "more harmonics" not in texts[Status.NO_PERIODIC_RESPONSE]
+    assert "more nodes" in texts[Status.NO_PERIODIC_RESPONSE]
+
+
 def test_the_cure_of_a_drift_is_one_that_is_left():
     """A mesh so coarse that the held end misses its place: more nodes or a shorter step, not the hold that it has."""
     chain = at(SURGE_5, 5, amplitude=(2.0, 0.0, 0.0))

@@ -15,9 +15,11 @@ import numpy as np
 import pytest
 
 from solvers.numerics.modes import natural_modes
+from solvers.time_domain.generalized_alpha import Stepper
 
 from ..cable.problems import LENGTH, SOLVERS, TERMS, Manufactured, chosen_fields, system
-from ..cases.cables import HEAVE_5, OC3, SURGE_5, SURGE_9, CableCase
+from ..cases.cables import HEAVE_5, OC3, STUDLESS_CHAIN, SURGE_5, SURGE_9, CableCase
+from ..cases.oscillators import duffing
 from ..defects.dynamics import TIME_FAULTS
 from ..exact import frequencies, travelling_wave
 from ..reference import EPS
@@ -479,6 +481,40 @@ def test_bad_runs_are_refused(options, message):
     """Steps, durations, parameters and starts out of range are named with their units before any work."""
     with pytest.raises(InputError, match=message):
         solve(system(SURGE_5, 7), **options)
+
+
+@cache
+def heaving(**options):
+    chain = system(STUDLESS_CHAIN, 25)
+    return solve(chain, dt=chain.period / 100, periods=2, throw=False, **options)
+
+
+def test_a_failure_in_the_first_ramp_takes_a_longer_one():
+    """The history is that of the longer ramp, and says so; a ramp that is asked for is kept, failure or not."""
+    history, asked = heaving(), heaving(ramp=2.5)
+    assert history.success and (history.ramp, history.failed_ramp) == (5.0, 2.5)
+    assert any(text.startswith("ramp: the default, 2.5 s, led to a failure") for text in history.warnings)
+    assert np.array_equal(history.y, heaving(ramp=5.0).y)
+    assert asked.status is Status.COMPRESSION and (asked.ramp, asked.failed_ramp) == (2.5, None)
+
+
+def test_where_both_ramps_fail_both_are_named():
+    """The first failure is reported, with what only a time integration can try."""
+    chain = system(replace(SURGE_9, amplitude=(25.0, 0.0, 0.0)), 15)
+    with pytest.raises(ConvergenceError, match=r"ramp = 10 s, then 20 s; stopped at .*allow_invalid=True") as raised:
+        solve(chain, dt=0.5, periods=2)
+    assert raised.value.outcome.failed_ramp is None and raised.value.outcome.ramp == 10.0
+
+
+def test_a_converged_step_is_accepted_after_relaxed_ones():
+    """Newton's method from a poor guess with drag: once a step has grown, full convergence comes soon all the same."""
+    chain = duffing(1.0, 0.5, d=3.0)
+    stepper, rest = Stepper(chain, Scheme.from_spectral_radius(0.5), 1e-10, None, 2.0), chain.rest_state()
+    y, ydot = stepper.step(rest, 0 * rest, 0.0, 2.0, 0 * rest - 3.0)
+    assert stepper.iterations < 20 and stepper.error <= 1e-10
+    again = Stepper(chain, Scheme.from_spectral_radius(0.5), 1e-10, None, 2.0)
+    from_near = again.step(rest, 0 * rest, 0.0, 2.0, ydot)
+    assert abs(from_near[0] - y).max() <= 1e-9
 
 
 @pytest.mark.parametrize(
