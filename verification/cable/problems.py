@@ -22,22 +22,12 @@ from ..cases.cables import EVERYTHING, LEVEL, SIGNS, CableCase
 from ..exact import cable_mp
 from ..exact.cable_mp import Fields
 
-MODULES = {
-    "cable": "cable.system",
-    "chain": "numerics.chain",
-    "generalized_alpha": "time_domain.generalized_alpha",
-    "motion": "common.motion",
-    "outcome": "common.outcome",
-    "properties": "common.properties",
-    "scene": "io.scene",
-    "statics": "cable.statics",
-    "time_domain": "time_domain.solve",
-}
+MODULES = ("cable", "chain", "generalized_alpha", "motion", "outcome", "properties", "scene", "statics", "time_domain")
 
 
 def package(name="solvers") -> SimpleNamespace:
     """The modules of a package of solvers: ``solvers`` itself or one that ``planted`` made."""
-    return SimpleNamespace(**{key: importlib.import_module(f"{name}.{module}") for key, module in MODULES.items()})
+    return SimpleNamespace(**{module: importlib.import_module(f"{name}.{module}") for module in MODULES})
 
 
 SOLVERS = package()
@@ -392,20 +382,18 @@ def _values(planar, of):
 def planted(module: str, old: str, new: str):
     """A second copy of the solvers in which one text of one module, found exactly once, is replaced by another."""
     name, folder = "planted_solvers", Path(solvers.__file__).parent
-    path = folder / f"{module.replace('.', '/')}.py"
+    path = folder / f"{module}.py"
     text = path.read_text(encoding="utf-8")
     if text.count(old) != 1:
         raise ValueError(f"{module}: {old!r} stands there {text.count(old)} times, not once")
-    room, _, last = f"{name}.{module}".rpartition(".")
-    for package_name, place in ((name, folder), (room, path.parent)):
-        copy = sys.modules[package_name] = ModuleType(package_name)
-        copy.__path__ = [str(place)]
+    copy = sys.modules[name] = ModuleType(name)
+    copy.__path__ = [str(folder)]
     try:
         faulty = sys.modules[f"{name}.{module}"] = ModuleType(f"{name}.{module}")
-        faulty.__package__, faulty.__file__ = room, str(path)
-        setattr(copy, last, faulty)
+        faulty.__package__, faulty.__file__ = name, str(path)
+        setattr(copy, module, faulty)
         # numba keeps compiled loops by the name of their file: those with a fault must not be taken for the true ones
-        file = f"<{path.name} with a fault>" if "compiled import" in text else str(path)
+        file = f"<{path.name} with a fault>" if "from .compiled import" in text else str(path)
         exec(compile(text.replace(old, new), file, "exec"), faulty.__dict__)
         yield package(name)
     finally:
@@ -415,7 +403,7 @@ def planted(module: str, old: str, new: str):
 
 def sign_faults(module: str, functions) -> list[tuple[str, str, str, str]]:
     """(module, old text, new text, what): each term of each sum, and of each entry that is set, with the other sign."""
-    text = (Path(solvers.__file__).parent / f"{module.replace('.', '/')}.py").read_text(encoding="utf-8")
+    text = (Path(solvers.__file__).parent / f"{module}.py").read_text(encoding="utf-8")
     lines, faults = text.splitlines(), {}
     for function in ast.walk(ast.parse(text)):
         if not isinstance(function, ast.FunctionDef) or function.name not in functions:

@@ -1,4 +1,4 @@
-"""Cases of the problem type "cable.system": one line with its water, its ends and its fairlead's motion. Inputs only."""
+"""Cases of the problem type "cable": one line with its water, its ends and its fairlead's motion. Inputs only."""
 
 from __future__ import annotations
 
@@ -119,20 +119,20 @@ LEVEL = replace(
 
 # ---------------------------------------------------------------- planted faults: (module, old text, new text, what)
 ERRATA_FAULTS = [
-    ("cable.system", "(1 + cable.Ca) * rho * cable.area", "(1 + cable.Ca) * rho * d**2 / 4", "HB (22): C_m rho d^2/4"),
-    ("cable.planar", "F[1] += S_T * D_phi", "F[1] -= S_T * D_phi", "HB (30): f2 with -EA eps cos(theta) dphi/ds"),
-    ("cable.spatial", "F[1] += S25 * D_phi", "F[1] -= S25 * D_phi", "HB (30): f2 with -EA eps cos(theta) dphi/ds"),
-    ("cable.spatial", "- S65 * D_phi - S66 * D_theta", "- S65 * D_phi + S66 * D_theta", "HB (34): f6, +u dtheta/ds"),
-    ("cable.planar", "F[2] += 2 * D[U]", "F[2] += 4 * D[U]", "HB (37): the constant part of K counted twice, row 4"),
-    ("cable.spatial", "F[2] -= S_T * D_theta", "F[2] -= 2 * S_T * D_theta", "HB (37): the same, row 3"),
+    ("cable", "(1 + cable.Ca) * rho * cable.area", "(1 + cable.Ca) * rho * d**2 / 4", "HB (22): C_m rho d^2/4"),
+    ("cable_planar", "F[1] += S_T * D_phi", "F[1] -= S_T * D_phi", "HB (30): f2 with -EA eps cos(theta) dphi/ds"),
+    ("cable_spatial", "F[1] += S25 * D_phi", "F[1] -= S25 * D_phi", "HB (30): f2 with -EA eps cos(theta) dphi/ds"),
+    ("cable_spatial", "- S65 * D_phi - S66 * D_theta", "- S65 * D_phi + S66 * D_theta", "HB (34): f6, +u dtheta/ds"),
+    ("cable_planar", "F[2] += 2 * D[U]", "F[2] += 4 * D[U]", "HB (37): the constant part of K counted twice, row 4"),
+    ("cable_spatial", "F[2] -= S_T * D_theta", "F[2] -= 2 * S_T * D_theta", "HB (37): the same, row 3"),
     (
-        "cable.planar",
+        "cable_planar",
         "a[0] = m * (v * phi_t - u_t)",
         "a[0] = EA * c.beta * eps_t + m * (v * phi_t - u_t)",
         "HB (1), (28): damping EA beta d(eps)/dt in the momentum balance",
     ),
     (
-        "cable.spatial",
+        "cable_spatial",
         "a[0] = m * (v * cos_t * phi_t",
         "a[0] = EA * c.beta * eps_t + m * (v * cos_t * phi_t",
         "HB (1), (28): damping EA beta d(eps)/dt in the momentum balance",
@@ -141,45 +141,45 @@ ERRATA_FAULTS = [
 """The misprints of HB sections 2 and 3 that touch the equations of motion, as they would stand in the solvers."""
 
 LOAD_FAULTS = [
-    ("cable.system", "0.5 * rho * math.pi * d * cable.Cdt", "0.5 * rho * d * cable.Cdt", "tangential drag on d l, not pi d l"),
-    ("cable.system", "0.5 * rho * d * cable.Cdn, 0.5", "rho * d * cable.Cdn, 0.5", "normal drag without its half"),
-    ("cable.system", "0.5 * rho * d * cable.Cdb\n", "0.5 * rho * d * cable.Cdn\n", "binormal drag with C_dn"),
-    ("cable.system", "(1 + cable.Ca) * rho", "cable.Ca * rho", "C_m = C_a: no Froude-Krylov force"),
-    ("cable.planar", "F[:2] += support * S_up", "F[:2] -= support * S_up", "the seabed pulls"),
-    ("cable.spatial", "F[:3] += support * S_up", "F[:3] -= support * S_up", "the seabed pulls"),
-    ("cable.planar", "c.support(S[Z] / 2)", "c.support(S[Z])", "the seabed at the sum of two heights"),
-    ("cable.system", "np.subtract(rows.value", "np.add(rows.value", "source with the wrong sign"),
-    ("cable.system", "_over(self.ds / 2, y)", "_over(self.ds, y)", "positions twice as far"),
-    ("cable.system", "weights[1:] += self.ds / 2", "weights[1:] += self.ds", "drift by a wrong quadrature"),
-    ("cable.system", "value - self.axes @ self.motion.vel", "value + self.axes @ self.motion.vel", "the end runs off"),
-    ("cable.loads", "slope = -coefficient", "slope = coefficient", "(10): drag drives"),
-    ("cable.loads", "2 * slope\n", "slope\n", "(10): d|q|q/dq = |q|"),
-    ("cable.loads", "-normal * v * speed, -bin", "normal * v * speed, -bin", "(11): drag drives"),
-    ("cable.loads", ", -binormal * w * speed", ", binormal * w * speed", "(12): drag drives"),
-    ("cable.loads", "(-normal * (speed + vv), -normal * vw)", "(-normal * speed, -normal * vw)", "(11): d|q|/dq left out"),
-    ("cable.loads", "(-binormal * vw, ", "(0 * vw, ", "(12): cross tangent left out"),
-    ("cable.loads", "np.sqrt(v * v + w * w)", "np.sqrt(v * v)", "(11), (12): each component alone"),
-    ("cable.loads", "stiffness * (-depth - z)", "stiffness * (-depth + z)", "seabed above the water"),
-    ("cable.loads", "np.where(touching, support, 0.0)", "support", "the seabed holds the line down"),
-    ("cable.loads", "np.where(touching, -stiffness, 0.0)", "-stiffness + 0.0 * z", "the seabed's tangent above it"),
-    ("cable.planar", "np.sqrt(1 + eps)", "(1 + eps)", "(10), (11): 1 + eps for its root"),
-    ("cable.spatial", "stretch = np.sqrt(1 + eps)", "stretch = 1 + eps", "(10)-(12): 1 + eps for its root"),
-    ("cable.planar", "F[1] += S_T * D_phi", "F[1] += 2 * T[1:] * D_phi", "(39): K of one node, not the mean"),
+    ("cable", "0.5 * rho * math.pi * d * cable.Cdt", "0.5 * rho * d * cable.Cdt", "tangential drag on d l, not pi d l"),
+    ("cable", "0.5 * rho * d * cable.Cdn, 0.5", "rho * d * cable.Cdn, 0.5", "normal drag without its half"),
+    ("cable", "0.5 * rho * d * cable.Cdb\n", "0.5 * rho * d * cable.Cdn\n", "binormal drag with C_dn"),
+    ("cable", "(1 + cable.Ca) * rho", "cable.Ca * rho", "C_m = C_a: no Froude-Krylov force"),
+    ("cable_planar", "F[:2] += support * S_up", "F[:2] -= support * S_up", "the seabed pulls"),
+    ("cable_spatial", "F[:3] += support * S_up", "F[:3] -= support * S_up", "the seabed pulls"),
+    ("cable_planar", "c.support(S[Z] / 2)", "c.support(S[Z])", "the seabed at the sum of two heights"),
+    ("cable", "np.subtract(rows.value", "np.add(rows.value", "source with the wrong sign"),
+    ("cable", "_over(self.ds / 2, y)", "_over(self.ds, y)", "positions twice as far"),
+    ("cable", "weights[1:] += self.ds / 2", "weights[1:] += self.ds", "drift by a wrong quadrature"),
+    ("cable", "value - self.axes @ self.motion.vel", "value + self.axes @ self.motion.vel", "the end runs off"),
+    ("loads", "slope = -coefficient", "slope = coefficient", "(10): drag drives"),
+    ("loads", "2 * slope\n", "slope\n", "(10): d|q|q/dq = |q|"),
+    ("loads", "-normal * v * speed, -bin", "normal * v * speed, -bin", "(11): drag drives"),
+    ("loads", ", -binormal * w * speed", ", binormal * w * speed", "(12): drag drives"),
+    ("loads", "(-normal * (speed + vv), -normal * vw)", "(-normal * speed, -normal * vw)", "(11): d|q|/dq left out"),
+    ("loads", "(-binormal * vw, ", "(0 * vw, ", "(12): cross tangent left out"),
+    ("loads", "np.sqrt(v * v + w * w)", "np.sqrt(v * v)", "(11), (12): each component alone"),
+    ("loads", "stiffness * (-depth - z)", "stiffness * (-depth + z)", "seabed above the water"),
+    ("loads", "np.where(touching, support, 0.0)", "support", "the seabed holds the line down"),
+    ("loads", "np.where(touching, -stiffness, 0.0)", "-stiffness + 0.0 * z", "the seabed's tangent above it"),
+    ("cable_planar", "np.sqrt(1 + eps)", "(1 + eps)", "(10), (11): 1 + eps for its root"),
+    ("cable_spatial", "stretch = np.sqrt(1 + eps)", "stretch = 1 + eps", "(10)-(12): 1 + eps for its root"),
+    ("cable_planar", "F[1] += S_T * D_phi", "F[1] += 2 * T[1:] * D_phi", "(39): K of one node, not the mean"),
 ]
 """Loads, kinematics and their coefficients: each changes what a system is, not how it is solved."""
 
 TIME_FAULTS = [
-    ("time_domain.generalized_alpha", "(3 - rho) / (2 + 2 * rho)", "(3 + rho) / (2 + 2 * rho)", "alpha_m"),
-    ("time_domain.generalized_alpha", "0.5 + alpha_m - alpha_f", "0.5 - alpha_m + alpha_f", "gamma"),
-    ("time_domain.generalized_alpha", "(y + f * (new - y), ydot", "(y + m * (new - y), ydot", "y at the level of ydot"),
-    ("time_domain.generalized_alpha", "ydot + m * (new_dot - ydot), t", "ydot + f * (new_dot - ydot), t", "ydot at the level of y"),
-    ("time_domain.generalized_alpha", "- ydot), t + f * h)", "- ydot), t + h)", "loads at the end of the step"),
-    ("time_domain.generalized_alpha", "ahead = (new, new_dot, t + h)", "ahead = (new, new_dot, t)", "the end a step late"),
-    ("time_domain.generalized_alpha", "(1 - g) / g * ydot", "(1 + g) / g * ydot", "the carried rate"),
-    ("time_domain.generalized_alpha", "-self.rate - self.gain", "-self.rate + self.gain", "the hold pushes away"),
-    ("time_domain.solve", "h * x * (1 - x) ** 2, h", "-h * x * (1 - x) ** 2, h", "Hermite's cubic"),
+    ("generalized_alpha", "(3 - rho) / (2 + 2 * rho)", "(3 + rho) / (2 + 2 * rho)", "alpha_m"),
+    ("generalized_alpha", "0.5 + alpha_m - alpha_f", "0.5 - alpha_m + alpha_f", "gamma"),
+    ("generalized_alpha", "(y + f * (new - y), ydot", "(y + m * (new - y), ydot", "y at the level of ydot"),
+    ("generalized_alpha", "ydot + m * (new_dot - ydot), t", "ydot + f * (new_dot - ydot), t", "ydot at the level of y"),
+    ("generalized_alpha", "- ydot), t + f * h)", "- ydot), t + h)", "loads at the end of the step"),
+    ("generalized_alpha", "ahead = (new, new_dot, t + h)", "ahead = (new, new_dot, t)", "the end a step late"),
+    ("generalized_alpha", "(1 - g) / g * ydot", "(1 + g) / g * ydot", "the carried rate"),
+    ("generalized_alpha", "-self.rate - self.gain", "-self.rate + self.gain", "the hold pushes away"),
+    ("time_domain", "h * x * (1 - x) ** 2, h", "-h * x * (1 - x) ** 2, h", "Hermite's cubic"),
     (
-        "time_domain.solve",
+        "time_domain",
         "self.end * self.steps / self.count if",
         "self.end * self.steps / (self.count + 1) if",
         "the clock",
@@ -188,7 +188,7 @@ TIME_FAULTS = [
 """The time integration: weights, levels of time, the hold, the interpolation."""
 
 SIGNS = {
-    "cable.planar": ("_loads", "_local", "cells", "velocity", "stretched_tangent"),
-    "cable.spatial": ("__init__", "_local", "cells", "velocity", "stretched_tangent"),
+    "cable_planar": ("_loads", "_local", "cells", "velocity", "stretched_tangent"),
+    "cable_spatial": ("__init__", "_local", "cells", "velocity", "stretched_tangent"),
 }
 """Functions of the two modules of HB (1)-(12) in which each term in turn is planted with the wrong sign."""

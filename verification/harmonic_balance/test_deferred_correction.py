@@ -150,7 +150,7 @@ def test_rows_at_a_point_are_the_equations(name, planar):
 @SPATIAL
 def test_each_sign_at_a_point_is_seen(planar):
     """Every term of the rows at a point in turn with the wrong sign misses the equations."""
-    faults, survivors = sign_faults("cable_planar" if planar else "cable_spatial", ("point",)), []
+    faults, survivors = sign_faults("cable.planar" if planar else "cable_spatial", ("point",)), []
     for module, old, new, what in faults:
         with planted(module, old, new) as faulty:
             of = importlib.import_module(f"{faulty.cable.__package__}.{module}")
