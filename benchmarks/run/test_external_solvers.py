@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import time
+from importlib.resources import files
 from pathlib import Path
 
 import pytest
@@ -23,7 +24,7 @@ from ..cable.cases import Reference, system, wave
 from ..network import accuracy as network_accuracy
 from . import harness
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(str(files("benchmarks"))).parent
 SCENE = ROOT / "reference_data" / "scenes" / "taut_polyester.toml"
 ROUNDED = 1e-9  # of the force: the example stops its iteration at 1e-10
 MOST_LINES = 30  # of a complete adapter

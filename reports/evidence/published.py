@@ -6,12 +6,12 @@ import csv
 import json
 import tomllib
 from functools import cache
+from importlib.resources import files
 from pathlib import Path
 
 from ..pipeline.ledger import write_atomically
-from ..pipeline.sources import ROOT
 
-DATA = ROOT / "reference_data"
+DATA = files("reference_data")
 SETS = ("openfast_r_test", "msqs_two_line")
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import tomllib
 from dataclasses import asdict, replace
+from importlib.resources import files
 from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
@@ -29,7 +30,7 @@ from . import formatting as words
 from . import pareto as fronts
 from .claims import OUTCOMES, questions
 
-TEMPLATES = Path(__file__).parent / "templates"
+TEMPLATES = Path(str(files("reports") / "templates"))
 _SINGLE = ("accuracy", "benchmarks", "work_precision", "speed", "networks", "defects", *DYNAMICS)
 SECTIONS = {
     "verified": {"claims": "Claims and tests", "regimes": "Lines against 50 digits", "defects": "Seeded defects"},
@@ -268,7 +269,7 @@ def _tables(data: dict, found: list, common: dict, folder: Path) -> dict:
     """The tables about lines at rest, tests, misprints and other codes, written."""
     accuracy, work, speed = data["accuracy"], data["work_precision"], data["speed"]
     timings = analysis.benchmark_rows(data["benchmarks"]) if data["benchmarks"] else []
-    errata = tomllib.loads((ROOT / "reference_data" / "errata.toml").read_text(encoding="utf-8"))
+    errata = tomllib.loads((files("reference_data") / "errata.toml").read_text(encoding="utf-8"))
     versions = (common["machine"] or {}).get("versions", {})
     made = {
         "totals": tables.totals(accuracy) if accuracy else None,
