@@ -1,4 +1,4 @@
-"""What a code that is brought says to a few lines at rest, a network and a moving cable, before it goes into a report.
+"""Run every solver of a file on a few lines at rest, a network and a moving cable, before it goes into a report.
 
 ``python -m benchmarks.smoke my_code.py``; without a file: the installed peers. Exit status 2: a file brings no solver.
 """

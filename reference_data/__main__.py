@@ -1,7 +1,8 @@
 """Build and check the computed reference sets: `python -m reference_data regenerate | check [--only SET] [--jobs N]`.
 
 `regenerate` keeps finished rows beside the data until all are there, so an interrupted run resumes; what it keeps is
-tied to the inputs and to the code that computes them. `check` recomputes everything and compares text.
+tied to the inputs and to the code that computes them. `check` recomputes everything, or with
+`--sample N` as many rows spread over the set, and compares text.
 """
 
 import argparse
@@ -14,6 +15,7 @@ import os
 import sys
 import threading
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from importlib.resources import files
 from pathlib import Path
 
 import mpmath
@@ -22,7 +24,7 @@ from tqdm import tqdm
 from reference_data.generate import spans
 from verification.exact import catenary_mp
 
-HERE = Path(__file__).parent
+HERE = Path(str(files("reference_data")))
 GENERATED = {"spans": spans}
 SHOWN_DIFFERENCES = 40
 
@@ -79,11 +81,11 @@ def _computed(name, jobs, keep=None, done=()):
 
 
 def _as_csv(generator, rows):
-    """The rows in design order as the text of data.csv."""
+    """Return the rows that there are, in design order, as the text of data.csv."""
     out = io.StringIO()
     writer = csv.DictWriter(out, generator.COLUMNS, lineterminator="\n")
     writer.writeheader()
-    writer.writerows(rows[row.name] for row in generator.design())
+    writer.writerows(rows[row.name] for row in generator.design() if row.name in rows)
     return out.getvalue()
 
 
@@ -94,8 +96,8 @@ def _replace(path, text):
     os.replace(temporary, path)
 
 
-def regenerate(name, jobs):
-    """Compute a set, resuming an interrupted run, and replace its data.csv."""
+def regenerate(name, jobs, sample=None):
+    """Compute a set, resuming an interrupted run, and replace its data.csv; ``sample`` is not used."""
     generator, data = GENERATED[name], HERE / name / "data.csv"
     digest = _code_digest(generator)
     partial = data.with_name("data.partial.tmp")
@@ -130,19 +132,32 @@ def differences(stored, fresh):
     return found
 
 
-def check(name, jobs):
-    """Recompute a set and compare it with its data.csv, character by character."""
+def _spread(names, count):
+    """Return ``count`` of the names, or all, at even distances."""
+    return {names[i * len(names) // count] for i in range(count)} if count < len(names) else set(names)
+
+
+def _only(text, names):
+    """Return the text of data.csv without the rows of other names."""
+    header, *lines = text.splitlines(keepends=True)
+    return "".join([header, *(line for line in lines if next(csv.reader([line]))[0] in names)])
+
+
+def check(name, jobs, sample=None):
+    """Recompute a set, or ``sample`` of its rows, and compare it with its data.csv, character by character."""
     data = HERE / name / "data.csv"
     if not data.exists():
         return [f"{data.name} of set {name} is missing: run `python -m reference_data regenerate --only {name}`"]
-    fresh = _as_csv(GENERATED[name], {row["name"]: row for row in _computed(name, jobs)})
-    return differences(data.read_bytes().decode("utf-8"), fresh)
+    stored, names = data.read_bytes().decode("utf-8"), [row.name for row in GENERATED[name].design()]
+    chosen = _spread(names, sample or len(names))
+    fresh = _as_csv(GENERATED[name], {row["name"]: row for row in _computed(name, jobs, done=set(names) - chosen)})
+    return differences(_only(stored, chosen) if sample else stored, fresh)
 
 
 def _positive(text):
     value = int(text)
     if value < 1:
-        raise argparse.ArgumentTypeError(f"{text} is not a positive number of processes")
+        raise argparse.ArgumentTypeError(f"{text} is not a positive number")
     return value
 
 
@@ -156,15 +171,28 @@ def _arguments(argv):
         help=f"one computed set, of: {', '.join(sorted(GENERATED))} (published sets are not computed)",
     )
     parser.add_argument("--jobs", type=_positive, default=os.cpu_count() or 1, help="processes (default: all cores)")
-    return parser.parse_args(argv)
+    parser.add_argument("--sample", type=_positive, metavar="N", help="check N rows of each set, spread over it")
+    arguments = parser.parse_args(argv)
+    if arguments.sample and arguments.action != "check":
+        parser.error("--sample belongs to check: a set is regenerated whole")
+    return arguments
+
+
+def _is_installed(folder):
+    """Return whether a wheel was unpacked into the folder of the packages: its files are the installer's."""
+    return any(folder.glob("mooring_verification-*.dist-info"))
 
 
 def main(argv=None):
     arguments = _arguments(argv)
+    if arguments.action == "regenerate" and _is_installed(HERE.parent):
+        print(f"regenerate writes into the package's own folder, and {HERE} is an installed copy: run it in a checkout "
+              "of the repository. `python -m reference_data check` works here.", file=sys.stderr)  # fmt: skip
+        return 2
     action = {"regenerate": regenerate, "check": check}[arguments.action]
     failed = False
     for name in [arguments.only] if arguments.only else GENERATED:
-        found = action(name, arguments.jobs)
+        found = action(name, arguments.jobs, arguments.sample)
         for line in found[:SHOWN_DIFFERENCES]:
             print(f"{name}: {line}")
         if len(found) > SHOWN_DIFFERENCES:

@@ -12,10 +12,8 @@ from pathlib import Path
 from .pipeline import compare, external_solvers, history, published
 from .pipeline.ledger import digests, write_atomically
 from .pipeline.runner import BusyError, Ended, run_all
-from .pipeline.sources import ROOT, files_of
+from .pipeline.sources import OUT, files_of
 from .pipeline.stages import GROUPS, SLOW, Stage, plan, scene_plan
-
-DEFAULT_OUT = ROOT / "reports" / "out"
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -44,8 +42,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--only", nargs="+", metavar="STAGE", help=f"run these only (after the scene files), of: {', '.join(GROUPS)}"
     )
-    parser.add_argument("--out", type=Path, default=DEFAULT_OUT, metavar="DIR",
-                        help="folder of page and results (default: reports/out)")  # fmt: skip
+    parser.add_argument("--out", type=Path, default=OUT, metavar="DIR",
+                        help=f"folder of page and results (default: {OUT} below this one)")  # fmt: skip
     parser.add_argument("--fresh", action="store_true", help="measure again what has not changed since the last run")
     return parser
 
@@ -118,6 +116,7 @@ def _page(out: Path, name: str, stages: list[Stage], ended: list[Ended], whole: 
     record = out / "results" / f"{name}.key"
     made_of = [digests(file for folder in ("reports", "verification", "reference_data") for file in files_of(folder))]
     made_of += [[end.stage.name, end.tail] for end in ended if end.state == "failed"]
+    made_of += [str(Path.cwd())]  # commands are shown as they are typed here
     results = [out / "results" / output for output in ("stages.json", *(stage.output for stage in stages))]
     made_of += [hashlib.sha256(file.read_bytes()).hexdigest() if file.exists() else None for file in results]
     now = hashlib.sha256(json.dumps(made_of).encode()).hexdigest()

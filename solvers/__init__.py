@@ -1,5 +1,6 @@
 """Compact mooring-cable solvers: numpy and scipy, numba for loops over small blocks. Conventions: README.md."""
 
+from ._version import __version__
 from .cable.statics import StaticState, solve_static
 from .cable.system import CableSystem, cable_system
 from .catenary.span import CatenaryBatch, CatenaryState, Regime, Span, solve_span, solve_spans
@@ -34,6 +35,7 @@ __all__ = [
     "StaticState",
     "Status",
     "TimeHistory",
+    "__version__",
     "cable_system",
     "solve_network",
     "solve_periodic",

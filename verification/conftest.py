@@ -7,6 +7,8 @@ import pytest
 from hypothesis import HealthCheck, settings
 from threadpoolctl import threadpool_limits
 
+from . import IN_REPOSITORY
+
 EXAMPLES = {"default": 500, "deep": 5000}  # as scipy.special against mpmath: 500 points by default, 5000 on request
 
 for _name, _examples in EXAMPLES.items():
@@ -18,6 +20,13 @@ for _name, _examples in EXAMPLES.items():
         print_blob=True,
         suppress_health_check=[HealthCheck.too_slow],  # an example against 50 digits takes some 40 ms
     )
+
+
+if not IN_REPOSITORY:
+
+    def pytest_addoption(parser):
+        """The option that conftest.py of the repository adds, which no wheel has."""
+        parser.addoption("--deep", action="store_true", default=False, help="the long version, as in the repository")
 
 
 def pytest_configure(config):

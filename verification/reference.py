@@ -6,6 +6,7 @@ import csv
 import math
 from dataclasses import dataclass
 from functools import cache
+from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,7 @@ from .cases.spans import SpanCase
 from .exact import catenary_mp, network_mp
 
 EPS = 2.0**-52
-SPANS = Path(__file__).parents[1] / "reference_data" / "spans" / "data.csv"
+SPANS = files("reference_data") / "spans" / "data.csv"
 
 ORACLE = Path(catenary_mp.__file__)
 """The oracle's source: results kept between runs are valid as long as it does not change."""

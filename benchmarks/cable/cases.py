@@ -11,6 +11,7 @@ import json
 import math
 from dataclasses import dataclass
 from functools import cache
+from importlib.resources import files
 from itertools import pairwise
 from pathlib import Path
 
@@ -25,8 +26,7 @@ from verification.registry import INSTANTS, last_period_tension
 
 from ..run import results
 
-ROOT = Path(__file__).parents[2]
-SCENES = ROOT / "reference_data" / "scenes" / "dynamics"
+SCENES = files("reference_data") / "scenes" / "dynamics"
 CASES = cables.PAPER_CASES
 PAPER_CASES = tuple(CASES)[:4]
 """The cases of HB Table 2."""
@@ -180,5 +180,5 @@ def sources() -> str:
     """Digest of the solver modules that a reference depends on, and of this one."""
     total = hashlib.sha256(Path(__file__).read_bytes())
     for name in _SOLVERS:
-        total.update((ROOT / "solvers" / f"{name}.py").read_bytes())
+        total.update((files("solvers") / f"{name}.py").read_bytes())
     return total.hexdigest()

@@ -7,6 +7,7 @@ import sys
 import tomllib
 from dataclasses import replace
 from functools import partial
+from importlib.resources import files
 
 import numpy as np
 import pytest
@@ -37,7 +38,7 @@ def reference(tension=SINE) -> Reference:
 # ---------------------------------------------------------------- beside others
 def sets(name: str) -> dict:
     """source.toml of a set of reference_data."""
-    return tomllib.loads((dynamic_cases.ROOT / "reference_data" / name / "source.toml").read_text(encoding="utf-8"))
+    return tomllib.loads((files("reference_data") / name / "source.toml").read_text(encoding="utf-8"))
 
 
 def test_what_stands_beside_others_has_their_settings():

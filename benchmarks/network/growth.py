@@ -12,7 +12,6 @@ import contextlib
 import json
 import re
 import subprocess
-import sys
 from functools import partial
 from pathlib import Path
 
@@ -45,8 +44,8 @@ def rows(family: str, size: int) -> list[dict]:
     """One network."""
     if size < OWN_PROCESS:
         return [solved(family, size, AGAIN) | {"memory_MB": None}]
-    command = [sys.executable, "-m", "benchmarks.network.growth", family, str(size)]
-    run = subprocess.run(command, cwd=Path(__file__).parents[2], capture_output=True, text=True, check=True)
+    command = [*console.MODULE, "benchmarks.network.growth", family, str(size)]
+    run = subprocess.run(command, env=console.child_environment(), capture_output=True, text=True, check=True)
     return [json.loads(run.stdout)]
 
 

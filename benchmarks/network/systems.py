@@ -5,14 +5,14 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
+from importlib.resources import files
 
 import numpy as np
 
 from solvers import Element, Environment, Network, Node
 from solvers.io.network_scene import load_network
 
-SCENES = Path(__file__).parents[2] / "reference_data" / "scenes" / "networks"
+SCENES = files("reference_data") / "scenes" / "networks"
 
 WEIGHTS = (59.1, 226.61)
 """N/m: the one that reproduces the paper's solution, and the one that it prints (see the errata of MSQS)."""

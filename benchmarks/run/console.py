@@ -6,6 +6,7 @@ import argparse
 import os
 import sys
 from concurrent.futures.process import BrokenProcessPool
+from importlib.resources import files
 from pathlib import Path
 
 from threadpoolctl import threadpool_limits
@@ -14,13 +15,28 @@ from tqdm import tqdm
 PROGRESS = "MOORING_PROGRESS"
 """Environment variable; "lines" asks for `progress <done> <total>` on stdout, from which a parent draws its own bar."""
 
-DEFAULT_OUT = Path(__file__).parents[2] / "reports" / "out" / "results"
+ROOT = Path(str(files("benchmarks"))).parent
+"""Folder of the packages: the root of the repository, or site-packages where they are installed from a wheel."""
+
+MODULE = (sys.executable, "-P", "-m")
+"""Runs a module; -P keeps the caller's folder, whose files could hide one of the packages, off the search path."""
+
+DEFAULT_OUT = Path("mooring-report") / "results"
+
+
+def child_environment() -> dict[str, str]:
+    """Return the environment of a child process that finds these packages whatever the working folder is."""
+    found = dict(os.environ)
+    if (ROOT / "pyproject.toml").is_file():  # a checkout: an installed wheel is found anyway
+        found["PYTHONPATH"] = os.pathsep.join(filter(None, [str(ROOT), found.get("PYTHONPATH", "")]))
+    return found
 
 
 def parser(program: str, doc: str) -> argparse.ArgumentParser:
     """Parser with ``--out``; the first line of the module's docstring is its description."""
     made = argparse.ArgumentParser(prog=f"python -m benchmarks.{program}", description=doc.splitlines()[0])
-    made.add_argument("--out", type=Path, default=DEFAULT_OUT, metavar="DIR", help="folder of the result files")
+    made.add_argument("--out", type=Path, default=DEFAULT_OUT, metavar="DIR",
+                      help=f"folder of the result files (default: {DEFAULT_OUT})")  # fmt: skip
     return made
 
 

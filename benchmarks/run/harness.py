@@ -6,17 +6,16 @@ import math
 import os
 import signal
 import time
-import tomllib
 import warnings
 from collections import Counter
 from collections.abc import Callable
 from contextlib import contextmanager, redirect_stdout
 from dataclasses import dataclass
 from numbers import Real
-from pathlib import Path
 
 import numpy as np
 
+from solvers import __version__
 from verification.reference import WRONG, SpanTruth, force_error
 from verification.registry import PROBLEMS, SpanAnswer
 
@@ -59,10 +58,8 @@ class Solver:
 
 def solvers() -> dict[str, Solver]:
     """This project's solvers from the registry, then the other codes that solve spans."""
-    project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    ours = {
-        name: Solver(name, OURS.get(name, name), project["version"], solve) for name, solve in PROBLEMS["span"].solvers.items()
-    }
+    own = PROBLEMS["span"].solvers.items()
+    ours = {name: Solver(name, OURS.get(name, name), __version__, solve) for name, solve in own}
     return ours | {
         name: Solver(name, one.label, one.version, one.span, one.limit("span"), one.tolerances)
         for name, one in peers.solving("span").items()

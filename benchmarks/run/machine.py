@@ -15,7 +15,6 @@ from threadpoolctl import threadpool_info
 
 from . import console, results
 
-ROOT = Path(__file__).parents[2]
 PACKAGES = {
     "numpy": "numpy",
     "scipy": "scipy",
@@ -48,9 +47,11 @@ def describe() -> dict:
 
 
 def _git(*arguments) -> str:
-    """Output of git, empty where there is no git or no repository."""
+    """Output of git, empty where there is no git or no repository of this project's own."""
+    if not (console.ROOT / ".git").exists():  # of a folder above site-packages git would tell another project's state
+        return ""
     try:
-        done = subprocess.run(["git", *arguments], cwd=ROOT, capture_output=True, text=True, timeout=10)
+        done = subprocess.run(["git", *arguments], cwd=console.ROOT, capture_output=True, text=True, timeout=10)
     except (OSError, subprocess.TimeoutExpired):
         return ""
     return done.stdout.strip() if done.returncode == 0 else ""

@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import time
+from importlib.resources import files
 from pathlib import Path
 
 import pytest
@@ -24,7 +25,7 @@ from ..cable.cases import Reference, system
 from ..network import accuracy as network_accuracy
 from . import harness
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(str(files("benchmarks"))).parent
 SCENE = ROOT / "reference_data" / "scenes" / "taut_polyester.toml"
 ROUNDED = 1e-9  # of the force: the example stops its iteration at 1e-10
 MOST_LINES = 30  # of a complete adapter
@@ -161,7 +162,7 @@ def test_the_example_of_the_readme_is_short_and_tried(folder):
 
 @pytest.mark.skipif(os.name != "posix", reason="exit statuses of signals")
 def test_a_crash_of_the_interpreter_ends_the_measuring_and_one_of_a_program_does_not(tmp_path):
-    """As the README says: an adapter that is killed ends the trial, a program that is, is refused line by line."""
+    """As the README says: an adapter that is killed ends the smoke run, a program that is, is refused line by line."""
     text = "import os, signal, sys\nfrom benchmarks.peers import Adapter, Program\nclass Killed("
     inside = "Adapter):\n    def span(self, case, tolerance=None):\n        os.kill(os.getpid(), signal.SIGKILL)"
     outside = "Program):\n    command = (sys.executable, '-c', 'import os; os.kill(os.getpid(), 9)')"

@@ -12,6 +12,7 @@ import time
 import warnings
 from collections import Counter
 from dataclasses import replace
+from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
@@ -325,7 +326,7 @@ def test_the_power_of_growth_is_that_of_the_times():
     assert network_growth.exponent(large[:2], "net") is None
 
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(str(files("benchmarks"))).parent
 GREEDY = """
 import numpy as np
 from benchmarks.network import growth

@@ -95,7 +95,7 @@ def kept(name, best) -> bool:
 @pytest.mark.parametrize("name", SCENES)
 def test_promised_error_holds(name, request, monkeypatch):
     """The recommended setting is as close to a much finer run as the page promises, and meets the tolerance."""
-    if name != SHORT and not request.config.getoption("--deep"):
+    if name != SHORT and not request.config.getoption("--deep", default=False):
         pytest.skip("ten seconds a line: run with --deep")
     best = studied(name, monkeypatch)["recommended"]
     assert best["meets"] and best["promised"] <= SCENES[name].tolerance

@@ -16,6 +16,7 @@ import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
+from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +25,7 @@ from solvers import ConvergenceError, InputError, Status
 
 INVALID = (Status.COMPRESSION, Status.OVERSTRETCHED)
 VERDICTS = ("solved", "warned", "refused", "not converged", "invalid", "too coarse", "wrong", "crashed")
-ROOT = Path(__file__).parents[2]
+ROOT = Path(str(files("benchmarks"))).parent
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 """Is the finished page whole in a real browser: at the width of a telephone and of a laptop, light and dark?
 
-The page is that of MOORING_PAGE (several: separated as in PATH), by default reports/out/index.html. Without a browser
-or without a page the tests are skipped; where the variable CI is set, they fail instead.
+The page is that of MOORING_PAGE (several: separated as in PATH), by default mooring-report/index.html. Without a
+browser or without a page the tests are skipped; where the variable CI is set, they fail instead.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ try:
 except ImportError:  # the optional extra "browser"
     sync_playwright = None
 
-DEFAULT = Path(__file__).parents[1] / "out" / "index.html"
+DEFAULT = Path("mooring-report") / "index.html"
 PAGES = [Path(name) for name in os.environ.get("MOORING_PAGE", str(DEFAULT)).split(os.pathsep)]
 WIDTHS, SCHEMES = (390, 1280), ("light", "dark")
 

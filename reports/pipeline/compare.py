@@ -1,6 +1,7 @@
 """What has become slower, less accurate or failed between two runs of the report.
 
-A and B are commits whose runs were saved, files that were saved, or "latest"; without them, what is saved is listed.
+A and B are commits whose runs were saved (of an installed wheel: version-X), files that were saved, or "latest";
+without them, what is saved is listed.
 Exit status 0: nothing past the threshold; 1: something is; 2: bad arguments.
 """
 
@@ -13,7 +14,7 @@ from pathlib import Path
 from statistics import median, quantiles
 
 from .history import OTHERS, Measures, load, of_others, saved
-from .sources import ROOT
+from .sources import OUT
 
 THRESHOLD = 1.3
 """Default ratio B over A beyond which a time or an error counts. Two runs of one commit on a virtual machine with two
@@ -196,7 +197,7 @@ def _parser(default_out: Path) -> argparse.ArgumentParser:
     return parser
 
 
-def main(argv, default_out: Path = ROOT / "reports/out") -> int:
+def main(argv, default_out: Path = OUT) -> int:
     """Command line."""
     parser = _parser(default_out)
     arguments = parser.parse_args(argv)

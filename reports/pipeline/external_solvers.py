@@ -9,11 +9,11 @@ import ast
 import os
 import shutil
 import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 
-from .sources import ROOT, SUFFIXES
+from ..installation import MODULE, child_environment
+from .sources import SUFFIXES
 from .stages import Stage
 
 VARIABLE = "MOORING_SOLVERS"
@@ -26,9 +26,9 @@ def bring(files: list[Path]) -> str:
         os.environ[VARIABLE] = os.pathsep.join(str(path.resolve()) for path in files)
     if not os.environ.get(VARIABLE):
         return ""
-    command = (sys.executable, "-m", "benchmarks.smoke", "--list")
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
-    return "" if done.returncode == 0 else (done.stderr.strip() or f"{command[2]}: exit status {done.returncode}")
+    program = "benchmarks.smoke"
+    done = subprocess.run([*MODULE, program, "--list"], env=child_environment(), capture_output=True, text=True)
+    return "" if done.returncode == 0 else (done.stderr.strip() or f"{program}: exit status {done.returncode}")
 
 
 def depending(stages: list[Stage]) -> list[Stage]:

@@ -15,6 +15,7 @@ from functools import cache
 from itertools import chain
 from pathlib import Path
 
+from ..installation import DISTRIBUTION, has_git, installed_requirements, installed_version, is_repository
 from .sources import ROOT, depends_on, files_of
 from .stages import Stage
 
@@ -42,11 +43,17 @@ def digests(files) -> list[tuple[str, str]]:
 
 @cache
 def packages() -> dict:
-    """Installed versions of what pyproject.toml names and results may depend on, None where it is not installed."""
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    wanted = [*project["dependencies"], *chain.from_iterable(project["optional-dependencies"].values())]
-    names = sorted({re.match(r"[\w.-]+", item)[0] for item in wanted} - {project["name"], *DRAWING})
+    """Installed versions of what the project names and results may depend on, None where it is not installed."""
+    names = sorted({re.match(r"[\w.-]+", item)[0] for item in _requirements()} - {DISTRIBUTION, *DRAWING})
     return {name: _version(name) for name in names}
+
+
+def _requirements() -> list[str]:
+    """All dependencies, optional ones too: of pyproject.toml in a checkout, else of the installed distribution."""
+    if not is_repository():
+        return installed_requirements()
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    return [*project["dependencies"], *chain.from_iterable(project["optional-dependencies"].values())]
 
 
 def _version(name: str) -> str | None:
@@ -58,7 +65,11 @@ def _version(name: str) -> str | None:
 
 @cache
 def commit() -> str:
-    """Commit and whether the tree is modified; empty outside git."""
+    """Commit and whether the tree is modified; the version where the packages are installed; empty outside git."""
+    if not is_repository():
+        return f"version-{installed_version()}"
+    if not has_git():
+        return ""
     try:
         command = ("git", "describe", "--always", "--dirty", "--abbrev=12", "--exclude=*")
         return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=20).stdout.strip()

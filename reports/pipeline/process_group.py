@@ -24,7 +24,7 @@ def main() -> int:
     for told in (signal.SIGINT, signal.SIGTERM):
         signal.signal(told, lambda number, _: sys.exit(128 + number))
     group = {"process_group": 0} if hasattr(os, "killpg") else {}
-    stage = subprocess.Popen([sys.executable, "-m", *words], stdin=subprocess.DEVNULL, **group)
+    stage = subprocess.Popen([sys.executable, "-P", "-m", *words], stdin=subprocess.DEVNULL, **group)
     try:
         threading.Thread(target=_watch, args=(stage,), daemon=True).start()
         code = stage.wait()

@@ -6,12 +6,12 @@ import csv
 import json
 import tomllib
 from functools import cache
+from importlib.resources import files
 from pathlib import Path
 
 from .ledger import write_atomically
-from .sources import ROOT
 
-DATA = ROOT / "reference_data"
+DATA = files("reference_data")
 SETS = ("openfast_r_test", "msqs_two_line")
 
 

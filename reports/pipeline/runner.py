@@ -6,7 +6,6 @@ import contextlib
 import os
 import queue
 import subprocess
-import sys
 import threading
 import time
 from collections import deque
@@ -14,13 +13,18 @@ from dataclasses import dataclass, field
 from datetime import datetime
 from pathlib import Path
 
+from ..installation import MODULE, child_environment
 from .ledger import Ledger, key
 from .progress import Progress
-from .sources import ROOT
 from .stages import CORES, Stage
 
 TAIL = 15  # last lines of a failing child that are shown
 ONE_THREAD = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL", "VECLIB", "BLIS")}
+
+
+PIPED = {"MOORING_PROGRESS": "lines", "PYTHONUNBUFFERED": "1", "PYTHONIOENCODING": "utf-8"}
+HYPOTHESIS = "HYPOTHESIS_STORAGE_DIRECTORY"
+"""Environment variable: where Hypothesis keeps its files, by default in the caller's folder."""
 
 
 class BusyError(RuntimeError):
@@ -127,11 +131,8 @@ class _Run:
         words = [stage.filled(word, self.ledger.results, part) for word in stage.arguments]
         load = [round(value, 2) for value in os.getloadavg()] if hasattr(os, "getloadavg") else None
         process = subprocess.Popen(
-            [sys.executable, "-m", "reports.pipeline.process_group", "alone" if stage.timed else "beside", *words],
-            cwd=ROOT,
-            env=os.environ
-            | ONE_THREAD
-            | {"MOORING_PROGRESS": "lines", "PYTHONUNBUFFERED": "1", "PYTHONIOENCODING": "utf-8"},
+            [*MODULE, "reports.pipeline.process_group", "alone" if stage.timed else "beside", *words],
+            env=child_environment() | ONE_THREAD | PIPED | {HYPOTHESIS: str(self.ledger.results / "hypothesis")},
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,

@@ -10,12 +10,15 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 from functools import cache
+from importlib.resources import files
 from pathlib import Path
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(str(files("reports"))).parent
+"""Folder of the packages: the root of the repository, or site-packages where they are installed from a wheel."""
 PACKAGES = ("solvers", "verification", "benchmarks", "reference_data", "reports")
+OUT = Path("mooring-report")
+"""Folder of page and results, below the caller's."""
 SUFFIXES = {".py", ".toml", ".csv", ".map", ".j2", ".css", ".md"}
-OUT = "reports/out"
 
 Reference = tuple[str, str]  # ("file", path from the root), ("module", dotted name) or ("name", module.name)
 
@@ -37,19 +40,19 @@ def program(module: str, root: Path = ROOT) -> str:
 
 
 def files_of(name: str, root: Path = ROOT) -> list[str]:
-    """A file, or the sources in a folder; nothing of what the report wrote itself. An absolute path may be outside."""
+    """A file, or the sources in a folder. An absolute path may be outside."""
     path = root / name
     if path.is_file():
         return [name]
     found = [p for p in path.rglob("*") if p.suffix in SUFFIXES] if path.is_dir() else []
     inside = (p.relative_to(root).as_posix() for p in found)
-    return sorted(p for p in inside if not p.startswith(f"{OUT}/") and "/." not in p)
+    return sorted(p for p in inside if "/." not in p)
 
 
 def _files(reference: Reference, root: Path) -> list[str]:
     kind, name = reference
     if kind == "file":
-        return [] if name.startswith(OUT) else files_of(name, root)
+        return files_of(name, root)
     package, _, last = name.rpartition(".")
     if kind == "module" or _module(name, root):
         file = _module(name, root)
@@ -118,11 +121,13 @@ def _imported(node: ast.ImportFrom, file: str) -> list[tuple[str, str]]:
 
 
 def _path(node: ast.BinOp, file: str, root: Path) -> Iterator[Reference]:
-    """The path of ``folder / "a" / "b"`` where it is there, from the root or beside the file."""
+    """The path of ``folder / "a" / "b"`` where it is there: below ``files(package)``, the root or the file's folder."""
     words = []
     while isinstance(node, ast.BinOp) and isinstance(node.right, ast.Constant) and isinstance(node.right.value, str):
         words.insert(0, node.right.value)
         node = node.left
+    if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "files":
+        words.insert(0, str(getattr(node.args[0], "value", "")))
     for place in ("", file.rpartition("/")[0]) if words else ():
         path = "/".join([*([place] if place else []), *words])
         if (root / path).exists():

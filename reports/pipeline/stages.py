@@ -5,14 +5,19 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from dataclasses import dataclass
+from importlib.resources import files
 from pathlib import Path
 
+from ..installation import INSTALLED_PYTEST, is_repository
 from .sources import ROOT, program
 
-SCENES = ROOT / "reference_data" / "scenes"
+SCENES = Path(str(files("reference_data") / "scenes"))
 MOVING_SCENE = SCENES / "dynamics" / "taut_polyester_current.toml"
 """The example that moves: out of its plane, in a current, unlike the cases of the HB paper; it takes longest of all."""
-TESTS = ROOT / "verification"
+TESTS = Path(str(files("verification")))
+PYTEST = ("pytest",) if is_repository() else ("pytest", *INSTALLED_PYTEST)
+JUNIT = ("-p", "no:benchmark", "--junitxml={part}")
+"""Without pytest-benchmark, which makes a folder of its own where the caller stands."""
 
 RANDOM, QUICK_RANDOM = 400, 60
 """Random lines judged against 50 digits: enough to see one wrong answer in a hundred, the whole report within ten
@@ -30,7 +35,8 @@ class Stage:
 
     name : unique; group : what --only takes; title : for the progress bar and the page
     arguments : after ``python -m``; {results} is the folder of the results, {part} a file that becomes ``output`` when
-        the child succeeds (for programs that do not write atomically themselves), {jobs} the number of its processes
+        the child succeeds (for programs that do not write atomically themselves), {jobs} the number of its processes,
+        {root} the folder of the packages
     output : file in the folder of the results
     programs : files whose own text and imports the result depends on; sources : files and folders beside those
     timed : a timing, which belongs to one machine and runs alone, pinned to a core
@@ -54,20 +60,21 @@ class Stage:
 
     def shown(self, results: Path) -> str:
         """The command as a reader would type it, its results in that folder."""
-        return self.filled(" ".join(["python -m", *map(_typed, self.arguments)]), _typed(results), self.output)
+        words = (_typed(word.replace("{root}", str(ROOT))) for word in self.arguments)
+        return self.filled(" ".join(["python -m", *words]), _typed(results), self.output)
 
     def filled(self, text: str, results, part) -> str:
         """``text`` with the places of folder, file and number of processes filled in."""
-        filling = {"{results}": results, "{part}": part, "{jobs}": self.jobs}
+        filling = {"{results}": results, "{part}": part, "{jobs}": self.jobs, "{root}": ROOT}
         for place, value in filling.items():
             text = text.replace(place, str(value))
         return text
 
 
 def _typed(word: str | Path) -> str:
-    """A path in the project as seen from its root; anything else as it is."""
-    path = Path(word)
-    return path.relative_to(ROOT).as_posix() if path.is_relative_to(ROOT) else str(word)
+    """Return a path below the working folder as seen from there; anything else as it is."""
+    path, here = Path(word), Path.cwd()
+    return path.relative_to(here).as_posix() if path.is_relative_to(here) else str(word)
 
 
 # ---------------------------------------------------------------- tests
@@ -94,7 +101,8 @@ def _tests(quick: bool) -> list[Stage]:
     stems = [stem for stem in files if stem not in ELSEWHERE]
     alone = [stem for stem in stems if stem in WHOLE_TREE or (stem in LONG_TESTS and (not quick or stem in IN_QUICK))]
     short = tuple(f"verification/{stem}.py" for stem in stems if stem not in LONG_TESTS and stem not in WHOLE_TREE)
-    together = Stage("test_short", "tests", "tests: short files", ("pytest", *short, "--junitxml={part}"),
+    typed = (f"{{root}}/{file}" for file in short)
+    together = Stage("test_short", "tests", "tests: short files", (*PYTEST, *typed, *JUNIT),
                      "tests/test_short.xml", (*short, "verification/conftest.py"), ("pyproject.toml", "conftest.py"),
                      seconds=13, codes=(0, 1))  # fmt: skip
     return [*(_test(stem, quick) for stem in alone), together]
@@ -102,7 +110,7 @@ def _tests(quick: bool) -> list[Stage]:
 
 def _test(stem: str, quick: bool) -> Stage:
     file = f"verification/{stem}.py"
-    whole = ("pytest", file, "--junitxml={part}")
+    whole = (*PYTEST, f"{{root}}/{file}", *JUNIT)
     fewer = ("-k", IN_QUICK[stem]) if quick and stem in IN_QUICK else ()
     name = stem.replace("/test_", "_")
     title = f"tests: {stem.replace('/test_', ', ').replace('_', ' ')}"
@@ -142,10 +150,13 @@ def _accuracy(quick: bool) -> Stage:
 
 
 def _benchmarks() -> Stage:
-    files = tuple(path.relative_to(ROOT).as_posix() for path in sorted((ROOT / "benchmarks").rglob("bench_*.py")))
-    arguments = ("pytest", *files, "--benchmark-enable", "--benchmark-only", "--benchmark-json={part}")
-    return Stage("benchmarks", "benchmarks", "timings", (*arguments, "--benchmark-max-time=0.5"), "benchmark.json",
-                 files, ("pyproject.toml",), timed=True, seconds=16)  # fmt: skip
+    found = sorted((ROOT / "benchmarks").rglob("bench_*.py"))
+    programs = tuple(path.relative_to(ROOT).as_posix() for path in found)
+    typed = (f"{{root}}/{program}" for program in programs)
+    options = ("--benchmark-enable", "--benchmark-only", "--benchmark-json={part}", "--benchmark-max-time=0.5",
+               "--benchmark-storage=file://{results}/benchmarks")  # fmt: skip
+    return Stage("benchmarks", "benchmarks", "timings", (*PYTEST, *typed, *options), "benchmark.json",
+                 programs, ("pyproject.toml",), timed=True, seconds=16)  # fmt: skip
 
 
 MOVING = {"dynamics": ("moving cable", "benchmarks.cable.measure", (21, 6), (10, 4)),

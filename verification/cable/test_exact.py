@@ -11,7 +11,7 @@ import math
 import tomllib
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
+from importlib.resources import files
 
 import numpy as np
 import pytest
@@ -23,7 +23,7 @@ from ..exact.cable_mp import ALL_TERMS, ONE_TERM, Jet, source_grid
 from ..exact.oscillators import CASES, case, duffing, quadratically_damped, trajectory
 from ..reference import EPS
 
-DATA = Path(__file__).parents[2] / "reference_data"
+DATA = files("reference_data")
 PERIOD, LENGTH = 20.0, 400.0  # of the manufactured fields, s and m
 S, T = np.linspace(0.0, LENGTH, 9), np.linspace(0.3, PERIOD, 7)
 GRID_ERROR = 1e-13  # of the largest term of a row: a sum of some twenty products in doubles

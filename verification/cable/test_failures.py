@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pickle
 from dataclasses import replace
-from pathlib import Path
+from importlib.resources import files
 
 import numpy as np
 import pytest
@@ -22,7 +22,7 @@ from solvers import (
     solve_time_domain,
 )
 
-OC3 = Scene.load(Path(__file__).parents[2] / "reference_data" / "scenes" / "dynamics" / "hb_case_1.toml")
+OC3 = Scene.load(files("reference_data") / "scenes" / "dynamics" / "hb_case_1.toml")
 
 
 @pytest.mark.parametrize(("nodes", "dt", "rho_inf"), [(7, 0.02, 0.5), (20, 0.01, 0.5), (20, 0.005, 1.0)])

@@ -11,18 +11,18 @@ import subprocess
 import sys
 import tomllib
 from collections import Counter
+from importlib.resources import files
 from itertools import pairwise
-from pathlib import Path
 from random import Random
 
 import pytest
 from mpmath import mp, mpf
 from scipy.integrate import quad
 
+from verification import ROOT
 from verification.exact.catenary_mp import ExactSpan, excursion, profile, solve
 
-ROOT = Path(__file__).parents[2]
-DATA = ROOT / "reference_data"
+DATA = files("reference_data")
 INPUTS = ("w", "EA", "L", "x", "z", "seabed", "friction", "clearance")
 STATE = ("H", "V", "H_anchor", "V_anchor", "grounded_length")
 STIFFNESS = ("K11", "K12", "K21", "K22")

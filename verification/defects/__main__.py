@@ -16,7 +16,7 @@ from .mutants import sample
 from .runner import ROOT, CheckError, Log, run
 from .verdict import Verdict, as_json, kept, summary, verdicts
 
-DEFAULT_OUT = ROOT / "reports" / "out" / "results"
+DEFAULT_OUT = Path("mooring-report") / "results"
 PROGRESS = "MOORING_PROGRESS"
 """Environment variable; "lines" asks for `progress <done> <total>` on stdout, from which a parent draws its own bar."""
 

@@ -24,10 +24,11 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import asdict, astuple, dataclass
 from pathlib import Path
 
+from verification import ROOT
+
 from .defect import Defect, arguments
 from .interpreter import Interpreter, Stopped
 
-ROOT = Path(__file__).parents[2]
 COPIED = ("solvers", "verification", "benchmarks", "reference_data", "conftest.py", "pyproject.toml")
 SKIPPED = ("verification/defects", "verification/suite/test_defects.py", "benchmarks")
 """What no check of a solver depends on: results stay valid when it changes."""
@@ -136,6 +137,9 @@ def _copy(project: Path, to: Path):
             shutil.copytree(project / name, to / name, ignore=shutil.ignore_patterns("__pycache__", ".*"))
         elif (project / name).exists():
             shutil.copy2(project / name, to / name)
+    settings = to / "verification" / "installed_pytest.ini"
+    if not (to / "pyproject.toml").exists() and settings.exists():  # an installed wheel
+        shutil.copy2(settings, to / "pytest.ini")
 
 
 def digest(project: Path) -> str:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import lru_cache
-from pathlib import Path
+from importlib.resources import files
 
 import numpy as np
 import pytest
@@ -26,7 +26,7 @@ from solvers.time_domain.solve import solve_time_domain
 from ..exact import catenary_mp
 from ..tools.orders import assert_order, differences, extrapolated
 
-DATA = Path(__file__).parents[2] / "reference_data"
+DATA = files("reference_data")
 KN = 1e3
 CASES = (1, 2, 3, 4)
 each_case = pytest.mark.parametrize("case", CASES)

@@ -14,7 +14,6 @@ import subprocess
 import sys
 import weakref
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -29,6 +28,7 @@ from solvers.harmonic_balance.solve import solve_periodic
 from solvers.numerics import newton
 from solvers.numerics.fourier import Basis
 from solvers.numerics.lu.bordered import BlockChain
+from verification import ROOT
 
 from ..cases.oscillators import MassChain, harmonic_force
 from ..numerics.test_bordered import FORWARD, Chain
@@ -264,7 +264,7 @@ FEW_PAGES = 400  # new ones in a solve; without the heap's lesson 4700 of 4 kB, 
 @pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="of the C library of GNU")
 def test_a_second_solve_touches_no_new_memory():
     """What a solve frees is there for the next one: the system is not asked for it again."""
-    run = subprocess.run([sys.executable, "-c", PAGES], cwd=Path(__file__).parents[2], capture_output=True, text=True)
+    run = subprocess.run([sys.executable, "-c", PAGES], cwd=ROOT, capture_output=True, text=True)
     assert run.returncode == 0 and int(run.stdout) < FEW_PAGES, run.stdout + run.stderr
 
 
@@ -327,6 +327,6 @@ def test_overlapping_solves_leave_the_threads_as_they_were():
     lives on: one BLAS thread inside, as many as before in the end."""
     environment = {name: value for name, value in os.environ.items() if not name.endswith("_NUM_THREADS")}
     run = subprocess.run(
-        [sys.executable, "-c", THREADS], cwd=Path(__file__).parents[2], env=environment, capture_output=True, text=True
+        [sys.executable, "-c", THREADS], cwd=ROOT, env=environment, capture_output=True, text=True
     )
     assert (run.stdout, run.stderr) == (f"True {[True] * 4}\n", "")

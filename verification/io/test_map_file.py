@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,7 @@ import pytest
 from solvers import InputError, solve_network
 from solvers.io.map_file import read_map_file
 
-SCENES = Path(__file__).parents[2] / "reference_data" / "scenes"
+SCENES = files("reference_data") / "scenes"
 OC3 = SCENES / "oc3_hywind.map"
 BRIDLE = SCENES / "bridle.map"
 DEPTH = 320.0

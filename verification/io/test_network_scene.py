@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ from solvers import InputError, solve_network
 from solvers.io.map_file import read_map_file
 from solvers.io.network_scene import load_network
 
-SCENES = Path(__file__).parents[2] / "reference_data" / "scenes"
+SCENES = files("reference_data") / "scenes"
 NETWORKS = SCENES / "networks"
 CHAIN = NETWORKS / "chain_wire_chain.toml"
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from importlib.resources import files
 
 import numpy as np
 import pytest
 
 from solvers import InputError, Scene, Status, cable_system, solve_static
 
-FOLDER = Path(__file__).parents[2] / "reference_data" / "scenes" / "dynamics"
+FOLDER = files("reference_data") / "scenes" / "dynamics"
 ROUNDING = 1e-14  # relative: one sine of an argument that is written as a decimal
 
 SCENE = """

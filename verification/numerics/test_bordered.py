@@ -7,7 +7,6 @@ import os
 import subprocess
 import sys
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,6 +14,7 @@ from scipy.linalg import cython_blas
 
 from solvers.numerics.lu import bordered as block_chain
 from solvers.numerics.lu.bordered import BlockChain
+from verification import ROOT
 
 from ..reference import EPS
 
@@ -180,7 +180,7 @@ def test_without_compiling_it_solves_as_well():
     )
     environment = os.environ | {"NUMBA_DISABLE_JIT": "1"}
     run = subprocess.run(
-        [sys.executable, "-c", text], cwd=Path(__file__).parents[2], env=environment, capture_output=True, text=True
+        [sys.executable, "-c", text], cwd=ROOT, env=environment, capture_output=True, text=True
     )
     assert run.returncode == 0, run.stderr
 
@@ -206,7 +206,7 @@ order = np.empty(3, np.int32)
 _order(np.array([3, 3], np.int32), order)
 print(order, _order.stats.cache_path)
 """
-    folder = Path(__file__).parents[2]
+    folder = ROOT
     ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=folder)
     assert (ended.stdout.strip(), ended.stderr) == ("[2 0 1] None", "")
 

@@ -15,7 +15,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-ROOT = Path(__file__).parents[2]
+from verification import ROOT
+
 OWN = ("solvers", "verification", "benchmarks", "reference_data", "reports")
 TESTING = ("pytest", "hypothesis", "mpmath")
 LONGEST_SOLVER_MODULE = 320  # lines: what one can read at a sitting
@@ -103,7 +104,7 @@ def sources(root: Path) -> list[Path]:
         path
         for folder in OWN
         for path in sorted((root / folder).rglob("*.py"))
-        if "__pycache__" not in path.parts and "out" not in path.relative_to(root).parts
+        if "__pycache__" not in path.parts
     ]
 
 

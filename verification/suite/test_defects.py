@@ -16,6 +16,8 @@ from pathlib import Path
 
 import pytest
 
+from verification import ROOT
+
 from ..defects.catalogue import CATALOGUE, FROZEN, LONG, PLANTING, WIDER, frozen, whole
 from ..defects.defect import KINDS, Defect, arguments
 from ..defects.interpreter import Interpreter, Stopped
@@ -25,7 +27,6 @@ from ..defects.verdict import as_json, kept, summary, verdicts
 from ..tools.planting import Fault
 from .test_report import Page, broken_anchors, misaligned, missing_files, report, section
 
-ROOT = Path(__file__).parents[2]
 SOLVERS = ROOT / "solvers"
 LEAST = 60
 """Defects that the catalogue has to have."""

@@ -13,8 +13,8 @@ import time
 import warnings
 from dataclasses import fields
 from functools import cache
+from importlib.resources import files
 from numbers import Real
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -47,7 +47,7 @@ from solvers.numerics.modes import natural_modes
 
 from ..tools.strategies import any_number
 
-SCENES = Path(__file__).parents[2] / "reference_data" / "scenes"
+SCENES = files("reference_data") / "scenes"
 SLOWEST = 10.0  # s for one bad input on a busy machine; the slowest takes 0.2 s: refused before any work
 DEEP = 26  # times as many in the deep run
 ASKED = 20_000  # bad inputs in the deep run, those not counted that happen to be valid

@@ -9,6 +9,7 @@ import ast
 import csv
 import math
 import tomllib
+from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
@@ -16,12 +17,12 @@ import pytest
 from mpmath import mp
 
 from solvers import CableProperties, Environment, Regime, Span, solve_span
+from verification import ROOT
 
 from ..exact import catenary_mp
 from ..reference import EPS
 
-ROOT = Path(__file__).parents[2]
-DATA = ROOT / "reference_data"
+DATA = files("reference_data")
 
 
 def published(name: str) -> tuple[list[dict], dict]:

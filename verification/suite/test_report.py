@@ -13,7 +13,8 @@ from urllib.parse import urlsplit
 
 import pytest
 
-ROOT = Path(__file__).parents[2]
+from verification import ROOT
+
 SCENE = ROOT / "reference_data" / "scenes" / "shallow_chain.toml"
 
 EMBEDDED = {("link", "href"), ("script", "src"), ("img", "src"), ("iframe", "src"), ("object", "data"), ("use", "href"),

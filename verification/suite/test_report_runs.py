@@ -15,8 +15,8 @@ from pathlib import Path
 import pytest
 
 from solvers import Scene
+from verification import ROOT
 
-ROOT = Path(__file__).parents[2]
 LONGEST = 60  # s that any command here may take
 ENDS_WITHIN = 5.0  # s in which the children of a killed run are gone
 
@@ -408,13 +408,13 @@ def test_what_cannot_be_done_is_told_in_a_sentence(tmp_path, arguments, says):
 
 
 def test_a_command_is_shown_with_its_real_folders():
-    """Inside the project as seen from its root; elsewhere, beside it too, whole."""
+    """Below the working folder as seen from there; elsewhere, beside it too, whole."""
     code = ("import sys; from reports.pipeline.stages import *; "
             "print(scene_stage(Path(sys.argv[1])).shown(Path(sys.argv[2])))")  # fmt: skip
     for scene, out in ((f"{ROOT}-lines/a.toml", f"{ROOT}-out"), ("/lines/a.toml", "/out")):
         assert python(code, scene, out).stdout.strip() == f"python -m benchmarks.scenes.measure {scene} --out {out}"
-    inside = python(code, str(ROOT / "a.toml"), str(ROOT / "reports" / "out")).stdout.strip()
-    assert inside == "python -m benchmarks.scenes.measure a.toml --out reports/out"
+    inside = python(code, str(ROOT / "a.toml"), str(ROOT / "mooring-report")).stdout.strip()
+    assert inside == "python -m benchmarks.scenes.measure a.toml --out mooring-report"
 
 
 def test_one_example_moves_and_the_quick_report_waits_for_none():
