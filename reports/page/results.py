@@ -79,7 +79,7 @@ class Results:
     def failures(self) -> list[dict]:
         """Return title, command and last lines of every stage that failed in this run."""
         return [
-            {"title": end.stage.title, "command": end.stage.shown(self.folder), "tail": end.tail}
+            {"title": end.stage.title, "command": end.stage.command_line(self.folder), "tail": end.tail}
             for end in self.ended.values()
             if end.state == "failed"
         ]
@@ -100,6 +100,6 @@ class Results:
 
     def _stage_row(self, stage: Stage) -> dict:
         entry = self.ledger.entries.get(stage.name, {})
-        command = replace(stage, arguments=tuple(entry.get("arguments", stage.arguments))).shown(self.folder)
+        command = replace(stage, arguments=tuple(entry.get("arguments", stage.arguments))).command_line(self.folder)
         facts = {key: entry.get(key) for key in ("seconds", "finished", "load")}
         return {"title": stage.title, "command": command} | facts
