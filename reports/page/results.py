@@ -31,8 +31,11 @@ class Results:
     def load(self, group: str) -> Any:
         """Return what the files of a group hold together, None where nothing can be read.
 
-        Of scenes, stem -> result; of tests, the test files with their claims and outcomes.
+        Of scenes, stem -> result; of tests, the test files with their claims and outcomes. Raises KeyError where there
+        is no such group: a section that names a group wrongly would be empty without a word.
         """
+        if group not in GROUPS:
+            raise KeyError(f"no such group of stages: {group!r}; there are {', '.join(GROUPS)}")
         if group == "tests":
             return self.questions
         if group not in self._loaded:
