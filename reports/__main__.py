@@ -48,8 +48,8 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _checked(parser: argparse.ArgumentParser, argv) -> argparse.Namespace:
-    """Arguments, or a clear message and exit status 2."""
+def _check_arguments(parser: argparse.ArgumentParser, argv) -> argparse.Namespace:
+    """Return the arguments, or end with a clear message and exit status 2."""
     arguments = parser.parse_args(argv)
     for name in arguments.only or ():
         if name not in GROUPS and name.endswith(".toml"):
@@ -59,7 +59,7 @@ def _checked(parser: argparse.ArgumentParser, argv) -> argparse.Namespace:
     for path in arguments.scenes:
         if not path.is_file():
             parser.error(f"{path}: there is no such scene file")
-    if trouble := external_solvers.bring(arguments.solver):
+    if trouble := external_solvers.set_files(arguments.solver):
         parser.error(trouble)
     stems = [path.stem for path in arguments.scenes]
     if len(set(stems)) < len(stems):
@@ -70,19 +70,19 @@ def _checked(parser: argparse.ArgumentParser, argv) -> argparse.Namespace:
 
 
 def main(argv=None) -> int:
-    """Exit status 0: all there and all tests passed; 1: something failed (the page says what); 2: bad arguments."""
+    """Run the report; return 0: all there and passed; 1: something failed, the page says what; 2: bad input."""
     argv = sys.argv[1:] if argv is None else argv
     if argv[:1] == ["compare"]:
         return compare.main(argv[1:])
-    arguments = _checked(_parser(), argv)
+    arguments = _check_arguments(_parser(), argv)
     out = arguments.out.resolve()
     try:
         (out / "results").mkdir(parents=True, exist_ok=True)
     except OSError as error:
         print(f"{out}: no results can be written there ({error.strerror}): give another --out", file=sys.stderr)
         return 2
-    stages, name = _planned(arguments, out)
-    stages = external_solvers.depending(stages)
+    stages, name = _plan(arguments, out)
+    stages = external_solvers.add_sources(stages)
     wanted = arguments.only or [group for group in GROUPS if not (arguments.quick and group in SLOW)]
     chosen = [stage for stage in stages if stage.group in wanted]
     if not chosen:
@@ -101,11 +101,11 @@ def main(argv=None) -> int:
     except BusyError as error:
         print(error, file=sys.stderr)
         return 2
-    return _told(path, ended)
+    return _print_outcome(path, ended)
 
 
-def _planned(arguments, out: Path) -> tuple[list[Stage], str]:
-    """The stages, and the file name of the page."""
+def _plan(arguments, out: Path) -> tuple[list[Stage], str]:
+    """Return the stages, and the file name of the page."""
     if arguments.scenes:
         return scene_plan(arguments.scenes), f"scene-{'-'.join(path.stem for path in arguments.scenes)}.html"
     return plan(arguments.quick, published.write_scenes(out / "published")), "index.html"
@@ -129,11 +129,13 @@ def _page(out: Path, name: str, stages: list[Stage], ended: list[Ended], whole: 
     return out / name
 
 
-def _told(path: Path, ended: list[Ended]) -> int:
-    """Say what failed and where the page is; the exit status."""
+def _print_outcome(path: Path, ended: list[Ended]) -> int:
+    """Print what failed and where the page is; return the exit status."""
     failed = [end for end in ended if end.state == "failed"]
     for end in failed:
-        print(f"\nthe stage {end.stage.name} failed ({end.stage.shown(path.parent / 'results')}):", file=sys.stderr)
+        print(
+            f"\nthe stage {end.stage.name} failed ({end.stage.command_line(path.parent / 'results')}):", file=sys.stderr
+        )
         print(*(f"  {line}" for line in end.tail), sep="\n", file=sys.stderr)
     red = [end.stage.title.removeprefix("tests: ") for end in ended if end.stage.group == "tests" and end.code == 1]
     if red:

@@ -1,4 +1,4 @@
-"""What a browser sees of a page that is wrong: each check returns a list of faults in words."""
+"""What is wrong with a page in a browser: each check returns a list of faults in words."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ BLOCKS = "h1, h2, h3, h4, p, pre, ul, ol, dl, figure, figcaption, details, .scro
 
 
 def browser_path() -> str | None:
-    """A Chromium of this system, or that of MOORING_BROWSER."""
+    """Return A Chromium of this system, or that of MOORING_BROWSER."""
     return os.environ.get("MOORING_BROWSER") or next(filter(None, map(shutil.which, NAMES)), None)
 
 
@@ -34,19 +34,19 @@ class Opened:
 
 
 def opened(browser, path: Path, width: int, scheme: str) -> Opened:
-    """The page at this width (CSS pixels), "light" or "dark"."""
+    """Return the page opened at this width (CSS pixels), "light" or "dark"."""
     page = browser.new_page(viewport={"width": width, "height": 900}, color_scheme=scheme)
-    found = Opened(page)
-    page.on("console", lambda m: m.type == "error" and found.troubles.append(f"console: {m.text}"))
-    page.on("pageerror", lambda error: found.troubles.append(f"script: {error}"))
-    page.on("requestfailed", lambda request: found.troubles.append(f"request: {request.url}"))
+    result = Opened(page)
+    page.on("console", lambda m: m.type == "error" and result.troubles.append(f"console: {m.text}"))
+    page.on("pageerror", lambda error: result.troubles.append(f"script: {error}"))
+    page.on("requestfailed", lambda request: result.troubles.append(f"request: {request.url}"))
     page.goto(path.resolve().as_uri(), wait_until="load")
     page.evaluate("document.querySelectorAll('details').forEach(d => { d.open = true; })")
-    return found
+    return result
 
 
 def missing_figures(page) -> list[str]:
-    """Pictures without pixels, and drawings without size."""
+    """Return pictures without pixels, and drawings without size."""
     return page.evaluate("""() => [
         ...[...document.images].filter(i => !(i.complete && i.naturalWidth > 0)).map(i => 'img ' + i.src),
         ...[...document.querySelectorAll('figure svg')].filter(s => {
@@ -57,7 +57,7 @@ def missing_figures(page) -> list[str]:
 
 
 def missing_files(page, path: Path) -> list[str]:
-    """Linked files that are not beside the page or are empty, and links to places that are not on it."""
+    """Return linked files that are not beside the page or are empty, and links to places that are not on it."""
     links = page.evaluate("[...document.querySelectorAll('a[href]')].map(a => a.getAttribute('href'))")
     ids = set(page.evaluate("[...document.querySelectorAll('[id]')].map(e => e.id)"))
     faults = [link for link in links if link.startswith("#") and unquote(link[1:]) not in ids]
@@ -67,58 +67,58 @@ def missing_files(page, path: Path) -> list[str]:
 
 
 def figures_without_data(page) -> list[str]:
-    """Panels with a drawing whose caption links no CSV."""
+    """Return panels with a drawing whose caption links no CSV."""
     return page.evaluate("""() => [...document.querySelectorAll('figure.panel')].filter(
         f => !f.querySelector('figcaption a[href$=".csv"]')).map(f => f.textContent.trim().slice(0, 80))""")
 
 
 def overflows(page) -> list[str]:
-    """The page scrolling sideways, and elements over its right edge that do not scroll inside a box of theirs."""
+    """Return whether the page scrolls sideways, and elements over its right edge that scroll in no box of theirs."""
     return page.evaluate(
         """slack => {
-        const wide = document.documentElement.clientWidth, found = [];
+        const wide = document.documentElement.clientWidth, faults = [];
         if (document.documentElement.scrollWidth > wide + slack)
-            found.push('page: ' + document.documentElement.scrollWidth + ' px on ' + wide);
+            faults.push('page: ' + document.documentElement.scrollWidth + ' px on ' + wide);
         const clipped = e => { for (let p = e.parentElement; p; p = p.parentElement)
             if (p !== document.body && getComputedStyle(p).overflowX !== 'visible') return true; return false; };
         for (const e of document.querySelectorAll('body *')) {
             if (e.ownerSVGElement) continue;
             const box = e.getBoundingClientRect();
             if (box.width && (box.right > wide + slack || box.left < -slack) && !clipped(e))
-                found.push(e.tagName + '.' + e.className + ' ' + Math.round(box.right) + ' px: ' +
+                faults.push(e.tagName + '.' + e.className + ' ' + Math.round(box.right) + ' px: ' +
                     e.textContent.trim().slice(0, 60));
         }
-        return found;
+        return faults;
     }""",
         SLACK,
     )
 
 
 def overlaps(page) -> list[str]:
-    """Pairs of blocks that cover each other though neither is inside the other."""
+    """Return pairs of blocks that cover each other though neither is inside the other."""
     return page.evaluate(
         """([blocks, slack]) => {
         const all = [...document.querySelectorAll(blocks)].map(e => ({e, r: e.getBoundingClientRect()}))
             .filter(b => b.r.width > 0 && b.r.height > 0).sort((a, b) => a.r.top - b.r.top);
         const clipped = e => { for (let p = e.parentElement; p; p = p.parentElement)
             if (getComputedStyle(p).overflowX !== 'visible') return true; return false; };
-        const inside = all.filter(b => !clipped(b.e)), found = [], say = e =>
+        const inside = all.filter(b => !clipped(b.e)), faults = [], say = e =>
             e.tagName + ' ' + e.textContent.trim().slice(0, 40).replace(/\\s+/g, ' ');
         for (let i = 0; i < inside.length; i++)
             for (let j = i + 1; j < inside.length && inside[j].r.top < inside[i].r.bottom - slack; j++) {
                 const a = inside[i], b = inside[j];
                 if (Math.min(a.r.right, b.r.right) - Math.max(a.r.left, b.r.left) > slack
                     && Math.min(a.r.bottom, b.r.bottom) - b.r.top > slack && !a.e.contains(b.e) && !b.e.contains(a.e))
-                    found.push(say(a.e) + ' | ' + say(b.e));
+                    faults.push(say(a.e) + ' | ' + say(b.e));
             }
-        return found;
+        return faults;
     }""",
         [BLOCKS, SLACK],
     )
 
 
 def label_overlaps(page) -> list[str]:
-    """Labels of one figure that lie on each other; slanted ones, whose boxes say little, are left out."""
+    """Return labels of one figure that lie on each other; slanted ones, whose boxes say little, are left out."""
     return page.evaluate(
         """slack => [...document.querySelectorAll('figure svg')].flatMap(svg => {
         const scale = svg.getBoundingClientRect().width / (svg.viewBox.baseVal.width || 1);
@@ -126,21 +126,21 @@ def label_overlaps(page) -> list[str]:
             return Math.min(Math.abs(m.a), Math.abs(m.b)) > 1e-3 * Math.abs(m.a + m.b); };
         const texts = [...svg.querySelectorAll('text')].filter(t => t.textContent.trim() && !slanted(t))
             .map(t => ({t, r: t.getBoundingClientRect()})).filter(b => b.r.width > 0);
-        const found = [], s = slack * scale, name = e => (e.getAttribute('aria-label') || '').slice(0, 50) + ': ';
+        const faults = [], s = slack * scale, name = e => (e.getAttribute('aria-label') || '').slice(0, 50) + ': ';
         texts.forEach((a, i) => texts.slice(i + 1).forEach(b => {
             if (Math.min(a.r.right, b.r.right) - Math.max(a.r.left, b.r.left) > s
                 && Math.min(a.r.bottom, b.r.bottom) - Math.max(a.r.top, b.r.top) > s)
-                found.push(name(svg) + a.t.textContent.replace(/\\s+/g, '') + ' | ' +
+                faults.push(name(svg) + a.t.textContent.replace(/\\s+/g, '') + ' | ' +
                     b.t.textContent.replace(/\\s+/g, ''));
         }));
-        return found;
+        return faults;
     })""",
         LABEL_SLACK,
     )
 
 
 def clipped_labels(page) -> list[str]:
-    """Labels that reach beyond the edge of their drawing."""
+    """Return labels that reach beyond the edge of their drawing."""
     return page.evaluate(
         """slack => [...document.querySelectorAll('figure svg')].flatMap(svg => {
         const box = svg.getBoundingClientRect();
@@ -155,7 +155,7 @@ def clipped_labels(page) -> list[str]:
 
 
 def unreadable(page) -> list[str]:
-    """Text whose colour is too near that of the paper under it."""
+    """Return text whose colour is too near that of the paper under it."""
     return page.evaluate(
         """least => {
         const rgb = c => (c.match(/[\\d.]+/g) || []).map(Number);
@@ -165,16 +165,17 @@ def unreadable(page) -> list[str]:
         const paper = e => { for (let p = e; p;
             p = p.parentElement) { const c = rgb(getComputedStyle(p).backgroundColor);
             if (c.length === 3 || c[3] > .5) return c; } return [255, 255, 255]; };
-        const found = new Set();
+        const faults = new Set();
         for (const e of document.querySelectorAll(
             'p, td, th, li, h1, h2, h3, h4, a, summary, figcaption, code, pre, dt, dd, svg text')) {
             if (!e.textContent.trim() || !e.getBoundingClientRect().width) continue;
             const style = getComputedStyle(e), ink = rgb(e.ownerSVGElement ? style.fill : style.color);
             if (ink.length < 3) continue;
             const a = light(ink), b = light(paper(e)), ratio = (Math.max(a, b) + .05) / (Math.min(a, b) + .05);
-            if (ratio < least) found.add(e.tagName + ' ' + ratio.toFixed(2) + ': ' + e.textContent.trim().slice(0, 40));
+            if (ratio < least)
+                faults.add(e.tagName + ' ' + ratio.toFixed(2) + ': ' + e.textContent.trim().slice(0, 40));
         }
-        return [...found];
+        return [...faults];
     }""",
         CONTRAST,
     )

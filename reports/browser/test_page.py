@@ -52,55 +52,55 @@ def path(request):
 @pytest.fixture(scope="module", params=[(width, scheme) for width in WIDTHS for scheme in SCHEMES], ids=str)
 def opened(request, browser, path):
     """The page in the browser."""
-    found = checks.opened(browser, path, *request.param)
-    yield found
-    found.page.close()
+    result = checks.opened(browser, path, *request.param)
+    yield result
+    result.page.close()
 
 
-def told(faults: list[str]) -> str:
-    """The first faults, one a line."""
+def list_faults(faults: list[str]) -> str:
+    """Return the first faults, one a line."""
     return "\n".join([f"{len(faults)} faults", *faults[:20]])
 
 
 def test_the_page_loads_without_complaint(opened):
     """No error in the console, no script error, no request that fails."""
-    assert not opened.troubles, told(opened.troubles)
+    assert not opened.troubles, list_faults(opened.troubles)
 
 
 def test_no_figure_is_missing(opened):
     """Every picture has pixels, every drawing a size."""
-    assert not (faults := checks.missing_figures(opened.page)), told(faults)
+    assert not (faults := checks.missing_figures(opened.page)), list_faults(faults)
 
 
 def test_every_link_leads_somewhere(opened, path):
     """Every CSV, JSON, PNG and SVG that is linked lies beside the page; every link within the page has its goal."""
-    assert not (faults := checks.missing_files(opened.page, path)), told(faults)
+    assert not (faults := checks.missing_files(opened.page, path)), list_faults(faults)
 
 
 def test_every_figure_has_its_data(opened):
     """The caption of every figure links a CSV."""
-    assert not (faults := checks.figures_without_data(opened.page)), told(faults)
+    assert not (faults := checks.figures_without_data(opened.page)), list_faults(faults)
 
 
 def test_nothing_runs_over_the_edge(opened):
     """The page does not scroll sideways; what is wider scrolls inside a box of its own."""
-    assert not (faults := checks.overflows(opened.page)), told(faults)
+    assert not (faults := checks.overflows(opened.page)), list_faults(faults)
 
 
 def test_nothing_overlaps(opened):
     """No block covers another, all folds open."""
-    assert not (faults := checks.overlaps(opened.page)), told(faults)
+    assert not (faults := checks.overlaps(opened.page)), list_faults(faults)
 
 
 def test_labels_of_figures_are_legible(opened):
     """No label of a figure lies on another or reaches beyond the drawing."""
     faults = checks.label_overlaps(opened.page) + checks.clipped_labels(opened.page)
-    assert not faults, told(faults)
+    assert not faults, list_faults(faults)
 
 
 def test_text_stands_out_from_the_paper(opened):
     """Text of page and figures has at least three times the luminance of its paper, or a third."""
-    assert not (faults := checks.unreadable(opened.page)), told(faults)
+    assert not (faults := checks.unreadable(opened.page)), list_faults(faults)
 
 
 # ---------------------------------------------------------------- each check can turn red
@@ -135,18 +135,18 @@ PLANTED = {
 
 
 def faults_of(browser, folder: Path, text: str, width: int = 1280) -> dict[str, list[str]]:
-    """Every check on a page with this body."""
+    """Return the faults that every check finds on a page with this body."""
     (folder / "sound.csv").write_text("x\n1\n", encoding="utf-8")
     (folder / "page.html").write_text(f"<!DOCTYPE html><html><body>{text}</body></html>", encoding="utf-8")
-    found = checks.opened(browser, folder / "page.html", width, "light")
-    page = found.page
-    seen = {name: getattr(checks, name)(page) for name in (
+    result = checks.opened(browser, folder / "page.html", width, "light")
+    page = result.page
+    faults = {name: getattr(checks, name)(page) for name in (
         "missing_figures", "figures_without_data", "overflows", "overlaps", "label_overlaps", "clipped_labels",
         "unreadable",
     )}  # fmt: skip
-    seen |= {"missing_files": checks.missing_files(page, folder / "page.html"), "troubles": found.troubles}
+    faults |= {"missing_files": checks.missing_files(page, folder / "page.html"), "troubles": result.troubles}
     page.close()
-    return seen
+    return faults
 
 
 def test_a_sound_page_passes_every_check(browser, tmp_path):

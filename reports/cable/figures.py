@@ -17,7 +17,7 @@ from .cases import METHODS, motion_of, save
 
 
 def profile(data: dict, folder: Path) -> Group:
-    """HB Fig. 2."""
+    """Return HB Fig. 2."""
     nodes, exact, fairlead = data["nodes"], data["catenary"], data["fairlead"]
     figures = []
     for key, ylabel, scale, title in (("z", "z, m above the anchor", 1, "Static profile"),
@@ -41,14 +41,14 @@ def profile(data: dict, folder: Path) -> Group:
 
 
 def settling(rows: list[dict], folder: Path) -> Group:
-    """HB Fig. 5, and the distance of each period from the last."""
+    """Return HB Fig. 5, and the distance of each period from the last."""
     figures = []
     for row in rows:
         title = f"From rest, drag coefficient {row['drag']:g}"
         figure, axes = panel(title, "time, s", "fairlead tension, kN")
         axes.plot(row["time"], np.array(row["tension"]) * KN, color=style.PALETTE[0], linewidth=1.2)
         figures.append(save(figure, folder, f"settling_{row['drag']:g}", title, f"{title}: fairlead tension in time."))
-    title = "How far a period is from the last"
+    title = "Difference of a period from the last"
     figure, axes = panel(title, "period", "greatest difference over the range", yscale="log")
     for row, look in zip(rows, LOOKS, strict=False):
         away = row["away"][:-1]
@@ -59,16 +59,15 @@ def settling(rows: list[dict], folder: Path) -> Group:
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     add_legend(figure, axes)
     figures.append(save(figure, folder, "settling_away", title, f"{title}, logarithmic, for both drag coefficients."))
-    said = "; ".join(
+    first_periods = "; ".join(
         f"drag {row['drag']:g}: "
         + ", ".join(f"{_period(first)} to {float(level):g}" for level, first in row["settled"].items())
         for row in rows
     )
     caption = (
-        f"HB Fig. 5 remade: surge of {printed_value('least amplitude of the convergence study')} m that grows in half a "
-        f"period. The first period that equals the last: {said} of "
-        "the range of the tension. The paper gives "
-        f"{printed_value('periods to steady state at Cdn 1.6')} periods, and at least "
+        f"HB Fig. 5 remade: surge of {printed_value('least amplitude of the convergence study')} m that grows in half "
+        f"a period. The first period that equals the last: {first_periods} of the range of the tension. The paper "
+        f"gives {printed_value('periods to steady state at Cdn 1.6')} periods, and at least "
         f"{printed_value('periods to steady state at Cdn 0.1')} with the small drag."
     )
     return Group(caption, figures)
@@ -79,13 +78,15 @@ def _period(first) -> str:
 
 
 def spacetime(rows: list[dict], folder: Path) -> Group:
-    """Tension over unstretched length and time."""
-    figures, said = [], []
+    """Return the tension over unstretched length and time."""
+    figures, least = [], []
     for row in rows:
         title = motion_of(row["case"])
         figure, axes = plt.subplots(figsize=(style.PANEL[0], 4.2))
         tension = np.array(row["tension"]) * KN
-        mesh = axes.pcolormesh(row["time"], row["s"], tension, cmap=style.TENSION_COLOURS, shading="gouraud", rasterized=True)
+        mesh = axes.pcolormesh(
+            row["time"], row["s"], tension, cmap=style.TENSION_COLOURS, shading="gouraud", rasterized=True
+        )
         axes.set(title=title, xlabel="time in the period, s", ylabel="s, m of unstretched line from the anchor")
         axes.grid(False)
         axes.plot(row["at"], row["s"][row["node"] - 1], "*", color="white", markeredgecolor=style.INK, markersize=13)
@@ -95,21 +96,21 @@ def spacetime(rows: list[dict], folder: Path) -> Group:
             f"Map of the tension over time and length, {title}: {number(tension.min())} to {number(tension.max())} kN."
         )
         figures.append(save(figure, folder, f"spacetime_{row['case']}", title, alt))
-        said.append(
+        least.append(
             f"{title}: {number(row['least'] * KN)} kN at node {row['node']} of {len(row['s'])}, {number(row['at'])} s"
         )
-    caption = f"Tension over one period; the star is where it comes nearest to zero. {'; '.join(said)}."
+    caption = f"Tension over one period; the star is where it comes nearest to zero. {'; '.join(least)}."
     return Group(caption, figures)
 
 
-STATIC = {"fairlead": "fairlead tension", "along": "tension along the line", "place": "place of the nodes, m"}
+STATIC = {"fairlead": "fairlead tension", "along": "tension along the line", "place": "position of the nodes, m"}
 CELL = {"harmonic balance": "harmonic balance", "time domain": "time domain"}
 STEP = {"undamped": "no structural damping", "damped": "with structural damping",
         "extrapolated": "the same, against its extrapolation"}  # fmt: skip
 
 
 def orders(data: dict, folder: Path) -> Group:
-    """Errors against cell and step, with lines of order 2."""
+    """Return errors against cell and step, with lines of order 2."""
     figures = []
     for name, key, xlabel, ylabel, labels in (
         ("statics", "ds", "cell ds, m", "error against the catenary", STATIC),
@@ -120,8 +121,8 @@ def orders(data: dict, folder: Path) -> Group:
         figure, axes = panel(title, xlabel, ylabel, xscale="log", yscale="log")
         rows = data[name]["rows"]
         for (column, label), look in zip(labels.items(), LOOKS, strict=False):
-            shown = rows if name == "statics" or "damped" in column else rows[:-1]  # the last makes the limit
-            axes.plot([r[key] for r in shown], [r[column] for r in shown], label=label, linewidth=1, **look)
+            used = rows if name == "statics" or "damped" in column else rows[:-1]  # the last row serves as the limit
+            axes.plot([r[key] for r in used], [r[column] for r in used], label=label, linewidth=1, **look)
         least = min(min(r[c] for c in labels) for r in rows[:-1])
         draw_order_line(axes, [r[key] for r in rows[:-1]], least)
         set_decade_ticks(axes)
@@ -132,16 +133,18 @@ def orders(data: dict, folder: Path) -> Group:
 
 def _orders_caption(data: dict) -> str:
     last = {key: number(values[-1], 5) for key, values in data["statics"]["orders"].items()}
-    cell = {key: number(values[-2], 4) for key, values in data["cell"]["orders"].items()}  # the last is 2 by making
+    cell = {
+        key: number(values[-2], 4) for key, values in data["cell"]["orders"].items()
+    }  # the last order is 2 by construction
     step = data["step"]
     finest = step["rows"][-1]
     return (
         f"Observed orders on the finest pair: statics {last['fairlead']} (fairlead tension), {last['along']} (tension "
-        f"along the line), {last['place']} (places). In the cell, against the extrapolation in N, the pair before the "
-        f"finest: harmonic balance {cell['harmonic balance']}, time domain {cell['time domain']}. In the step the same "
-        f"orbit is known from harmonic balance ({step['harmonics']} harmonics, {step['nodes']} nodes): at "
-        f"dt = {number(finest['dt'])} s both differ by {number(finest['damped'], 2)} of the range. Without structural "
-        f"damping the axial mode, at {number(step['axial'])} times the driving frequency, rings and hides the order "
+        f"along the line), {last['place']} (positions). In the cell, against the extrapolation in N, the pair before "
+        f"the finest: harmonic balance {cell['harmonic balance']}, time domain {cell['time domain']}. In the step the "
+        f"same orbit is known from harmonic balance ({step['harmonics']} harmonics, {step['nodes']} nodes): at dt = "
+        f"{number(finest['dt'])} s both differ by {number(finest['damped'], 2)} of the range. Without structural "
+        f"damping the axial mode, at {number(step['axial'])} times the driving frequency, rings and masks the order "
         f"until dt resolves it; with {step['damping']:g} s of it the order is "
         f"{DASH.join(_ends(step['orders']['extrapolated'][:-1]))} against the extrapolation."
     )
@@ -153,37 +156,45 @@ def _ends(values) -> tuple[str, ...]:
 
 
 def drift(rows: list[dict], folder: Path) -> Group:
-    """Distance of the fairlead from its prescribed place by period."""
-    figure, axes = panel("Drift of the fairlead", "periods", "distance from the prescribed place, m", yscale="log")
+    """Return the distance of the fairlead from its prescribed position by period."""
+    figure, axes = panel("Drift of the fairlead", "periods", "distance from the prescribed position, m", yscale="log")
     for row, look in zip(rows, LOOKS, strict=False):
         name = motion_of(row["case"])
-        held = "held" if row["hold"] else "free"
         distance = np.maximum(row["drift"][1:], 1e-12)
-        axes.plot(row["period"][1:], distance, label=f"{name}, {held}", linewidth=1, markevery=0.1, **look)
+        axes.plot(row["period"][1:], distance, label=f"{name}, {_control(row)}", linewidth=1, markevery=0.1, **look)
     set_decade_ticks(axes, "y")
     add_legend(figure, axes)
-    drawn = save(figure, folder, "drift", "Drift of the fairlead", "Drift by period, logarithmic, held and free.")
-    said = "; ".join(
-        f"{motion_of(row['case'])}, {'held' if row['hold'] else 'free'}: "
-        f"{number(1e3 * row['drift'][-1], 2)} mm"
+    drawn = save(
+        figure,
+        folder,
+        "drift",
+        "Drift of the fairlead",
+        "Drift by period, logarithmic, with and without drift control.",
+    )
+    distances = "; ".join(
+        f"{motion_of(row['case'])}, {_control(row)}: {number(1e3 * row['drift'][-1], 2)} mm"
         + ("" if row["status"] == "SUCCESS" else f" ({status_words(row['status'])})")
         for row in rows
     )
     periods = len(rows[0]["period"]) - 1
-    held = [row for row in rows if row["hold"] and "within" in row]
-    within = " and ".join(f"{number(1e3 * row['within'], 2)} mm ({motion_of(row['case'])})" for row in held)
+    controlled = [row for row in rows if row["hold"] and "within" in row]
+    within = " and ".join(f"{number(1e3 * row['within'], 2)} mm ({motion_of(row['case'])})" for row in controlled)
     caption = (
-        f"After {plural(periods, 'period')} with dt = {rows[0]['dt']:g} s: {said}. The rows of the fairlead see only "
-        "its velocity, and the paper accepts the drift that follows; here a small velocity leads the end back at every "
-        "step."
+        f"After {plural(periods, 'period')} with dt = {rows[0]['dt']:g} s: {distances}. The boundary rows prescribe "
+        "only the velocity of the fairlead, and the paper accepts the drift that follows; here drift control adds a "
+        "small velocity at every step that returns the fairlead to its prescribed position."
     )
     if within:
-        caption += f" Within the last period the held end is up to {within} away, which does not add up."
+        caption += f" Within the last period the controlled fairlead is up to {within} away; this does not accumulate."
     return Group(caption, [drawn])
 
 
+def _control(row: dict) -> str:
+    return "with control" if row["hold"] else "without"
+
+
 def growth(data: dict, folder: Path) -> Group:
-    """Seconds of one period by nodes."""
+    """Return the seconds of one period by nodes."""
     rows, p = data["rows"], data["exponent"]
     figure, axes = panel(
         "Time stepping, growth with nodes", "nodes N", "time of one period, s", xscale="log", yscale="log"
@@ -195,10 +206,8 @@ def growth(data: dict, folder: Path) -> Group:
     first, last = rows[0], rows[-1]
     caption = (
         f"{seconds(first['seconds'])} for {first['nodes']} nodes, {seconds(last['seconds'])} for {last['nodes']}: "
-        "nodes to "
-        f"the power {number(p, 2)} from {data['fitted_from']} nodes on. Below a thousand nodes the calls of a step "
-        "weigh "
-        f"more than its arithmetic; {times(last['nodes'] / first['nodes'])} the nodes cost "
+        f"nodes to the power {number(p, 2)} from {data['fitted_from']} nodes on. Below a thousand nodes the calls of a "
+        f"step weigh more than its arithmetic; {times(last['nodes'] / first['nodes'])} the nodes cost "
         f"{times(last['seconds'] / first['seconds'])} the time."
     )
     return Group(caption, [drawn])

@@ -18,16 +18,26 @@ def verdicts(data: dict):
         last = data["orders"]["statics"]["orders"]["fairlead"][-1]
         detail = f"statics, finest pair, wanted 2 within {ORDER:g}"
         yield Verdict(number(last, 4), "order in the cell", detail, abs(last - 2) <= ORDER, "dynamics", "verified")
-        apart = data["orders"]["step"]["rows"][-1]["damped"]
-        detail = f"rms over the range, time stepping on the orbit of harmonic balance, wanted at most {SAME_ORBIT:g}"
-        yield Verdict(number(apart, 2), "apart: two methods", detail, apart <= SAME_ORBIT, "dynamics", "verified")
+        difference = data["orders"]["step"]["rows"][-1]["damped"]
+        detail = f"rms over the range, time stepping and harmonic balance, wanted at most {SAME_ORBIT:g}"
+        yield Verdict(
+            number(difference, 2),
+            "difference of both methods",
+            detail,
+            difference <= SAME_ORBIT,
+            "dynamics",
+            "verified",
+        )
     if data.get("drift"):
-        held = max(row["drift"][-1] for row in data["drift"] if row["hold"])
+        drift = max(row["drift"][-1] for row in data["drift"] if row["hold"])
         periods = len(data["drift"][0]["period"]) - 1
-        held_cases = ", ".join(dict.fromkeys(motion_of(row["case"]) for row in data["drift"] if row["hold"]))
-        detail = f"{held_cases}, {periods} periods, wanted at most {1e3 * DRIFT:g} mm"
-        yield Verdict(f"{number(1e3 * held, 2)} mm", "drift of the fairlead", detail, held <= DRIFT, "drift", "verified")
+        cases = ", ".join(dict.fromkeys(motion_of(row["case"]) for row in data["drift"] if row["hold"]))
+        detail = f"{cases}, {periods} periods, wanted at most {1e3 * DRIFT:g} mm"
+        yield Verdict(
+            f"{number(1e3 * drift, 2)} mm", "drift of the fairlead", detail, drift <= DRIFT, "drift", "verified"
+        )
     if data.get("speed"):
         least = min(data["speed"]["seconds"]["planar"])
-        detail = f"{printed_value('nodes')} nodes, dt = {printed_value('time step')} s, wanted at most {seconds(THREE_PERIODS)}"
+        setting = f"{printed_value('nodes')} nodes, dt = {printed_value('time step')} s"
+        detail = f"{setting}, wanted at most {seconds(THREE_PERIODS)}"
         yield Verdict(seconds(least), "three periods", detail, least <= THREE_PERIODS, "dynamics")

@@ -15,14 +15,14 @@ from ..page import analysis
 from ..page.figures import Figure, Group
 from ..page.formatting import MINUS, across, number, ratio, slug, times
 
-MAP_RANGE = (-1, 13)  # log10 of the error in units of the limit: one colour a decade
+MAP_RANGE = (-1, 13)  # log10 of the error over the unavoidable rounding error: one colour a decade
 MAP_LINES = 12  # tick labels of the slackness at most
 
 
 def work_precision(data: dict, looks: dict, folder: Path) -> Group:
-    """Error against time: all cases together, then one panel per case."""
+    """Return error against time: all cases together, then one panel per case."""
     points = data["points"]
-    total, common, left = analysis.sum_over_cases(points)
+    total, common, excluded = analysis.sum_over_cases(points)
     limits = _limits(analysis.select_answered(points))
     figures = []
     if total:
@@ -33,7 +33,7 @@ def work_precision(data: dict, looks: dict, folder: Path) -> Group:
         if mine:
             title = case if analysis.is_single_line(mine[0]) else f"{case}: median error, time per line"
             figures.append(_panel(mine, title, f"work_precision_{slug(case)}", looks, folder, limits))
-    return Group(_work_caption(points, total, common, left), figures)
+    return Group(_work_caption(points, total, common, excluded), figures)
 
 
 def _limits(points):
@@ -55,30 +55,31 @@ def _panel(points, title: str, name: str, looks: dict, folder: Path, limits) -> 
     return style.save(figure, folder, name, title, alt)
 
 
-def _work_caption(points, total, common, left) -> str:
-    said = []
+def _work_caption(points, total, common, excluded) -> str:
+    sentences = []
     labels = {p["solver"]: p["label"] for p in points}
     for peer in [name for name in analysis.sort_solvers(labels) if not name.startswith(analysis.OURS)]:
         cases = dict.fromkeys(p["case"] for p in points)
         factors = [analysis.factor_at_equal_error([p for p in points if p["case"] == c], peer) for c in cases]
-        factors = [found["factor"] for found in factors if found]
+        factors = [factor["factor"] for factor in factors if factor]
         if factors:
-            said.append(
-                f"At the smallest error that {labels[peer]} reaches, it takes {times(np.median(factors))} as long "
-                f"as this project (median of {len(factors)} cases, {ratio(min(factors))} to {ratio(max(factors))})."
+            sentences.append(
+                f"At the smallest error that {labels[peer]} reaches, it takes {times(np.median(factors))} as long as "
+                f"this project (median of {len(factors)} cases, {ratio(min(factors))} to {ratio(max(factors))})."
             )
-    said.append(_front(total))
-    if left:
-        said.append(
-            f"Not in the sum, because they answer fewer than half of the cases: {', '.join(labels[n] for n in left)}."
+    sentences.append(_front(total))
+    if excluded:
+        sentences.append(
+            "Not in the sum, because they answer fewer than half of the cases: "
+            f"{', '.join(labels[n] for n in excluded)}."
         )
-    said.append(
-        "Each point is one tolerance, joined from the loosest to the tightest. Rings: the Pareto front, points that no "
-        "other beats in both time and error. Red crosses: an error above the bound of a wrong answer although a "
-        "tolerance ten times smaller was asked for. "
-        f"Errors above {GREATEST_ERROR:g} are drawn at {GREATEST_ERROR:g}; refused settings have no point."
+    sentences.append(
+        "Each point is one tolerance, joined from the loosest to the tightest. Rings: the Pareto front, points that "
+        "no other beats in both time and error. Red crosses: an error above the bound of a wrong answer although a "
+        f"tolerance ten times smaller was asked for. Errors above {GREATEST_ERROR:g} are drawn at {GREATEST_ERROR:g}; "
+        "refused settings have no point."
     )
-    return " ".join(filter(None, said))
+    return " ".join(filter(None, sentences))
 
 
 def _front(total) -> str:
@@ -93,33 +94,33 @@ def _front(total) -> str:
 
 
 def error_map(accuracy: dict, looks: dict, folder: Path) -> Group | None:
-    """Slackness by stiffness, one panel per solver that supports the map."""
+    """Return the error over slackness and stiffness, one panel per solver that supports the map."""
     rows = [row for row in accuracy["rows"] if row["set"] == "map"]
-    figures, said = [], []
+    figures, sentences = [], []
     for name in analysis.sort_solvers(accuracy["solvers"]):
         label = accuracy["solvers"][name]["label"]
-        found = analysis.summarise(rows, name)
-        if found["unsupported"] == found["cases"]:
-            said.append(f"{label} has no panel: it does not model these lines.")
+        counts = analysis.summarise(rows, name)
+        if counts["unsupported"] == counts["cases"]:
+            sentences.append(f"{label} has no panel: it does not model these lines.")
             continue
         figures.append(_map_panel(rows, name, label, folder))
-        said.append(_map_sentence(label, found))
-    said.append(
-        "Colour: the error in units of the condition limit, cut off at "
-        f"{10.0 ** MAP_RANGE[0]:g} and {number(10.0 ** MAP_RANGE[1], 1)}; red cross: returned as success with an error "
-        "above the bound of a wrong answer; black dot: refused. Rows are evenly spaced, dense near L = chord."
+        sentences.append(_map_sentence(label, counts))
+    sentences.append(
+        f"Colour: the error over the unavoidable rounding error, cut off at {10.0 ** MAP_RANGE[0]:g} and "
+        f"{number(10.0 ** MAP_RANGE[1], 1)}; red cross: returned as success with an error above the bound of a wrong "
+        "answer; black dot: refused. Rows are evenly spaced, dense near L = chord."
     )
-    return Group(" ".join(said), figures) if figures else None
+    return Group(" ".join(sentences), figures) if figures else None
 
 
-def _map_sentence(label: str, found: dict) -> str:
-    counts = f"{label}: {found['wrong']} wrong and {found['refused']} refused of {found['cases']}"
-    if not found["worst"]:
-        return counts + "."
-    row = found["worst"]
+def _map_sentence(label: str, counts: dict) -> str:
+    text = f"{label}: {counts['wrong']} wrong and {counts['refused']} refused of {counts['cases']}"
+    if not counts["worst"]:
+        return text + "."
+    row = counts["worst"]
     return (
-        f"{counts}; worst point L/chord = {row['slackness']:.9g}, EA/wL = {number(row['stiffness'])}, "
-        f"{number(found['max'])} limits."
+        f"{text}; worst point L/chord = {row['slackness']:.9g}, EA/wL = {number(row['stiffness'])}, "
+        f"{number(counts['max'])} times the unavoidable rounding error."
     )
 
 
@@ -144,21 +145,21 @@ def _map_panel(rows, name: str, label: str, folder: Path) -> Figure:
             axes.scatter(*zip(*points, strict=True), **look)
     _map_axes(axes, slackness, [columns[0, j]["stiffness"] for j in range(width)], label)
     bar = figure.colorbar(mesh, ax=axes, location="bottom", shrink=0.9, pad=0.02, extend="both", aspect=30)
-    bar.set_label("log10 (error / condition limit)")
+    bar.set_label("log10 (error / unavoidable rounding error)")
     counts = ", ".join(f"{len(points)} {verdict}" for verdict, points in marks.items())
     alt = f"Map of the error of {label} over slackness and stiffness: {counts}."
     return style.save(figure, folder, f"error_map_{slug(name)}", label, alt, [_map_row(row, name) for row in rows])
 
 
 def _map_row(row: dict, name: str) -> dict:
-    """A cell of the map as it stands in the CSV: its own slackness and stiffness, not its place."""
+    """Return a cell of the map for the CSV: its own slackness and stiffness, not its row and column."""
     answer = row["answers"][name]
-    kept = {key: answer[key] for key in ("verdict", "error", "in_limits")}
-    return {"slackness L/chord": row["slackness"], "stiffness EA/(w L)": row["stiffness"]} | kept
+    outcome = {key: answer[key] for key in ("verdict", "error", "in_limits")}
+    return {"slackness L/chord": row["slackness"], "stiffness EA/(w L)": row["stiffness"]} | outcome
 
 
 def _grid(rows, slackness):
-    """(row, column, case): rows by slackness, columns by rank of the stiffness among the cases of that slackness."""
+    """Yield (row, column, case): rows by slackness, columns by rank of the stiffness of that slackness."""
     for i, value in enumerate(slackness):
         mine = sorted((row for row in rows if row["slackness"] == value), key=lambda row: row["stiffness"])
         yield from ((i, j, row) for j, row in enumerate(mine))
@@ -166,19 +167,19 @@ def _grid(rows, slackness):
 
 def _map_axes(axes, slackness, stiffness, label: str):
     decades = [k for k in range(0, 30) if stiffness[0] * 0.99 <= 10.0**k <= stiffness[-1] * 1.01]
-    place = np.interp(decades, np.log10(stiffness), np.arange(len(stiffness)) + 0.5)
-    axes.set_xticks(place, [f"$10^{{{k}}}$" for k in decades])
+    positions = np.interp(decades, np.log10(stiffness), np.arange(len(stiffness)) + 0.5)
+    axes.set_xticks(positions, [f"$10^{{{k}}}$" for k in decades])
     step = max(1, math.ceil(len(slackness) / MAP_LINES))
     one = min(range(len(slackness)), key=lambda i: abs(slackness[i] - 1))
-    shown = sorted({0, len(slackness) - 1, *range(one % step, len(slackness), step)})
-    shown = [i for i in shown if i in (0, len(slackness) - 1) or 1 < i < len(slackness) - 2]
-    axes.set_yticks([i + 0.5 for i in shown], [_near_one(slackness[i]) for i in shown])
+    ticks = sorted({0, len(slackness) - 1, *range(one % step, len(slackness), step)})
+    ticks = [i for i in ticks if i in (0, len(slackness) - 1) or 1 < i < len(slackness) - 2]
+    axes.set_yticks([i + 0.5 for i in ticks], [_near_one(slackness[i]) for i in ticks])
     axes.set(title=label, xlabel="stiffness EA/(w L)", ylabel="slackness L/chord")
     axes.grid(False)
 
 
 def _near_one(value: float) -> str:
-    """1 + 2.3e-7 rather than 1.00000023."""
+    """Return such as 1 + 2.3e-7 rather than 1.00000023."""
     gap = value - 1
     if gap == 0 or abs(gap) >= 0.009:
         return f"{value:.3g}"
@@ -189,7 +190,7 @@ def _near_one(value: float) -> str:
 
 
 def cold_times(rows: list[dict], looks: dict, folder: Path) -> Group | None:
-    """Dots: seconds of one cold solve per case and solver, with the quartiles; from pytest-benchmark."""
+    """Return dots: seconds of one cold solve per case and solver, with the quartiles; from pytest-benchmark."""
     rows = [row for row in rows if row["group"].startswith("span-cold")]
     cases = list(dict.fromkeys(row["case"] for row in rows))
     if not cases:
@@ -210,19 +211,21 @@ def cold_times(rows: list[dict], looks: dict, folder: Path) -> Group | None:
     figure.legend(loc="outside upper center", ncols=len(names))
     alt = "Time of one cold solve for each case and solver, logarithmic."
     columns = ("case", "label", "median", "q1", "q3", "rounds")  # s
-    kept = [{key: row[key] for key in columns} for row in rows]
-    drawn = style.save(figure, folder, "cold_solve", "One cold solve", alt, kept)
+    data = [{key: row[key] for key in columns} for row in rows]
+    drawn = style.save(figure, folder, "cold_solve", "One cold solve", alt, data)
     return Group(_cold_caption(rows, names), [drawn])
 
 
 def _cold_caption(rows, names) -> str:
     ours = {row["case"]: row["median"] for row in rows if row["solver"] == analysis.OURS}
-    said = ["One solve from the inputs alone, nothing kept from an earlier call."]
+    sentences = ["One solve from the inputs alone, nothing kept from an earlier call."]
     if ours:
-        said.append(f"This project takes {across(1e6 * v for v in ours.values())} µs.")
+        sentences.append(f"This project takes {across(1e6 * v for v in ours.values())} µs.")
     for name in names:
         mine = [row for row in rows if row["solver"] == name and row["case"] in ours]
         if name != analysis.OURS and mine:
             factors = [row["median"] / ours[row["case"]] for row in mine]
-            said.append(f"{mine[0]['label']}: {ratio(np.median(factors))} times that (median of {len(mine)} cases).")
-    return " ".join(said)
+            sentences.append(
+                f"{mine[0]['label']}: {ratio(np.median(factors))} times that (median of {len(mine)} cases)."
+            )
+    return " ".join(sentences)

@@ -9,7 +9,7 @@ from ..page.verdicts import Verdict
 from .tables import regime_table, set_table
 
 # What the project set itself to reach before anything was measured.
-MEDIAN_LIMITS, MAX_LIMITS = 4, 100
+MEDIAN_ERROR, MAX_ERROR = 4, 100  # over the unavoidable rounding error
 
 
 def build(inputs: Inputs) -> Content:
@@ -45,22 +45,30 @@ def verdicts(accuracy: dict):
     yield Verdict(number(counts["cases"]), "lines judged against 50 digits", sets, None, "regimes")
     for verdict in ("refused", "wrong"):
         yield Verdict(number(counts[verdict]), verdict, "of these, wanted 0", counts[verdict] == 0, "regimes")
-    for key, bound in (("median", MEDIAN_LIMITS), ("max", MAX_LIMITS)):
+    for key, bound in (("median", MEDIAN_ERROR), ("max", MAX_ERROR)):
         name = {"median": "median error", "max": "greatest error"}[key]
         good = counts[key] is not None and counts[key] <= bound
-        yield Verdict(number(counts[key], 2), name, f"condition limits, wanted at most {bound}", good, "regimes")
+        yield Verdict(
+            number(counts[key], 2),
+            name,
+            f"times the unavoidable rounding error, wanted at most {bound}",
+            good,
+            "regimes",
+        )
 
 
 def sentence(accuracy: dict) -> str:
     """Return what came out of the judged lines: refused, wrong, median and greatest error."""
     counts = judged(accuracy)
     text = (
-        f"Of {plural(counts['cases'], 'line')} of the reference table and the random set, "
-        f"this project refused {counts['refused']} and answered {counts['wrong']} wrong."
+        f"Of {plural(counts['cases'], 'line')} of the reference table and the random set, this project refused "
+        f"{counts['refused']} and answered {counts['wrong']} wrong."
     )
     if counts["worst"]:
-        greatest = f"{number(counts['max'], 2)} limits ({counts['worst']['case']})"
-        text += f" Median error {number(counts['median'], 2)}, greatest {greatest}."
+        text += (
+            f" Median error {number(counts['median'], 2)} of the unavoidable rounding error, greatest "
+            f"{number(counts['max'], 2)} of it ({counts['worst']['case']})."
+        )
     return text
 
 

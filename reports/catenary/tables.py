@@ -19,15 +19,15 @@ def regime_table(accuracy: dict) -> Table:
     """Return one row per regime, five columns per solver."""
     names = analysis.sort_solvers(accuracy["solvers"])
     columns = {"regime": "regime", "cases": "cases"}
-    shown = {name: _columns_of(accuracy, name) for name in names}
-    columns |= {f"{name}_{key}": SOLVER_COLUMNS[key] for name in names for key in shown[name]}
+    keys = {name: _columns_of(accuracy, name) for name in names}
+    columns |= {f"{name}_{key}": SOLVER_COLUMNS[key] for name in names for key in keys[name]}
     rows = [
         {"regime": entry["regime"], "cases": entry["cases"]}
         | {f"{name}_{key}": entry["solvers"][name][key] for name in names for key in SOLVER_COLUMNS}
         for entry in analysis.by_regime(accuracy)
     ]
     formats = {f"{name}_{key}": two_digits for name in names for key in ("median", "max")}
-    groups = (("", 2), *((_label(accuracy, name), len(shown[name])) for name in names))
+    groups = (("", 2), *((_label(accuracy, name), len(keys[name])) for name in names))
     return Table("regimes", "Regimes", columns, rows, formats, groups)
 
 

@@ -33,7 +33,7 @@ def add_legend(figure, axes, columns: int = 2, **options):
 
 
 def set_decade_ticks(axes, which: str = "xy", most: int = 8):
-    """Put at most so many decades on logarithmic axes; on fewer than two decades, label numbers between them as well."""
+    """Put at most so many decades on logarithmic axes; on fewer than two, label numbers between them as well."""
     for name in which:
         axis, (low, high) = getattr(axes, f"{name}axis"), getattr(axes, f"get_{name}lim")()
         close = high / low < 100

@@ -75,7 +75,9 @@ def save(figure, folder: Path, name: str, title: str, alt: str, rows: list[dict]
     """
     if missing := figure_data.unlabelled_axes(figure):
         raise ValueError(f"figure {name!r}: axes without a label: {', '.join(missing)}")
-    write_atomically(folder / f"{name}.csv", figure_data.to_csv(figure_data.drawn_rows(figure) if rows is None else rows))
+    write_atomically(
+        folder / f"{name}.csv", figure_data.to_csv(figure_data.drawn_rows(figure) if rows is None else rows)
+    )
     width = figure.get_size_inches()[0]
     drawn = io.StringIO()
     nothing = dict.fromkeys(("Creator", "Date", "Format", "Type"))

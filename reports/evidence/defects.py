@@ -8,18 +8,18 @@ from ..page.tables import Table
 from ..page.verdicts import Verdict
 
 RANKS = OWN, OTHER, STORED, UNSEEN, VOID = "●○s·!"
-"""Seen by the check that was named, by another, by a comparison with stored numbers; not seen; red by itself."""
+"""Found by the named check, by another, by a comparison with stored numbers; not found; failing by itself."""
 FOUND = (OWN, OTHER, STORED)
 
 WANTED = 0.95
-"""Share that is to be found by checks other than comparisons with stored numbers."""
+"""Share that checks other than comparisons with stored numbers are to find."""
 
 KINDS = {
     "sign": "a sign", "factor": "a factor such as 2 or π", "index": "a wrong index or end",
     "symbol": "one symbol for another", "term": "a term missing or doubled", "boundary": "a boundary row",
-    "derivative": "a derivative beside a right value", "stale": "something old kept too long", "unit": "a unit",
-    "order": "first order for second", "tolerance": "a tolerance that is none", "regime": "a regime missed",
-    "input": "an input lost or let through", "misprint": "a misprint of the papers",
+    "derivative": "a wrong derivative of a right value", "stale": "a stale value", "unit": "a unit",
+    "order": "first order for second", "tolerance": "a tolerance without effect", "regime": "a regime missed",
+    "input": "an input ignored or not checked", "misprint": "a misprint of the papers",
 }  # fmt: skip
 
 
@@ -33,8 +33,8 @@ def build(inputs: Inputs) -> Content:
         key: key for key in ("module", "name", "kind", "what", "named", "found", "others", "misprint", "blind")
     }, [_flat(row) for row in data["defects"]])  # fmt: skip
     kinds = _counts("defects_kinds", "By kind of mistake", "mistake", real, lambda row: KINDS[row["kind"]])
-    shown = [_shown(row) for row in real]
-    matrix = _matrix(shown)
+    rows = [_describe(row) for row in real]
+    matrix = _matrix(rows)
     for table in (everything, kinds, matrix):
         table.write(inputs.tables)
     defects = {
@@ -42,14 +42,15 @@ def build(inputs: Inputs) -> Content:
         "kinds": kinds,
         "summary": data["summary"],
         "matrix": matrix,
-        "groups": {module: _group(shown, module) for module in sorted({row["module"] for row in shown})},
-        "misprints": [row for row in shown if row["misprint"]],
-        "survivors": [row for row in shown if not row["by_other"]],
-        "blind": [_shown(row) for row in data["defects"] if row["blind"]],
+        "groups": {module: _group(rows, module) for module in sorted({row["module"] for row in rows})},
+        "misprints": [row for row in rows if row["misprint"]],
+        "survivors": [row for row in rows if not row["by_other"]],
+        "blind": [_describe(row) for row in data["defects"] if row["blind"]],
         "wider": any(len(row["results"]) > 1 for row in real),
     }
     counts = data["summary"]
-    text = f"The checks themselves are checked: {counts['caught']} of {plural(counts['defects'], 'planted mistake')} are found."
+    planted = plural(counts["defects"], "planted mistake")
+    text = f"The checks themselves are checked: {counts['caught']} of {planted} are found."
     return Content({"defects": defects}, verdicts(counts), [text])
 
 
@@ -64,13 +65,13 @@ def verdicts(counts: dict) -> list[Verdict]:
     ]  # fmt: skip
 
 
-def _counts(name: str, title: str, heading: str, rows: list[dict], of) -> Table:
-    """One row per module or kind: planted, found, by what."""
-    shown = []
-    for label in dict.fromkeys(sorted(map(of, rows))):
-        mine = [row for row in rows if of(row) == label]
+def _counts(name: str, title: str, heading: str, rows: list[dict], label_of) -> Table:
+    """Return one row per module or kind: planted, found, by what."""
+    entries = []
+    for label in dict.fromkeys(sorted(map(label_of, rows))):
+        mine = [row for row in rows if label_of(row) == label]
         other = sum(row["by_other"] for row in mine)
-        shown.append(
+        entries.append(
             {
                 "label": label,
                 "planted": len(mine),
@@ -81,34 +82,36 @@ def _counts(name: str, title: str, heading: str, rows: list[dict], of) -> Table:
         )
     columns = {"label": heading, "planted": "planted", "named": "found by its own check",
                "other": "without stored numbers", "rate": "rate"}  # fmt: skip
-    return Table(name, title, columns, shown, {"rate": "{:.0%}".format})
+    return Table(name, title, columns, entries, {"rate": "{:.0%}".format})
 
 
 def _matrix(rows: list[dict]) -> Table:
-    """Module x file of tests: how many of the module's mistakes the file finds; none where it finds none."""
+    """Return module x file of tests: how many of the module's mistakes the file finds; none where it finds none."""
     files = sorted({file for row in rows for file in row["marks"]})
-    found = []
+    counted = []
     for module in sorted({row["module"] for row in rows}):
         mine = [row for row in rows if row["module"] == module]
-        seen = {file: sum(row["marks"].get(file, "") in FOUND for row in mine) or None for file in files}
-        found.append({"module": module, "planted": len(mine), "found": sum(row["by_other"] for row in mine)} | seen)
-    total = {file: sum(row[file] or 0 for row in found) for file in files}
-    found.append({"module": "all", "planted": len(rows), "found": sum(row["by_other"] for row in rows)} | total)
+        by_file = {file: sum(row["marks"].get(file, "") in FOUND for row in mine) or None for file in files}
+        counted.append(
+            {"module": module, "planted": len(mine), "found": sum(row["by_other"] for row in mine)} | by_file
+        )
+    total = {file: sum(row[file] or 0 for row in counted) for file in files}
+    counted.append({"module": "all", "planted": len(rows), "found": sum(row["by_other"] for row in rows)} | total)
     return Table("defects_matrix", "Modules and files of tests", {
         "module": "module", "planted": "planted", "found": "found", **{file: file.replace("_", " ") for file in files}
-    }, found)  # fmt: skip
+    }, counted)  # fmt: skip
 
 
 def _group(rows: list[dict], module: str) -> dict:
-    """The mistakes of a module, and the files of tests that were shown one of them: its own checks first."""
+    """Return the mistakes of a module, and the files of tests run on them, the named checks first."""
     mine = [row for row in rows if row["module"] == module]
     own = list(dict.fromkeys(file for row in mine for file, mark in row["marks"].items() if mark == OWN))
     return {"rows": mine, "files": [*own, *sorted({file for row in mine for file in row["marks"]} - {*own})]}
 
 
 def _marks(row: dict) -> dict[str, str]:
-    """File of tests -> what came of showing it the mistake; the stronger mark where it was shown twice."""
-    found = {}
+    """Return file of tests -> mark of whether it found the mistake; the stronger one where it was run twice."""
+    marks = {}
     for result in row["results"]:
         file = (result["test"] or result["check"]).split()[0].split("::")[0].removesuffix(".py").replace("/test_", " ")
         if result["void"]:
@@ -119,21 +122,21 @@ def _marks(row: dict) -> dict[str, str]:
             mark = OWN
         else:
             mark = STORED if result["frozen"] else OTHER
-        found[file] = min(mark, found.get(file, mark), key=RANKS.index)
-    return found
+        marks[file] = min(mark, marks.get(file, mark), key=RANKS.index)
+    return marks
 
 
 def _flat(row: dict) -> dict:
-    shown = _shown(row)
+    described = _describe(row)
     return row | {
         "named": row["check"],
-        "found": shown["outcome"],
-        "others": "; ".join(f"{name}: {word}" for name, word in shown["others"]),
+        "found": described["outcome"],
+        "others": "; ".join(f"{name}: {word}" for name, word in described["others"]),
     }
 
 
-def _shown(row: dict) -> dict:
-    """A defect as the page shows it: how its own check ended, and the other checks it was shown to."""
+def _describe(row: dict) -> dict:
+    """Return a defect for the page: how its named check ended, and the other checks run on it."""
     own, *others = row["results"]
     return row | {
         "test": (own["test"] or own["check"]).split(" -k ")[0].replace("::", " "),
@@ -146,10 +149,10 @@ def _shown(row: dict) -> dict:
 
 
 def outcome(result: dict) -> str:
-    """One or two words for how a check ended."""
+    """Return one or two words for how a check ended."""
     if result["void"]:
-        return "red without it"
-    return {"caught": "found", "timeout": "did not end", "crash": "crashed"}.get(result["outcome"], "not seen")
+        return "fails without it"
+    return {"caught": "found", "timeout": "did not end", "crash": "crashed"}.get(result["outcome"], "not found")
 
 
 DEFECTS = Section(

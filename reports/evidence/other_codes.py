@@ -17,8 +17,8 @@ FASTER = "where it is the faster one"
 def build(inputs: Inputs) -> Content:
     """Return one row per code and problem, and inputs that reproduce a wrong answer of each code."""
     accuracy, machine = inputs.results["accuracy"], inputs.results["machine"] or {}
-    table = code_table(accuracy, inputs.results["work_precision"], inputs.results["networks"],
-                       inputs.results["harmonic_balance"], machine.get("versions", {})).write(inputs.tables)  # fmt: skip
+    work, networks, harmonic = (inputs.results[name] for name in ("work_precision", "networks", "harmonic_balance"))
+    table = code_table(accuracy, work, networks, harmonic, machine.get("versions", {})).write(inputs.tables)
     context = {"table": table, "accuracy": accuracy, "examples": _examples(accuracy) if accuracy else []}
     return Content(context, sentences=_sentences(table))
 
@@ -26,10 +26,10 @@ def build(inputs: Inputs) -> Content:
 def code_table(
     accuracy: dict | None, work: dict | None, networks: dict | None, harmonic: dict | None, versions: dict
 ) -> Table:
-    """Return wrong and refused answers, and the time over that of this project at equal error, of every code measured."""
+    """Return wrong and refused answers of every code, and its time over that of this project at equal error."""
     rows = [*_lines(accuracy, work), *_networks(networks, versions), *_moving(harmonic)]
     columns = {"code": "code", "problem": "problem", "cases": "cases", "right": "right", "wrong": "wrong",
-               "refused": "refused", "unsupported": "not modelled", "median": "median error, limits",
+               "refused": "refused", "unsupported": "not modelled", "median": "median error over rounding error",
                "ratio": "time over this project", "of": "at", "faster": FASTER}  # fmt: skip
     return Table("peers", "Other codes", columns, rows, {"median": two_digits, "ratio": two_digits})
 
@@ -58,7 +58,7 @@ def _examples(accuracy: dict) -> list[dict]:
 
 
 def _lines(accuracy, work):
-    """Lines at rest, at the default setting; the time at the smallest error that the code reaches."""
+    """Yield lines at rest, at the default setting; the time at the smallest error that the code reaches."""
     for name in analysis.sort_solvers((accuracy or {}).get("solvers", ())):
         if name.startswith(analysis.OURS):
             continue
@@ -67,18 +67,20 @@ def _lines(accuracy, work):
         points = (work or {}).get("points", [])
         factors = [analysis.factor_at_equal_error([p for p in points if p["case"] == case], name)
                    for case in dict.fromkeys(p["case"] for p in points)]  # fmt: skip
-        factors = [found["factor"] for found in factors if found]
-        found = [front for front in pareto.static_fronts(points) if any(b.label == chosen["label"] for b in front.slower)]
+        factors = [factor["factor"] for factor in factors if factor]
+        faster = [
+            front for front in pareto.static_fronts(points) if any(b.label == chosen["label"] for b in front.slower)
+        ]
         yield counts | {
             "code": f"{chosen['label']} {chosen['version']}", "problem": "lines at rest",
             "ratio": median(factors) if factors else None,
             "of": f"its smallest error, median of {plural(len(factors), 'case')}" if factors else "",
-            "faster": "; ".join(front.case for front in found) or "nowhere",
+            "faster": "; ".join(front.case for front in faster) or "nowhere",
         }  # fmt: skip
 
 
 def _networks(data, versions):
-    """Warm re-solves beside MoorPy; every code at the tightest tolerance that it answers, a system a case."""
+    """Yield warm re-solves compared with MoorPy; then every code at the tightest tolerance that it answers."""
     rows = (data or {}).get("peers") or []
     if rows:
         both = [row[key] for row in rows for key in ("ratio", "ratio_back")]
@@ -100,24 +102,26 @@ def _networks(data, versions):
 
 
 def _moving(data):
-    """Every code at the errors of its own settings."""
+    """Yield every code at the errors of its own settings."""
     points = ((data or {}).get("work") or {}).get("points") or []
     for code, method in dict.fromkeys((p["code"], p["method"]) for p in points if p.get("code")):
         mine, ratios = [p for p in points if p["method"] == method], ratios_at_equal_error(points, method)
-        found = [front for front in pareto.moving_fronts(points, CASES) if any(b.label == method for b in front.slower)]
+        faster = [
+            front for front in pareto.moving_fronts(points, CASES) if any(b.label == method for b in front.slower)
+        ]
         last = {p["case"]: p for p in mine if p["rms"] is not None}
-        verdicts = [_moved(last.get(case)) for case in dict.fromkeys(p["case"] for p in mine)]
+        verdicts = [_verdict(last.get(case)) for case in dict.fromkeys(p["case"] for p in mine)]
         row = {"code": code, "problem": "moving cable", "cases": len(verdicts)}
         row |= {verdict: verdicts.count(verdict) for verdict in analysis.VERDICTS}
         if ratios:
             of = f"the error of each of its {plural(len(ratios), 'best setting')}, {ratio(min(ratios))} to "
             row |= {"ratio": median(ratios), "of": of + ratio(max(ratios)),
-                    "faster": "; ".join(front.case for front in found) or "nowhere"}  # fmt: skip
+                    "faster": "; ".join(front.case for front in faster) or "nowhere"}  # fmt: skip
         yield row
 
 
-def _moved(point: dict | None) -> str:
-    """The verdict on the finest setting of a case; None where it gave no tension."""
+def _verdict(point: dict | None) -> str:
+    """Return the verdict on the finest setting of a case; ``point`` is None where there is no tension."""
     return "refused" if point is None else "wrong" if point["error"] > pareto.WRONG_BOUND else "right"
 
 

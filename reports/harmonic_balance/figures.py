@@ -17,7 +17,7 @@ LEAST_SHOWN = 1e-4  # kN: of a spectrum
 
 
 def needed(data: dict, folder: Path) -> Group:
-    """Error against number of harmonics."""
+    """Return error against number of harmonics."""
     title = "Error in the number of harmonics alone"
     figure, axes = panel(title, "harmonics Nh", "rms error over the range", xscale="log", yscale="log")
     for row, look in zip(data["summary"], LOOKS, strict=False):
@@ -33,21 +33,18 @@ def needed(data: dict, folder: Path) -> Group:
     rates = across(row["rate"] for row in data["summary"])
     level = "0.001"
     need = {row["case"]: row[level] for row in data["summary"]}
-    said = ", ".join(f"{motion_of(case)} {most or 'more than tried'}" for case, most in need.items())
+    counts = ", ".join(f"{motion_of(case)} {most or 'more than tried'}" for case, most in need.items())
     caption = (
         f"Against {data['most']} harmonics on the same {data['nodes']} nodes. The drag |v|v has a kink, so the decay "
-        "is "
-        f"algebraic, with exponents {rates} here, and slower where the axial mode answers, near harmonic "
-        f"{number(data['axial'])}. "
-        f"Harmonics for an rms error of {level} of the range: {said}. The last case moves with the second harmonic, so "
-        "that "
-        "its harmonics count half."
+        f"is algebraic, with exponents {rates} here, and slower where the axial mode answers, near harmonic "
+        f"{number(data['axial'])}. Harmonics for an rms error of {level} of the range: {counts}. The last case moves "
+        "with the second harmonic, so that its harmonics count half."
     )
     return Group(caption, [drawn])
 
 
 def spectra(rows: list[dict], folder: Path) -> Group:
-    """Amplitude of the harmonics of the fairlead tension."""
+    """Return amplitude of the harmonics of the fairlead tension."""
     figure, grid = plt.subplots(1, len(rows), figsize=(style.WIDE[0], 3.2), sharey=True)
     for axes, row in zip(grid, rows, strict=True):
         amplitudes = np.array(row["amplitudes"][1:]) * KN
@@ -60,25 +57,24 @@ def spectra(rows: list[dict], folder: Path) -> Group:
     grid[0].set_ylabel("amplitude, kN")
     title = "Harmonics of the fairlead tension"
     figures = [save(figure, folder, "spectra", title, f"{title}, logarithmic, a panel a case.")]
-    told = []
+    late_harmonics = []
     for row in rows:
         a = np.array(row["amplitudes"][1:]) * KN
         late = a[19:] if len(a) > 20 else a[-1:]
-        told.append(
+        late_harmonics.append(
             f"{motion_of(row['case'])} {number(late.max(), 2)} kN at harmonic "
             f"{len(a) - len(late) + int(late.argmax()) + 1}"
         )
     caption = (
         "Harmonics of the fairlead tension. Out-of-plane motion of a planar line makes even ones only. The greatest "
-        "late "
-        f"harmonic: {'; '.join(told)}; the axial mode of the line lies at {number(rows[0]['axial'])} times the "
-        "frequency."
+        f"late harmonic: {'; '.join(late_harmonics)}; the axial mode of the line lies at {number(rows[0]['axial'])} "
+        "times the frequency."
     )
     return Group(caption, figures)
 
 
 def envelope(rows: list[dict], folder: Path) -> Group:
-    """Least, mean and greatest tension along the line."""
+    """Return least, mean and greatest tension along the line."""
     figure, grid = plt.subplots(1, len(rows), figsize=(style.WIDE[0], 3.4), sharey=True)
     for axes, row in zip(grid, rows, strict=True):
         s = np.array(row["s"])
@@ -94,16 +90,16 @@ def envelope(rows: list[dict], folder: Path) -> Group:
     drawn = save(
         figure, folder, "envelope", "Envelope of the tension", "Least, mean and greatest tension along the line."
     )
-    said = "; ".join(
+    least = "; ".join(
         f"{motion_of(row['case'])}: {number(row['least'] * KN, 3)} kN at node {row['node']} (s = "
         f"{number(row['s'][row['node'] - 1])} m), {number(row['at'], 3)} s"
         for row in rows
     )
-    return Group(f"Range of the tension over a period along the line. Nearest to zero: {said}.", [drawn])
+    return Group(f"Range of the tension over a period along the line. Nearest to zero: {least}.", [drawn])
 
 
 def limit(data: dict, folder: Path) -> Group:
-    """Least tension against amplitude."""
+    """Return least tension against amplitude."""
     rows = [row for row in data["rows"] if row["reached"] == 1.0]
     figure, axes = panel("Surge raised until the tension vanishes", "amplitude, m", "least tension over a period, kN")
     x = [row["amplitude"] for row in rows]
@@ -117,27 +113,25 @@ def limit(data: dict, folder: Path) -> Group:
     axes.axhline(0, color=style.PALE, linewidth=1)
     add_legend(figure, axes, 3)
     drawn = save(figure, folder, "limit", "Vanishing tension", "Least tension by amplitude of the surge.")
-    said = []
+    sentences = []
     if data["vanishes"]:
         first = next(row for row in rows if row["least"] < 0)
-        said.append(
+        sentences.append(
             f"The tension vanishes at an amplitude of {number(data['vanishes'], 4)} m, first at node {first['node']} "
             f"(s = {number(first['s'])} m from the anchor), {number(first['at'], 3)} s into the period, not at the "
-            "fairlead; "
-            "from there on the status says compression."
+            "fairlead; from there on the status says compression."
         )
     failed = [row for row in data["rows"] if row["reached"] < 1.0]
     for row in failed:
-        said.append(
+        sentences.append(
             f"At {row['amplitude']:g} m no response was found: the solver gave up at {number(row['reached'], 3)} of "
-            "the "
-            f"amplitude after {row['iterations']} steps, and its status says so."
+            f"the amplitude after {row['iterations']} steps, and its status says so."
         )
-    return Group(" ".join(said), [drawn])
+    return Group(" ".join(sentences), [drawn])
 
 
 def growth(data: dict, folder: Path) -> Group:
-    """Seconds by nodes and by harmonics."""
+    """Return seconds by nodes and by harmonics."""
     figures = []
     for title, xlabel, names in (
         ("Growth with nodes", "nodes N", ("nodes",)),
@@ -160,8 +154,7 @@ def growth(data: dict, folder: Path) -> Group:
     caption = (
         f"With {data['harmonics']} harmonics the time grows as N to the power {number(p['nodes'], 3)} (from "
         f"{start['nodes']} nodes on; {seconds(last['seconds'])} for {last['size']}). With {data['nodes']} nodes it "
-        "grows "
-        f"as Nh to the power {number(p['harmonics, direct'], 3)} with direct blocks and "
+        f"grows as Nh to the power {number(p['harmonics, direct'], 3)} with direct blocks and "
         f"{number(p['harmonics, iterative'], 3)} with the iterative solver (from {start['harmonics, direct']} "
         "harmonics on)."
     )

@@ -25,7 +25,7 @@ LEAST = 1e-17  # a Newton step below this is drawn here
 
 
 def newton(rows: list[dict], folder: Path) -> Group:
-    """HB Fig. 3: error of every Newton step; a row of panels an amplitude."""
+    """Return HB Fig. 3: error of every Newton step; a row of panels an amplitude."""
     cases = list(dict.fromkeys(row["case"] for row in rows))
     figure, grid = plt.subplots(len(cases), len(VARIANTS), figsize=(style.WIDE[0], 6.2), sharey=True)
     for case, line in zip(cases, grid, strict=True):
@@ -58,28 +58,25 @@ def _newton_caption(rows) -> str:
     small = [row for row in rows if row["case"] == "case_1"]
     direct = [row["iterations"] for row in small if row["variant"] != "default"]
     ours = [row["iterations"] for row in small if row["variant"] == "default"]
-    said = [
+    sentences = [
         f"HB Fig. 3 remade. At {SMALL} m every choice converges from zero to {TOLERANCE} (dashed): the paper's "
-        "relaxation takes "
-        f"{_steps(direct)} steps, the default {_steps(ours)}, most of them with an old Jacobian, and starts with a few "
-        "harmonics first, whose steps are not drawn."
+        f"relaxation takes {_steps(direct)} steps, the default {_steps(ours)}, most of them with an old Jacobian, and "
+        "starts with a few harmonics first, whose steps are not drawn."
     ]
     large = [row for row in rows if row["case"] == "case_1_large" and row["variant"] != "default"]
     raised = [row for row in large if row["iterations"] > len(row["errors"])]
     if raised:
-        said.append(
+        sentences.append(
             f"At {LARGE} m the paper shows convergence within {printed_value('most Newton steps')} steps; with its "
-            f"relaxation alone {len(raised)} of "
-            f"{plural(len(large), 'choice')} did not converge from zero, and the amplitude was raised in steps, of "
-            "which "
-            f"the last solve is drawn: {'; '.join(map(_raised, raised))}."
+            f"relaxation alone {len(raised)} of {plural(len(large), 'choice')} did not converge from zero, and the "
+            f"amplitude was raised in steps, of which the last solve is drawn: {'; '.join(map(_raised, raised))}."
         )
     slack = [row for row in rows if row["status"] == "COMPRESSION"]
     if slack:
-        said.append(
+        sentences.append(
             f"{plural(len(slack), 'response')} of {len(rows)} hold compression somewhere, which their status says."
         )
-    return " ".join(said)
+    return " ".join(sentences)
 
 
 def _raised(row) -> str:
@@ -94,7 +91,7 @@ def _steps(values) -> str:
 
 
 def tension(rows: list[dict], folder: Path) -> Group:
-    """HB Fig. 4: fairlead tension over a period by (Nh, Nt)."""
+    """Return HB Fig. 4: fairlead tension over a period by (Nh, Nt)."""
     chosen = [(case, variant) for case in dict.fromkeys(row["case"] for row in rows) for variant in DROPPED]
     cases = len(chosen) // len(DROPPED)
     figure, grid = plt.subplots(cases, len(DROPPED), figsize=(style.WIDE[0], 2.7 * cases), sharey="row", squeeze=False)
@@ -117,9 +114,8 @@ def tension(rows: list[dict], folder: Path) -> Group:
     dropped, kept = lows["case_1_large", "dropped"], lows["case_1_large", "kept"]
     caption = (
         f"HB Fig. 4 remade, the constant term dropped and kept. At {LARGE} m the least fairlead tension is "
-        f"{_signed(dropped)} kN without the constant term and "
-        f"{_signed(kept)} kN with it, by number of harmonics: the zero tension that the paper shows comes from the "
-        "dropped term."
+        f"{_signed(dropped)} kN without the constant term and {_signed(kept)} kN with it, by number of harmonics: the "
+        "zero tension that the paper shows comes from the dropped term."
     )
     return Group(caption, [drawn])
 
@@ -129,12 +125,12 @@ def _signed(values, digits: int = 3) -> str:
 
 
 def _period(values, period: float = 20.0):
-    """Times of equally spaced values of the paper's period, s."""
+    """Return times of equally spaced values of the paper's period, s."""
     return period * np.arange(len(values)) / len(values)
 
 
 def states(data: dict, folder: Path) -> list[tuple[str, Group]]:
-    """HB Figs. 6 to 9: fairlead tension and the state at one node, a wide figure a case; (heading, group)."""
+    """Return HB Figs. 6 to 9: fairlead tension and the state at one node, a wide figure a case."""
     return [_state(data, case, folder) for case in PAPER_FIGURES if any(r["case"] == case for r in data["rows"])]
 
 
@@ -168,9 +164,8 @@ def _state(data: dict, case: str, folder: Path):
     apart = np.ptp(stepped["tension"])
     difference = np.sqrt(np.mean((np.array(stepped["tension"]) - balanced["tension"]) ** 2)) / apart
     caption = (
-        f"HB Fig. {PAPER_FIGURES[case]} remade: fairlead tension, and the state at node {data['node']} "
-        f"(s = {number(data['s'], 4)} m). Lines: third period of the time domain; circles: harmonic balance. The "
-        "tensions "
+        f"HB Fig. {PAPER_FIGURES[case]} remade: fairlead tension, and the state at node {data['node']} (s = "
+        f"{number(data['s'], 4)} m). Lines: third period of the time domain; circles: harmonic balance. The tensions "
         f"differ by {number(difference, 2)} of the range (rms), each from the converged one by "
         f"{number(stepped['rms'], 2)} and {number(balanced['rms'], 2)}."
     )
@@ -178,7 +173,7 @@ def _state(data: dict, case: str, folder: Path):
 
 
 def constant(rows: list[dict], cases: dict | None, folder: Path) -> Group:
-    """Fairlead tension with and without the constant term, with the reference and the time domain where known."""
+    """Return the fairlead tension with and without the constant term, the reference and the time domain where known."""
     figures = []
     for case in dict.fromkeys(row["case"] for row in rows):
         mine = [row for row in rows if row["case"] == case]
@@ -204,26 +199,24 @@ def constant(rows: list[dict], cases: dict | None, folder: Path) -> Group:
 
 
 def _constant_caption(rows) -> str:
-    said = []
+    differences = []
     for case in dict.fromkeys(row["case"] for row in rows):
         both = [row for row in rows if row["case"] == case]
         most = max(row["harmonics"] for row in both if not row["mean"])
         kept, dropped = (
             next(r for r in both if r["mean"] == mean and r["harmonics"] == most) for mean in (True, False)
         )
-        said.append(
+        differences.append(
             f"{motion_of(case)}: mean {number((kept['average'] - dropped['average']) * KN, 3)} kN higher with the "
-            "constant "
-            f"term, least fairlead tension {_signed([kept['min'] * KN, dropped['min'] * KN], 4)} kN, "
-            f"rms error {number(kept['rms'], 2)} and {number(dropped['rms'], 2)} of the range"
+            f"constant term, least fairlead tension {_signed([kept['min'] * KN, dropped['min'] * KN], 4)} kN, rms "
+            f"error {number(kept['rms'], 2)} and {number(dropped['rms'], 2)} of the range"
         )
-    text = f"With and without the constant term: {'; '.join(said)}."
+    text = f"With and without the constant term: {'; '.join(differences)}."
     sway = next((row for row in rows if row["case"] == "case_3" and row["mean"]), None)
     if sway:
         text += (
             " In sway the whole signal is so small that the error of the mesh in the mean tension outweighs the "
-            "dropped "
-            "term; beside the time domain on the same mesh (HB Fig. 8) the shift that the paper leaves unexplained is "
-            "the constant."
+            "dropped term; beside the time domain on the same mesh (HB Fig. 8) the shift that the paper leaves "
+            "unexplained is the constant."
         )
     return text

@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-from statistics import median
-
 from ..cable.cases import CASES, motion_of
 from ..cable.tables import to_long_form, write_table
 from ..drawing.axes import KN
 from ..page.figures import FigureWithTable
-from ..page.formatting import MINUS, number, seconds, status_words, times, two_digits
+from ..page.formatting import MINUS, number, status_words, times, two_digits
 from ..page.pareto import front_verdict, moving_fronts, summarise_fronts
 from ..page.section import Content, Inputs, Section
-from ..page.tables import Table
 from ..pipeline import published
-from ..pipeline.published import printed_value
-from . import figures, paper_figures, work_figures
+from . import case_tables, figures, paper_figures
 from .verdicts import FIELDS_GAIN, fields_gain, verdicts
 
 
@@ -50,110 +45,40 @@ def _newton(rows, folder, tables) -> dict:
         for row in rows for i, value in enumerate(row["tension"])
     ]  # fmt: skip
     return {
-        "steps": FigureWithTable(paper_figures.newton(rows, folder), write_table(tables, "newton", "Newton steps", points)),
-        "tension": FigureWithTable(paper_figures.tension(rows, folder), write_table(tables, "tension", "Tension over a period", waves)),
+        "steps": FigureWithTable(
+            paper_figures.newton(rows, folder), write_table(tables, "newton", "Newton steps", points)
+        ),
+        "tension": FigureWithTable(
+            paper_figures.tension(rows, folder), write_table(tables, "tension", "Tension over a period", waves)
+        ),
     }
-
-
-def _cases(data, folder, tables) -> dict:
-    rows = [row for row in data["rows"] if "seconds" in row]
-    shown = [
-        {"case": CASES[row["case"]], "method": row["method"], "seconds": min(row["seconds"]),
-         "median": median(row["seconds"]), "printed": published.hb_table2(row["case"], row["method"]),
-         "iterations": row["iterations"],
-         "rms": row["rms"], "error": row["error"], "uncertainty": row["uncertainty"]}
-        for row in rows
-    ]  # fmt: skip
-    columns = {"case": "case", "method": "method", "seconds": "least time", "median": "median time",
-               "printed": "printed (C++)", "iterations": "Newton iterations", "rms": "rms error", "error": "greatest "
-               "error",
-               "uncertainty": "uncertainty of the reference"}  # fmt: skip
-    formats = dict.fromkeys(("seconds", "median", "printed"), seconds) | dict.fromkeys(
-        ("rms", "error", "uncertainty"), two_digits
-    )
-    waves = [
-        {"case": row["case"], "method": row["method"], "instant": i, "tension": value}
-        for row in data["rows"]
-        for i, value in enumerate(row["tension"])
-    ]
-    states = [
-        {"case": row["case"], "method": row["method"], "instant": i, "field": field, "value": value}
-        for row in rows
-        for field, values in row.get("fields", {}).items()
-        for i, value in enumerate(values)
-    ]
-    return {
-        "table": write_table(tables, "table2", "HB Table 2 remade", shown, columns, formats=formats),
-        "words": _table2_words(rows),
-        "states": paper_figures.states(data, folder),
-        "waves": write_table(tables, "waves", "Tension of the cases", waves),
-        "fields": write_table(tables, "states", f"State at node {data['node']}", states),
-        "independent": _independent(data, tables),
-        "levels": data["levels"],
-    }
-
-
-def _table2_words(rows) -> str:
-    gains, paper = [], []
-    for stepped, balanced in pairwise(rows):
-        if (stepped["method"], balanced["method"]) == ("time domain", "harmonic balance"):
-            gains.append(min(stepped["seconds"]) / min(balanced["seconds"]))
-            paper.append(published.hb_table2(balanced["case"], balanced["method"]) / min(balanced["seconds"]))
-    return (
-        f"The paper's settings: {printed_value('nodes')} nodes, {printed_value('harmonics sufficient')} harmonics and "
-        f"{printed_value('samples sufficient')} samples, dt = {printed_value('time step')} s and {printed_value('periods simulated')} "
-        "periods. "
-        "Errors are those "
-        "of the fairlead tension over a period against the converged one, over its range. Harmonic balance is "
-        f"{number(min(gains), 2)} to {number(max(gains), 2)} times as fast as time stepping here, and "
-        f"{number(min(paper), 2)} to {number(max(paper), 2)} times as fast as the paper prints for its C++ on an older "
-        "machine."
-    )
-
-
-def _independent(data, tables) -> Table:
-    """The converged tension of case 1 beside that of independent programs."""
-    ours, theirs = data["converged"], published.independent("reference")
-    within = max(float(row["uncertainty"]) for row in published.read("oc3_dynamics")[1] if row["name"] == "reference")
-    computed = {"maximum": ours["max"], "minimum": ours["min"], "mean": ours["harmonics"][0]}
-    computed |= {f"harmonic {k}": value for k, value in enumerate(ours["harmonics"][1:], 1)}
-    rows = [
-        {"what": what, "ours": a, "theirs": theirs[what], "difference": a - theirs[what],
-         "within": abs(a - theirs[what]) <= within}
-        for what, a in computed.items()
-    ]  # fmt: skip
-    columns = {"what": "fairlead tension of case 1", "ours": "this project, kN", "theirs": "two other programs, kN",
-               "difference": "difference", "within": f"within {within:g} kN"}  # fmt: skip
-    formats = {"ours": "{:.3f}".format, "theirs": "{:.2f}".format, "difference": two_digits,
-               "within": lambda v: "yes" if v else "no"}  # fmt: skip
-    return write_table(tables, "independent", "Converged tension of case 1", rows, columns, formats=formats)
 
 
 def _constant(rows, cases, folder, tables) -> dict:
-    shown = [
+    entries = [
         {"case": motion_of(row["case"]), "harmonics": row["harmonics"],
          "mean": "kept" if row["mean"] else "dropped", "max": row["max"] * KN, "min": row["min"] * KN,
          "average": row["average"] * KN,
          **{f"h{k}": value * KN for k, value in enumerate(row["amplitudes"], 1)}, "least": row["least"] * KN,
          "iterations": row["iterations"], "rms": row["rms"], "status": status_words(row["status"]),
-         "apart": _apart(row)}
+         "apart": _difference_from_others(row)}
         for row in rows
     ]  # fmt: skip
     columns = {"case": "case", "harmonics": "Nh", "mean": "constant", "max": "greatest", "min": "least",
                "average": "mean",
                **{f"h{k}": f"{k}" for k in range(1, 6)}, "least": "least on the line", "iterations": "steps",
-               "apart": "apart from other programs", "rms": "rms error", "status": "status"}  # fmt: skip
+               "apart": "difference from other programs", "rms": "rms error", "status": "status"}  # fmt: skip
     fixed = dict.fromkeys(("max", "min", "average", "least", *(f"h{k}" for k in range(1, 6))), _kN)
     fixed |= {"rms": two_digits, "apart": two_digits}
     groups = (("", 3), ("fairlead tension, kN", 3), ("harmonics, kN", 5), ("", 5))
     table = write_table(
-        tables, "constant", "With and without the constant term", shown, columns, formats=fixed, groups=groups
+        tables, "constant", "With and without the constant term", entries, columns, formats=fixed, groups=groups
     )
     return {"figures": paper_figures.constant(rows, cases, folder), "table": table}
 
 
-def _apart(row) -> float | None:
-    """Greatest difference of greatest, least and mean tension from those of independent programs, kN."""
+def _difference_from_others(row) -> float | None:
+    """Return the greatest difference of greatest, least and mean tension from those of independent programs, kN."""
     if not row["independent"]:
         return None
     known = published.independent(row["independent"])
@@ -163,38 +88,6 @@ def _apart(row) -> float | None:
 
 def _kN(value) -> str:
     return f"{value:.2f}".replace("-", MINUS)
-
-
-def _work(data, folder, tables) -> dict:
-    keys = ("case", "method", "size", "harmonics", "dt", "seconds", "rms", "error", "status", "message")
-    columns = {key: key for key in keys}
-    table = write_table(tables, "work", "Error against run time", data["points"], columns)
-    return {"points": FigureWithTable(work_figures.work(data, folder), table), "levels": _levels(data, tables)}
-
-
-def _levels(data, tables) -> Table:
-    """Every method's least time to an error, and the setting of harmonic balance."""
-    family, rows = "harmonic balance", []
-    others = dict.fromkeys(method for row in data["at_errors"] for method in row["best"] if method != family)
-    for found in data["at_errors"]:
-        best, row = found["best"], {"case": CASES[found["case"]], "level": found["level"]}
-        if ours := best.get(family):
-            corrected = ", corrected" if ours["method"] != family else ""
-            row |= {"ours": ours["seconds"], "setting": f"{ours['size']}, {ours['harmonics']}{corrected}"}
-        for method in (name for name in others if name in best):
-            row[method] = best[method]["seconds"]
-            row[f"{method} ratio"] = best[method]["seconds"] / ours["seconds"] if ours else None
-        rows.append(row)
-    columns = {"case": "case", "level": "rms error at most", "ours": family, "setting": "with (nodes, harmonics)"}
-    for method in others:
-        columns |= {method: method, f"{method} ratio": "over harmonic balance"}
-    formats = dict.fromkeys(("ours", *others), seconds) | {f"{method} ratio": _times for method in others}
-    formats["level"] = "{:g}".format
-    return write_table(tables, "equal_errors", "Least times to an error", rows, columns, formats=formats)
-
-
-def _times(value) -> str:
-    return number(value, 2)
 
 
 def _needed(data, folder, tables) -> FigureWithTable:
@@ -218,8 +111,12 @@ def _spectra(rows, folder, tables) -> dict:
         for point in to_long_form({key: row[key] for key in ("s", "rest", "min", "mean", "max")}, case=row["case"])
     ]
     return {
-        "spectra": FigureWithTable(figures.spectra(rows, folder), write_table(tables, "spectra", "Harmonics of the tension", lines)),
-        "envelope": FigureWithTable(figures.envelope(rows, folder), write_table(tables, "envelope", "Tension along the line", along)),
+        "spectra": FigureWithTable(
+            figures.spectra(rows, folder), write_table(tables, "spectra", "Harmonics of the tension", lines)
+        ),
+        "envelope": FigureWithTable(
+            figures.envelope(rows, folder), write_table(tables, "envelope", "Tension along the line", along)
+        ),
     }
 
 
@@ -238,7 +135,9 @@ def _limit(data, folder, tables) -> FigureWithTable:
 
 
 def _growth(data, folder, tables) -> FigureWithTable:
-    return FigureWithTable(figures.growth(data, folder), write_table(tables, "growth", "Growth of harmonic balance", data["rows"]))
+    return FigureWithTable(
+        figures.growth(data, folder), write_table(tables, "growth", "Growth of harmonic balance", data["rows"])
+    )
 
 
 def _fields(data, folder, tables) -> str:
@@ -255,39 +154,37 @@ def _wanted(value: float, bound: float) -> str:
 
 
 def _oscillators(rows, folder, tables) -> dict:
-    shown = []
+    entries = []
     for row in rows:
         ours = {
             "ours": 1e3 * row["seconds"],
             "full": 1e3 * row["seconds_full"],
             "unknowns": row["masses"] * (2 * row["harmonics"] + 1),
         }
-        shown.append(row | ours | published.other_times(row["set"]))
+        entries.append(row | ours | published.other_times(row["set"]))
     columns = {"masses": "masses", "harmonics": "harmonics", "unknowns": "unknowns", "ours": "with symmetry",
                "full": "without", "iterations": "steps", "dense LU": "dense LU", "pyHarm": "pyHarm", "mousai": "mousai",
                "harmonicbalance": "harmonicbalance"}  # fmt: skip
     groups = (("", 3), ("this project, ms, measured now", 3), ("measured on another day, CPU ms", 4))
-    table = write_table(tables, "oscillators", "Chains of masses with cubic springs", shown, columns, groups=groups)
+    table = write_table(tables, "oscillators", "Chains of masses with cubic springs", entries, columns, groups=groups)
     libraries = ("pyHarm", "mousai", "harmonicbalance")
     ahead = [
         row["full"] < min(row[name] for name in libraries if row.get(name))
-        for row in shown
+        for row in entries
         if any(row.get(n) for n in libraries)
     ]
-    words = (
-        "Chains of masses with cubic springs, solved from zero. Without using the symmetry this project is "
-        "the fastest "
-        f"of the libraries in {sum(ahead)} of the {len(ahead)} sizes that one of them solved. A dash: given up, or "
-        "not tried. "
-        f"Each mass has {rows[0]['fields']} fields here (place, velocity, force of the spring) and one in the "
-        "libraries."
+    text = (
+        "Chains of masses with cubic springs, solved from zero. Without using the symmetry this project is the "
+        f"fastest of the libraries in {sum(ahead)} of the {len(ahead)} sizes that one of them solved. A dash: given "
+        f"up, or not tried. Each mass has {rows[0]['fields']} fields here (position, velocity, force of the spring) "
+        "and one in the libraries."
     )
-    return {"words": words, "table": table}
+    return {"text": text, "table": table}
 
 
 PARTS = {
-    "cases": _cases,
-    "work": _work,
+    "cases": case_tables.show_cases,
+    "work": case_tables.show_work,
     "newton": _newton,
     "needed": _needed,
     "spectra": _spectra,

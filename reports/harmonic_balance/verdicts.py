@@ -27,7 +27,9 @@ def verdicts(data: dict):
         worst = {name: max(min(row["seconds"]) for row in rows if (row["case"] == "case_1") == first)
                  for name, first in (("one solve of case 1", True), ("one of cases 2 to 4", False))}  # fmt: skip
         for (name, value), bound in zip(worst.items(), (PLANAR, SPATIAL), strict=True):
-            detail = f"harmonic balance, {printed_value('harmonics sufficient')} harmonics, wanted at most {seconds(bound)}"
+            detail = (
+                f"harmonic balance, {printed_value('harmonics sufficient')} harmonics, wanted at most {seconds(bound)}"
+            )
             yield Verdict(seconds(value), name, detail, value <= bound, "table2")
         steps = max(row["iterations"] for row in rows)
         yield Verdict(

@@ -16,8 +16,8 @@ from ..page.formatting import number, times
 
 
 def work(data: dict, folder: Path) -> Group:
-    """Error against run time, a panel a case."""
-    figures, said = [], []
+    """Return error against run time, a panel a case."""
+    figures, shares = [], []
     for case in dict.fromkeys(point["case"] for point in data["points"]):
         points = [p for p in data["points"] if p["case"] == case and p["rms"]]
         figure, axes = plt.subplots(figsize=(style.PANEL[0], 3.9))
@@ -41,14 +41,13 @@ def work(data: dict, folder: Path) -> Group:
         alt = f"Error of the fairlead tension against run time, both logarithmic: {CASES[case]}."
         figures.append(save(figure, folder, f"work_{case}", CASES[case], alt))
         others = sum(not p["method"].startswith("harmonic") for p in front)
-        said.append(f"{motion_of(case)}: {len(front) - others} of {len(front)} points of the front")
+        shares.append(f"{motion_of(case)}: {len(front) - others} of {len(front)} points of the front")
     caption = (
         "Each point is one setting; lower and further left is better; rings: the Pareto front. Of harmonic balance "
-        "are, "
-        f"{'; '.join(said)}. {' '.join(_equal_error(data['points']))} "
-        "The grey band is the uncertainty of the reference. "
-        "“Extrapolated” solves in time on two meshes with two steps and takes the error of second order out. "
-        "“Corrected” adds to harmonic balance up to three steps with the last Jacobian to equations of fourth order."
+        f"are, {'; '.join(shares)}. {' '.join(_equal_error(data['points']))} The grey band is the uncertainty of the "
+        "reference. “Extrapolated” solves in time on two meshes with two steps and takes the error of second order "
+        "out. “Corrected” adds to harmonic balance up to three steps with the last Jacobian to equations of fourth "
+        "order."
     )
     return Group(caption, figures)
 
@@ -70,18 +69,18 @@ def ratios_at_equal_error(points: list[dict], method: str, family: str = "harmon
 
 
 def _equal_error(points) -> list[str]:
-    said = []
+    sentences = []
     for method in dict.fromkeys(p["method"].split(",")[0] for p in points if not p["method"].startswith("harmonic")):
         ratios = ratios_at_equal_error(points, method)
         if ratios:
             faster = sum(r < 1 for r in ratios)
             end = f"; in {faster} of them it is the faster one" if faster else ""
-            said.append(
+            sentences.append(
                 f"At the error of each of its best settings (its own Pareto front), {method} takes "
-                f"{times(median(ratios))} as long as harmonic balance "
-                f"(median of {len(ratios)}, {number(min(ratios), 2)} to {number(max(ratios), 2)}{end})."
+                f"{times(median(ratios))} as long as harmonic balance (median of {len(ratios)}, "
+                f"{number(min(ratios), 2)} to {number(max(ratios), 2)}{end})."
             )
-    return said
+    return sentences
 
 
 def ratios_at_level(rows: list[dict], level: float, method: str, family: str = "harmonic balance") -> list[float]:

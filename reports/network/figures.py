@@ -31,7 +31,7 @@ METHOD_LOOKS = {
 
 # ---------------------------------------------------------------- error against time
 def work(points: list[dict], folder: Path) -> Group | None:
-    """One panel a system."""
+    """Return error against run time, one panel a system."""
     good, figures = analysis.select_answered(points), []
     looks = style.add_missing_looks(METHOD_LOOKS, dict.fromkeys(point["solver"] for point in points))
     for case in dict.fromkeys(point["case"] for point in good):
@@ -51,20 +51,20 @@ def _errors(points: list[dict]) -> tuple[float, float]:
 
 
 def _work_caption(points: list[dict]) -> str:
-    said = [_ranking(points)]
-    said.append(
-        "Each method starts from the guessed places of the nodes and has no fallback; each point is one tolerance. "
+    sentences = [_ranking(points)]
+    sentences.append(
+        "Each method starts from the guessed positions of the nodes and has no fallback; each point is one tolerance. "
         "Rings: points that no other beats in both time and error. Red crosses: an error above the bound of a wrong "
         "answer although a tolerance ten times smaller was asked for."
     )
     never = [f"{p['label']} ({p['case']}, {number(p['tolerance'], 1)})" for p in points if p["verdict"] == "refused"]
     if never:
-        said.append(f"Without an answer, at the tolerance: {', '.join(never)}.")
-    return " ".join(filter(None, said))
+        sentences.append(f"Without an answer, at the tolerance: {', '.join(never)}.")
+    return " ".join(filter(None, sentences))
 
 
 def _ranking(points: list[dict]) -> str:
-    """Time of each method over that of the plain monolithic one, both at their least for an error of at most TIGHT."""
+    """Return the least times of the methods to an error of at most TIGHT, over that of the plain monolithic one."""
     least = {}
     for p in analysis.select_answered(points):
         if p["error"] <= TIGHT:
@@ -83,14 +83,14 @@ def _ranking(points: list[dict]) -> str:
 
 
 def _span(values) -> str:
-    """ "4.42 ms to 6.42 ms"."""
+    """Return such as "4.42 ms to 6.42 ms"."""
     low, high = seconds(min(values)), seconds(max(values))
     return low if low == high else f"{low} to {high}"
 
 
 # ---------------------------------------------------------------- growth with size
 def growth(data: dict, folder: Path) -> Group | None:
-    """Seconds against elements, one line a family, with the fitted power law."""
+    """Return seconds against elements, one line a family, with the fitted power law."""
     solved = [row for row in data["rows"] if row["status"] == "SUCCESS"]
     if not solved:
         return None
@@ -113,12 +113,12 @@ def growth(data: dict, folder: Path) -> Group | None:
 
 
 def _growth_caption(data: dict) -> str:
-    said = []
+    sentences = []
     for family, exponent in data["exponents"].items():
         last = max((row for row in data["rows"] if row["family"] == family), key=lambda row: row["elements"])
         power = f", growing as elements to the power {number(exponent)}" if exponent is not None else ""
-        said.append(f"a {family} of {number(last['elements'])} takes {seconds(last['seconds'])}{power}")
-    text = f"{'; '.join(said)}."
+        sentences.append(f"a {family} of {number(last['elements'])} takes {seconds(last['seconds'])}{power}")
+    text = f"{'; '.join(sentences)}."
     if any(exponent is not None for exponent in data["exponents"].values()):
         text += f" Dashed: the power, fitted from {number(data['fitted_from'])} elements on."
     else:
@@ -126,8 +126,8 @@ def _growth_caption(data: dict) -> str:
     failed = [f"{row['family']} of {row['elements']}" for row in data["rows"] if row["status"] != "SUCCESS"]
     memory = {row["family"]: row["memory_MB"] for row in data["rows"] if row.get("memory_MB") is not None}
     if memory:
-        shown = ", ".join(f"{family} {number(value, 2)} MB" for family, value in memory.items())
-        text += f" Memory that the largest solves need at most, the factors of the sparse matrices included: {shown}."
+        peaks = ", ".join(f"{family} {number(value, 2)} MB" for family, value in memory.items())
+        text += f" Memory that the largest solves need at most, the factors of the sparse matrices included: {peaks}."
     if failed:
         return f"{text} Not solved: {', '.join(failed)}."
     worst = max(row["residual_norm"] for row in data["rows"])
@@ -136,7 +136,7 @@ def _growth_caption(data: dict) -> str:
 
 # ---------------------------------------------------------------- gain
 def gain(rows: list[dict], folder: Path) -> Group | None:
-    """Time of both methods for chains of growing size."""
+    """Return time of both methods for chains of growing size."""
     chains = sorted((row for row in rows if row["system"].startswith("chain")), key=lambda row: row["elements"])
     if len(chains) < 2:
         return None

@@ -27,7 +27,7 @@ def solved(rows: list[dict]) -> list[dict]:
 
 
 def reproduction(rows: list[dict], printed: list[dict]) -> list[tuple[str, str]]:
-    """(subject, finding) of the printed table: what comes out again, what does not and why, what was found besides."""
+    """Return (subject, finding) of the printed table: what comes out again, what does not, and why."""
     nested = next(row for row in printed if row["method"] == "nested")
     whole = next(row for row in printed if row["method"] == "monolithic")
     given = [row for row in rows if row["start"] != "none"]
@@ -52,22 +52,22 @@ def _weight(rows) -> str:
 
 
 def _start(rows) -> str:
-    said = [f"{_share(rows, start=start)} from the {start} start" for start in ("printed", "sound")]
+    counts = [f"{_share(rows, start=start)} from the {start} start" for start in ("printed", "sound")]
     return (
-        "the printed start has vertical forces ten times too large for its horizontal ones; the sound start is that of "
-        f"the formula it came from. {' and '.join(said)} succeed, each method by itself and in all units. "
-        "The nested method takes only the place of the joint from a start."
+        "the printed start has vertical forces ten times too large for its horizontal ones; the sound start is that "
+        f"of the formula it came from. {' and '.join(counts)} succeed, each method by itself and in all units. The "
+        "nested method takes only the position of the joint from a start."
     )
 
 
 def _share(rows, **wanted) -> str:
-    """ "12 of 14 settings" succeed, of the rows that are as wanted."""
+    """Return such as "12 of 14 settings": those that succeeded, of the rows with the given values."""
     mine = [row for row in rows if all(row[key] == value for key, value in wanted.items())]
     return f"{len(solved(mine))} of {len(mine)} settings"
 
 
 def in_paper_units(rows: list[dict]) -> list[dict]:
-    """The nested rows, and the monolithic ones in kN as the paper has them."""
+    """Return the nested rows, and the monolithic ones in kN as the paper has them."""
     return [row for row in rows if row["units"] in (None, "kN")]
 
 
@@ -75,14 +75,14 @@ def _monolithic(rows, whole) -> str:
     def taken(chosen):
         return _between(row["iterations"] for row in solved(chosen) if row["method"] == "monolithic")
 
-    said = [
+    counts = [
         f"{taken([r for r in in_paper_units(rows) if r['weight'] == w])} at {w:g} N/m"
         for w in dict.fromkeys(row["weight"] for row in rows)
     ]
     return (
         f"printed are {whole['iterations']} iterations whatever the Jacobian and the globalisation. In kN, the paper's "
-        f"unit, they are {' and '.join(said)}, over all units {taken(rows)}: the count depends on the start and on the "
-        "rules of the line search and the trust region, which the paper does not give."
+        f"unit, they are {' and '.join(counts)}, over all units {taken(rows)}: the count depends on the start and on "
+        "the rules of the line search and the trust region, which the paper does not give."
     )
 
 
@@ -97,8 +97,8 @@ def _nested(rows, nested) -> str:
         f"{outer} outer and, without differences, {inner('analytic')} inner ones. The outer method here is a "
         f"regularised Newton method with a line search, that of the paper is Levenberg{DASH}Marquardt, which stops at "
         f"{published.values('msqs_paper')['statement', 'tolerance of all solvers']:g} in units that it does not name. "
-        "The paper does not count what the differences of the Jacobian cost; with "
-        f"them it is {inner('finite-difference')} inner iterations here."
+        "The paper does not count what the differences of the Jacobian cost; with them it is "
+        f"{inner('finite-difference')} inner iterations here."
     )
 
 
@@ -108,9 +108,10 @@ def _operations(rows, nested, whole) -> str:
     agree = sum(abs(row["operations"] - count_operations(row["iterations"], WHOLE)) < 1 for row in full)
     text = (
         f"the printed ones follow from (5.6), 2n³/3 for each matrix of n unknowns: {n} of {OUTSIDE} and {m} of "
-        f"{INSIDE} make {number(round(count_operations(n, OUTSIDE) + count_operations(m, INSIDE)))}, {whole['iterations']} of {WHOLE} "
-        f"make {number(round(count_operations(whole['iterations'], WHOLE)))} (printed {number(whole['operations'])}). So they "
-        f"do here for {agree} of the {len(full)} monolithic settings that factorize the whole matrix"
+        f"{INSIDE} make {number(round(count_operations(n, OUTSIDE) + count_operations(m, INSIDE)))}, "
+        f"{whole['iterations']} of {WHOLE} make {number(round(count_operations(whole['iterations'], WHOLE)))} (printed "
+        f"{number(whole['operations'])}). So they do here for {agree} of the {len(full)} monolithic settings that "
+        "factorize the whole matrix"
     )
     if agree < len(full):
         text += "; in the others the line search factorizes besides, to judge a step by the one that would follow"
@@ -121,7 +122,7 @@ def _operations(rows, nested, whole) -> str:
 
 
 def _eliminates(row) -> bool:
-    """Whether a setting factorizes the Schur complement of the forces, not the matrix of all unknowns."""
+    """Return whether a setting factorizes the Schur complement of the forces, not the matrix of all unknowns."""
     return (row["jacobian"], row["globalisation"]) == ("analytic", "line-search")
 
 
@@ -129,11 +130,11 @@ def _residuals(rows, printed, nested) -> str:
     norms = [p["residual_norm"] for p in printed if p["method"] == "monolithic"]
     good = solved(rows)
     return (
-        f"the printed norms, {number(min(norms))} to {number(max(norms))} monolithic, {nested['residual_norm']:g} "
-        f"beside the outer and {number(nested['inner_residual_norm'])} beside the inner count nested, have no unit. "
-        "Measured is the greatest unbalanced force over the greatest force; the last step often takes it far below the "
-        f"tolerance, to at most {_most(good, 'residual_norm')} where a setting succeeds. The horizontal forces then "
-        f"differ from a 40-digit solution by at most {_most(good, 'error')}, relative."
+        f"the printed norms, {number(min(norms))} to {number(max(norms))} monolithic, {nested['residual_norm']:g} with "
+        f"the outer and {number(nested['inner_residual_norm'])} with the inner count nested, have no unit. Measured is "
+        "the greatest unbalanced force over the greatest force; the last step often takes it far below the tolerance, "
+        f"to at most {_most(good, 'residual_norm')} where a setting succeeds. The horizontal forces then differ from a "
+        f"40-digit solution by at most {_most(good, 'error')}, relative."
     )
 
 
@@ -142,12 +143,12 @@ def _most(rows, key: str) -> str:
 
 
 def _units(rows) -> str:
-    said = []
+    conditions = []
     for units in dict.fromkeys(r["units"] for r in rows if r["units"]):
         mine = [r for r in rows if r["units"] == units]
         name = "scaled" if units == "scaled" else f"in {units}"
-        said.append(f"{across(r['condition_number'] for r in mine)} {name} ({_share(mine)} succeed)")
-    return f"the condition number of the Jacobian at the solution is {', '.join(said)}."
+        conditions.append(f"{across(r['condition_number'] for r in mine)} {name} ({_share(mine)} succeed)")
+    return f"the condition number of the Jacobian at the solution is {', '.join(conditions)}."
 
 
 def _success(rows) -> str:
@@ -158,13 +159,13 @@ def _success(rows) -> str:
         kinds = dict.fromkeys(f"forces in {row['units']}" if row["units"] else row["method"] for row in failed)
         text += (
             f" The {plural(len(failed), 'failure')} ({', '.join(kinds)}) are reported as such, not as answers; "
-            "solve_network by default goes on from there to a sturdier method."
+            "solve_network by default continues from there with a more robust method."
         )
     return text
 
 
 def _between(values) -> str:
-    """ "6 to 26"."""
+    """Return such as "6 to 26"."""
     values = sorted(values)
     if not values:
         return "no"
@@ -172,55 +173,57 @@ def _between(values) -> str:
 
 
 def speed(rows: list[dict]) -> str:
-    """Monolithic analytic against nested with differences."""
+    """Return the comparison of monolithic analytic with nested with differences."""
     small = [row for row in rows if row["system"].startswith("two lines")]
     chains = sorted((row for row in rows if row not in small), key=lambda row: row["elements"])
-    said = [
+    sentences = [
         "Both methods take turns in one process, each by itself without a fallback; the ratio of CPU times is the "
         "median over the turns, with its 5 and 95 percentiles."
     ]
     if small:
-        shown = " and ".join(f"{ratio(row['ratio'])} ({row['system'].split(', ')[-1]})" for row in small)
-        said.append(
-            "On the two lines, from the sound start, nested with differences takes "
-            f"{shown} times as long as monolithic analytic; {_wanted(WANTED_METHODS, [r['ratio'] for r in small])}."
+        ratios = " and ".join(f"{ratio(row['ratio'])} ({row['system'].split(', ')[-1]})" for row in small)
+        sentences.append(
+            f"On the two lines, from the sound start, nested with differences takes {ratios} times as long as "
+            f"monolithic analytic; {_wanted(WANTED_METHODS, [r['ratio'] for r in small])}."
         )
     if chains:
         first, last = chains[0], chains[-1]
-        said.append(
+        sentences.append(
             f"On a chain of {first['elements']} whose end moves by 1 % the ratio is {ratio(first['ratio'])}, on one of "
             f"{last['elements']} it is {ratio(last['ratio'])}."
         )
     failed = sum(row[f"{name}_status"] != "SUCCESS" for row in rows for name in ("monolithic", "nested_differences"))
     if failed:
-        said.append(f"{plural(failed, 'solve')} did not converge; the table says which.")
-    return " ".join(said)
+        sentences.append(f"{plural(failed, 'solve')} did not converge; the table says which.")
+    return " ".join(sentences)
 
 
 def _wanted(bound: float, values: list[float]) -> str:
-    """The bound, and in how many of the values it is reached."""
+    """Return the bound, and in how many of the values it is reached."""
     reached = sum(value >= bound for value in values)
     return f"wanted was at least {bound}, reached in {reached} of {len(values)}"
 
 
 def peers(rows: list[dict], names: dict) -> str:
-    """MoorPy on the same systems, faster or slower."""
-    said = [
+    """Return the comparison with MoorPy on the same systems, faster or slower."""
+    sentences = [
         "The vessel goes out by 1 m and back, and each code solves again from its own last state, in turns; seabed "
         "friction is off, since MoorPy leaves it out for a whole system. MoorPy's tolerance is a distance: its "
         "default, and a tight one. The ratios are MoorPy's time over this project's."
     ]
     for system in dict.fromkeys(row["system"] for row in rows):
         mine = [row for row in rows if row["system"] == system]
-        said.append(f"{names.get(system, system).capitalize()}: {'; '.join(_peer(row) for row in mine)}.")
+        sentences.append(f"{names.get(system, system).capitalize()}: {'; '.join(_peer(row) for row in mine)}.")
         if all(max(row["ratio"], row["ratio_back"]) < 1 for row in mine):
-            said.append("This project is the slower one here.")
+            sentences.append("This project is the slower one here.")
         if system == "three_bridles":
             both = [row[key] for row in mine for key in ("ratio", "ratio_back")]
-            said.append(f"Here {_wanted(WANTED_PEER, both)}.")
+            sentences.append(f"Here {_wanted(WANTED_PEER, both)}.")
     if any(row["our_iterations"] == 0 for row in rows):
-        said.append("Where the table counts no iterations no node is free, and a solve is one evaluation of each line.")
-    return " ".join(said)
+        sentences.append(
+            "Where the table counts no iterations no node is free, and a solve is one evaluation of each line."
+        )
+    return " ".join(sentences)
 
 
 def _peer(row) -> str:

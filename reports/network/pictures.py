@@ -24,21 +24,21 @@ CROWD = 20  # nodes beyond which markers are small
 
 
 def pictures(rows: list[dict], folder: Path) -> Group:
-    """One picture a network, each with its own scale of tension."""
-    told = "; ".join(f"{row['title']}: {_told(row)}" for row in rows if not row.get("near"))
+    """Return one picture a network, each with its own scale of tension."""
+    ranges = "; ".join(f"{row['title']}: {_describe(row)}" for row in rows if not row.get("near"))
     with plt.rc_context({"figure.constrained_layout.use": False}):  # it does not know boxes in space
         figures = [_picture(row, folder) for row in rows]
-    said = "Colour is the tension, each picture in a scale of its own; the axes have one scale unless z is enlarged."
-    return Group(f"{said} {told}.", figures)
+    colours = "Colour is the tension, each picture in a scale of its own; the axes have one scale unless z is enlarged."
+    return Group(f"{colours} {ranges}.", figures)
 
 
-def _told(row: dict) -> str:
+def _describe(row: dict) -> str:
     low, high = _tensions(row)
     return f"{plural(len(row['elements']), 'line')}, {number(low)} to {number(high)} kN"
 
 
 def _tensions(row: dict) -> tuple[float, float]:
-    """Least and largest tension along all lines, kN."""
+    """Return least and largest tension along all lines, kN."""
     tension = np.concatenate([element["tension"] for element in row["elements"]]) / 1e3
     return float(tension.min()), float(tension.max())
 
@@ -71,12 +71,12 @@ def _picture(row: dict, folder: Path) -> Figure:
     bar = figure.colorbar(lines, cax=figure.add_axes((0.12, 0.115, 0.76, 0.022)), orientation="horizontal")
     bar.set_label("tension, kN", labelpad=1)
     kinds = ", ".join(f"{len(_of(row['nodes'], kind))} {kind}" for kind in KINDS)
-    alt = f"{row['title']} in space: {_told(row)}; nodes: {kinds}."
+    alt = f"{row['title']} in space: {_describe(row)}; nodes: {kinds}."
     return style.save(figure, folder, f"networks_{row['name']}", row["title"], alt)
 
 
 def _lines(axes, row: dict, top: float):
-    """All pieces of all lines as one collection, coloured by the tension in the middle of each, kN."""
+    """Draw all pieces of all lines as one collection, coloured by the tension in the middle of each, kN; return it."""
     pieces, values = [], []
     for element in row["elements"]:
         points = np.column_stack([element[axis] for axis in "xyz"])
@@ -96,7 +96,7 @@ def _axes(axes) -> tuple:
 
 
 def _box(axes, row: dict) -> np.ndarray:
-    """Limits around all lines, one scale on all axes but where z is enlarged; their widths (3,), m."""
+    """Set limits around all lines, one scale on all axes but where z is enlarged; return their widths (3,), m."""
     points = [np.concatenate([element[axis] for element in row["elements"]]) for axis in "xyz"]
     if row["seabed"] is not None:
         points[2] = np.append(points[2], row["seabed"])
@@ -114,7 +114,7 @@ def _of(nodes: list[dict], kind: str) -> list:
 
 
 def _nodes(axes, nodes: list[dict]) -> list:
-    """Markers of all nodes; one handle a kind for the legend."""
+    """Draw markers of all nodes; return one handle a kind for the legend."""
     size, handles = 26 if len(nodes) < CROWD else 9, []
     for kind, marker in KINDS.items():
         if places := _of(nodes, kind):
@@ -127,7 +127,7 @@ def _nodes(axes, nodes: list[dict]) -> list:
 
 
 def _seabed(axes, height: float) -> Patch:
-    """A plane over the whole box."""
+    """Draw a plane over the whole box; return its handle for the legend."""
     x, y = np.meshgrid(axes.get_xlim(), axes.get_ylim())
     axes.plot_surface(x, y, np.full_like(x, height), color=style.SEABED, alpha=0.16, shade=False, linewidth=0, zorder=0)
     return Patch(color=style.SEABED, alpha=0.3, label="seabed")

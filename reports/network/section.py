@@ -18,7 +18,9 @@ def build(inputs: Inputs) -> Content:
     data = inputs.results["networks"]
     if not data:
         return Content({"networks": None})
-    drawn, table2, work, speed, peers = (data.get(part) or [] for part in ("pictures", "table2", "work", "speed", "peers"))
+    drawn, table2, work, speed, peers = (
+        data.get(part) or [] for part in ("pictures", "table2", "work", "speed", "peers")
+    )
     printed, growth = published.msqs_table2(), data.get("growth")
     remade = {start: tables.remade_table2(table2, printed, start) for start in STARTS if table2}
     others = {
@@ -35,9 +37,9 @@ def build(inputs: Inputs) -> Content:
         "pictures": pictures(drawn, inputs.figures) if drawn else None,
         "reproduction": paragraphs.reproduction(table2, printed) if table2 else [],
         "work": figures.work(work, inputs.figures) if work else None,
-        "speed_words": paragraphs.speed(speed) if speed else "",
+        "speed_text": paragraphs.speed(speed) if speed else "",
         "gain": figures.gain(speed, inputs.figures) if speed else None,
-        "peer_words": paragraphs.peers(peers, tables.SYSTEMS) if peers else "",
+        "peer_text": paragraphs.peers(peers, tables.SYSTEMS) if peers else "",
         "growth": figures.growth(growth, inputs.figures) if growth else None,
     }
     return Content({"networks": networks}, verdicts(speed, peers, growth), [_speed_sentence(speed)] if speed else [])

@@ -29,10 +29,10 @@ def describe_method(row: dict) -> str:
 
 def remade_table2(rows: list[dict], printed: list[dict], start: str) -> Table:
     """Return one row per method from one start, forces in kN: what is printed, and what is measured at each weight."""
-    weights, shown = dict.fromkeys(row["weight"] for row in rows), {}
+    weights, entries = dict.fromkeys(row["weight"] for row in rows), {}
     for row in in_paper_units(rows):
         if row["start"] == start:
-            entry = shown.setdefault(describe_method(row), {"label": describe_method(row)})
+            entry = entries.setdefault(describe_method(row), {"label": describe_method(row)})
             entry |= {f"printed_{key}": _printed_row(row, printed).get(key) for key in COUNTS}
             failed = {} if row["status"] == "SUCCESS" else {"iterations": "failed", "residual_norm": None}
             entry |= {f"{row['weight']:g}_{key}": (row | {"ms": _ms(row)} | failed)[key] for key in MEASURED}
@@ -43,7 +43,7 @@ def remade_table2(rows: list[dict], printed: list[dict], start: str) -> Table:
     formats = {key: two_digits for key in columns if key.endswith(("residual_norm", "_ms"))}
     formats |= {key: _whole for key in columns if key.endswith("operations")}
     title = f"Table 2 remade, forces in kN, from the {start} start"
-    return Table(f"networks_table2_{start}", title, columns, list(shown.values()), formats, tuple(groups))
+    return Table(f"networks_table2_{start}", title, columns, list(entries.values()), formats, tuple(groups))
 
 
 def _ms(row: dict) -> float | None:
@@ -57,7 +57,7 @@ def _whole(value) -> str:
 def unit_table(rows: list[dict]) -> Table:
     """Return one row per unit of force: condition numbers, and how many settings succeed from each start."""
     monolithic = [row for row in rows if row["units"]]
-    shown = []
+    entries = []
     for units in dict.fromkeys(row["units"] for row in monolithic):
         mine = [row for row in monolithic if row["units"] == units]
         entry = {"units": units}
@@ -66,23 +66,23 @@ def unit_table(rows: list[dict]) -> Table:
         for w, start in dict.fromkeys((row["weight"], row["start"]) for row in mine):
             group = [row for row in mine if (row["weight"], row["start"]) == (w, start)]
             entry[f"{w:g}_{start}"] = f"{len(solved(group))} of {len(group)}"
-        shown.append(entry)
+        entries.append(entry)
     each = {"printed": "printed start", "sound": "sound start", "none": "no start", "condition": "condition number"}
     weights = dict.fromkeys(row["weight"] for row in rows)
     columns = {"units": "units of force"} | {f"{w:g}_{key}": heading for w in weights for key, heading in each.items()}
     groups = (("", 1), *((f"{w:g} N/m: settings solved from", len(each)) for w in weights))
     formats = {f"{w:g}_condition": two_digits for w in weights}
-    return Table("networks_units", "Units of force", columns, shown, formats, groups)
+    return Table("networks_units", "Units of force", columns, entries, formats, groups)
 
 
 def setting_table(rows: list[dict]) -> Table:
     """Return every setting by itself."""
     columns = {"weight": "w, N/m", "start": "start", "label": "method", "units": "units", **MEASURED,
                "condition_number": "condition", "error": "error of H", "status": "status"}  # fmt: skip
-    shown = [row | {"label": describe_method(row), "ms": _ms(row)} for row in rows]
+    entries = [row | {"label": describe_method(row), "ms": _ms(row)} for row in rows]
     formats = dict.fromkeys(("residual_norm", "error", "condition_number", "ms"), two_digits)
     formats |= {"operations": _whole, "status": status_words, "weight": "{:g}".format}
-    return Table("networks_settings", "Every setting", columns, shown, formats, (("", len(columns)),))
+    return Table("networks_settings", "Every setting", columns, entries, formats, (("", len(columns)),))
 
 
 def work_table(rows: list[dict]) -> Table:
@@ -94,28 +94,28 @@ def work_table(rows: list[dict]) -> Table:
 def speed_table(rows: list[dict]) -> Table:
     """Return nested with differences beside monolithic analytic."""
     names = ("monolithic", "nested_differences")
-    shown = []
+    entries = []
     for row in rows:
         least, most = row["ratio_spread"]
-        shown.append(row | {f"{name}_ms": 1e3 * row[f"{name}_seconds"] for name in names})
-        shown[-1] |= {f"{name}_iterations": "failed" for name in names if row[f"{name}_status"] != "SUCCESS"}
-        shown[-1] |= {"least": least, "most": most}
+        entries.append(row | {f"{name}_ms": 1e3 * row[f"{name}_seconds"] for name in names})
+        entries[-1] |= {f"{name}_iterations": "failed" for name in names if row[f"{name}_status"] != "SUCCESS"}
+        entries[-1] |= {"least": least, "most": most}
     each = {"ms": "ms", "iterations": "iter­ations", "evaluations": "evalu­ations", "residual_norm": "residual"}
     columns = {"system": "system"} | {f"{name}_{key}": heading for name in names for key, heading in each.items()}
     columns |= {"ratio": "median", "least": "low", "most": "high"}
     groups = (("", 1), ("monolithic, analytic", len(each)), ("nested, differences", len(each)), ("ratio of times", 3))
     formats = dict.fromkeys(("ratio", "least", "most"), two_digits)
     formats |= {f"{name}_{key}": two_digits for name in names for key in ("residual_norm", "ms")}
-    return Table("networks_speed", "Methods side by side", columns, shown, formats, groups)
+    return Table("networks_speed", "Methods side by side", columns, entries, formats, groups)
 
 
 def peer_table(rows: list[dict]) -> Table:
     """Return MoorPy on the same systems."""
-    shown = []
+    entries = []
     for row in rows:
         least, most = row["ratio_spread"]
         times = {"our_ms": 1e3 * row["our_seconds"], "peer_ms": 1e3 * row["peer_seconds"]}
-        shown.append(row | times | {"name": SYSTEMS.get(row["system"], row["system"]), "least": least, "most": most})
+        entries.append(row | times | {"name": SYSTEMS.get(row["system"], row["system"]), "least": least, "most": most})
     ours = {"our_ms": "ms", "our_iterations": "iter­ations", "our_residual_norm": "residual"}
     theirs = {"tolerance": "toler­ance, m", "peer_ms": "ms", "peer_residual_norm": "residual",
               "peer_tension_difference": "tensions differ by"}  # fmt: skip
@@ -126,4 +126,4 @@ def peer_table(rows: list[dict]) -> Table:
         "our_iterations": number,
         "tolerance": lambda value: number(value, 1),
     }
-    return Table("networks_peers", "Networks beside MoorPy", columns, shown, formats, groups)
+    return Table("networks_peers", "Networks compared with MoorPy", columns, entries, formats, groups)

@@ -13,7 +13,7 @@ PEER_EXAMPLES = 3
 SAME_TIME = 1.1  # ratio of two timings below which they count as equal
 
 TINY = 1e-5
-"""Part of the line's weight: a wrong force smaller than this matters to nobody and is counted apart."""
+"""Part of the line's weight: a wrong force smaller than this matters to nobody and is counted separately."""
 
 TYPICAL = {"L": 800.0, "w": 500.0, "stiffness": 1e3, "slackness": 1.05, "friction": 1.0}
 """A line as it is used at sea; examples are sought near it."""
@@ -72,12 +72,10 @@ def is_tiny(answer: dict) -> bool:
 
 
 def _distance_from_typical(row: dict) -> float:
-    """Return the decades between a row and a typical line, all inputs together; a large condition number adds to them."""
+    """Return the decades between a row and a typical line, all inputs together; a large condition number adds."""
     values = row["inputs"] | {key: row[key] for key in ("stiffness", "slackness")}
     ratios = [abs(values[key] or 1e-9) / usual for key, usual in TYPICAL.items() if key != "friction"]
-    decades = sum(abs(math.log10(value)) for value in ratios) + math.log10(
-        max(values["friction"], TYPICAL["friction"])
-    )
+    decades = sum(abs(math.log10(value)) for value in ratios) + math.log10(max(values["friction"], TYPICAL["friction"]))
     return decades + math.log10(1 + (row["condition"] or math.inf)) / 2
 
 
@@ -152,7 +150,7 @@ def _answered(points, solver: str, cases) -> set[str]:
 
 
 def find_cheapest(points: list[dict], tolerance: float) -> dict | None:
-    """Return the fastest setting whose error is within the tolerance; of equally fast ones, that of the loosest tolerance."""
+    """Return the fastest setting whose error is within the tolerance; of equally fast ones the loosest."""
     good = [p for p in select_answered(points) if p["error"] <= tolerance]
     least = min((p["seconds"] for p in good), default=None)
     return max((p for p in good if p["seconds"] <= SAME_TIME * least), key=lambda p: p["tolerance"] or 0, default=None)

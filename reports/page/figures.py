@@ -9,7 +9,7 @@ from .tables import Table
 
 @dataclass
 class Figure:
-    """One drawing. svg : element to embed; alt : what is seen, for those who cannot see it; wide : over both columns."""
+    """One drawing. svg : element to embed; alt : description for those who cannot see it; wide : over both columns."""
 
     name: str
     title: str

@@ -72,7 +72,7 @@ def python_call(solver: str, inputs: dict) -> str:
     """Return Python to paste: another code and this project on the same line at rest."""
     arguments = ", ".join(f"{key}={value!r}" for key, value in inputs.items())
     return (
-        "from benchmarks.peers import adapters\nfrom solvers import Span, solve_span\n"
-        f"from verification.cases.spans import SpanCase\ninputs = dict({arguments})\n"
+        "from benchmarks.peers import adapters\nfrom solvers import Span, solve_span\nfrom verification.cases.spans "
+        f"import SpanCase\ninputs = dict({arguments})\n"
         f'adapters()["{solver}"].span(SpanCase("example", "", **inputs)), solve_span(Span(**inputs))'
     )

@@ -40,8 +40,10 @@ OUR_METHODS = ("harmonic balance", "time domain")
 """How the names of this project's methods for moving cables begin."""
 
 
-def find_slower_intervals(points: list[dict], is_ours: Callable[[dict], bool], label: Callable[[dict], str]) -> list[SlowerInterval]:
-    """Return every interval of errors in which a point that is not ours is the fastest; keys: ``seconds``, ``error``."""
+def find_slower_intervals(
+    points: list[dict], is_ours: Callable[[dict], bool], label: Callable[[dict], str]
+) -> list[SlowerInterval]:
+    """Return every interval of errors where a point that is not ours is the fastest, by ``seconds`` and ``error``."""
     intervals, upper = [], math.inf
     for point in analysis.pareto_front(points):
         if not is_ours(point):
@@ -65,7 +67,7 @@ def _join(intervals: list[SlowerInterval]) -> list[SlowerInterval]:
 
 @dataclass(frozen=True)
 class Front:
-    """The Pareto front of one case. ours, points : how many of its points are this project's, and how many there are."""
+    """The Pareto front of one case. ours, points : number of its points that are this project's, and of all."""
 
     case: str
     ours: int
@@ -98,7 +100,7 @@ def _limit(point: dict) -> float:
 
 
 def moving_fronts(points: list[dict], titles: dict) -> list[Front]:
-    """Return the fronts of the moving cables; points of the part "work" of harmonic_balance.json, wrong answers left out."""
+    """Return the fronts of the moving cables; points of harmonic_balance.json, wrong answers left out."""
     good = [p | {"error": p["rms"]} for p in points if p["rms"] and p["error"] <= WRONG_BOUND]
     is_ours, label = lambda p: p["method"].startswith(OUR_METHODS), lambda p: p["method"]
     return [_front(titles[case], [p for p in good if p["case"] == case], is_ours, label)

@@ -31,8 +31,11 @@ class Results:
     def load(self, group: str) -> Any:
         """Return what the files of a group hold together, None where nothing can be read.
 
-        Of scenes, stem -> result; of tests, the test files with their claims and outcomes.
+        Of scenes, stem -> result; of tests, the test files with their claims and outcomes. Raises KeyError where there
+        is no such group: a section that names a group wrongly would be empty without a word.
         """
+        if group not in GROUPS:
+            raise KeyError(f"no such group of stages: {group!r}; there are {', '.join(GROUPS)}")
         if group == "tests":
             return self.questions
         if group not in self._loaded:
@@ -79,7 +82,7 @@ class Results:
     def failures(self) -> list[dict]:
         """Return title, command and last lines of every stage that failed in this run."""
         return [
-            {"title": end.stage.title, "command": end.stage.shown(self.folder), "tail": end.tail}
+            {"title": end.stage.title, "command": end.stage.command_line(self.folder), "tail": end.tail}
             for end in self.ended.values()
             if end.state == "failed"
         ]
@@ -100,6 +103,6 @@ class Results:
 
     def _stage_row(self, stage: Stage) -> dict:
         entry = self.ledger.entries.get(stage.name, {})
-        command = replace(stage, arguments=tuple(entry.get("arguments", stage.arguments))).shown(self.folder)
+        command = replace(stage, arguments=tuple(entry.get("arguments", stage.arguments))).command_line(self.folder)
         facts = {key: entry.get(key) for key in ("seconds", "finished", "load")}
         return {"title": stage.title, "command": command} | facts

@@ -52,6 +52,6 @@ class Table:
         writer.writeheader()
         writer.writerows(self.rows)
         write_atomically(folder / f"{self.name}.csv", text.getvalue())
-        kept = [{key: row.get(key) for key in self.columns} for row in self.rows]
-        write_atomically(folder / f"{self.name}.json", json.dumps(kept, indent=1))
+        data = [{key: row.get(key) for key in self.columns} for row in self.rows]
+        write_atomically(folder / f"{self.name}.json", json.dumps(data, indent=1))
         return self

@@ -93,8 +93,8 @@ def _fig4(s: Sources) -> Outcome:
         f"{kept['harmonics']} harmonics: {number(kept['min'] * KN, 4)} kN"
     )
     why = (
-        "the zero comes out with the constant term dropped, as the paper does; it is not in the physics: with the term "
-        f"kept, and in time stepping, the fairlead stays in tension. The paper's zero lies {number(late, 2)} of a "
+        "the zero comes out with the constant term dropped, as the paper does; it is not in the physics: with the "
+        f"term kept, and in time stepping, the fairlead stays in tension. The paper's zero lies {number(late, 2)} of a "
         "period later; it does not say at which phase its motion starts, here a sine"
     )
     return text, DIFFERS, why

@@ -49,7 +49,7 @@ class Item:
     paper: str
     item: str
     prints: str
-    found: str
+    outcome: str
     verdict: str
     why: str
     section: str

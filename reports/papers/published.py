@@ -30,12 +30,12 @@ def _table(name: str, rows: list[dict]) -> Table:
 
 
 def compare(name: str, scenes: dict[str, dict]) -> list[dict]:
-    """Rows quantity by quantity: printed, computed, their difference, and what the printed digits leave open.
+    """Return rows of printed and computed values, their difference, and what the printed digits leave open.
 
     scenes : stem of the scene file -> its result.
     """
     source, rows = read(name)
-    found = []
+    comparison = []
     for row in rows:
         scene = scenes.get(f"{name}-{row['name']}")
         if scene:
@@ -43,12 +43,12 @@ def compare(name: str, scenes: dict[str, dict]) -> list[dict]:
             values = (
                 _openfast_values(source, row) if name == "openfast_r_test" else _msqs_values(source, row, rows, line)
             )
-            found += [_compared(row["name"], *value, line) for value in values]
-    return found
+            comparison += [_compared(row["name"], *value, line) for value in values]
+    return comparison
 
 
 def _openfast_values(source, row):
-    """(symbol, printed, key of the result, scale, what the printed digits leave open)."""
+    """Yield (symbol, printed, key of the result, scale, what the printed digits leave open)."""
     half = source["half_unit"]
     keys = {"H": "H", "V": "V", "T": "tension", "HAnch": "H_anchor", "VAnch": "V_anchor", "Lb": "grounded_length"}
     for symbol, key in keys.items():
@@ -56,7 +56,7 @@ def _openfast_values(source, row):
 
 
 def _msqs_values(source, row, rows, line):
-    """Forces in kN; the end is printed with few digits, which the stiffness turns into force. V as corrected."""
+    """Yield the same of forces in kN; few printed digits of the end become force by the stiffness. V as corrected."""
     half, vertical = source["half_unit"], row
     if source["inferred"].get("V_swapped"):
         vertical = next(other for other in rows if other["name"] != row["name"])

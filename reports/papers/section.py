@@ -16,7 +16,7 @@ def build(inputs: Inputs) -> Content:
     """Return the items in the order of the papers, each with links to its tests, their table, and how many agree."""
     sources = read_sources(*(inputs.results[name] for name in ("dynamics", "harmonic_balance", "networks")))
     items = [evaluate(entry, sources) for entry in (*harmonic_items.ENTRIES, *network_items.ENTRIES)]
-    columns = {key: key for key in ("paper", "item", "prints", "found", "verdict", "why", "section", "tests")}
+    columns = {key: key for key in ("paper", "item", "prints", "outcome", "verdict", "why", "section", "tests")}
     rows = [asdict(item) | {"tests": " ".join(item.tests)} for item in items]
     context = {
         "items": [(item, [link_test(test, inputs.results["tests"]) for test in item.tests]) for item in items],

@@ -47,7 +47,7 @@ class Change:
 
 
 def compare(a: Measures, b: Measures, threshold: float) -> list[Change]:
-    """All that changed past the threshold; times only between runs on one machine."""
+    """Return all that changed past the threshold; times only between runs on one machine."""
     times = [*_single_times(a, b, threshold), *_group_times(a, b, threshold)] if a.machine == b.machine else []
     return [*_failures(a, b), *_errors(a, b, threshold), *times]
 
@@ -61,14 +61,14 @@ def _common(a: dict, b: dict) -> list[str]:
 
 
 def _past(ratio: float, low: float, high: float, threshold: float) -> str:
-    """Slower or faster where even the near end of the spread is on that side; else nothing."""
+    """Return "slower" or "faster" where even the near end of the spread is on that side, else ""."""
     if ratio > threshold and low > 1:
         return "slower"
     return "faster" if ratio < 1 / threshold and high < 1 else ""
 
 
 def _single_times(a, b, threshold):
-    """Timings with quartiles of their own: the spread of the ratio is that of the quartiles against one another."""
+    """Yield changes of timings with quartiles; the spread of a ratio is that of the quartiles against one another."""
     for name in _ours(_common(a.times, b.times)):
         if len(a.times[name]) == len(b.times[name]) == 3 and min(a.times[name]) > 0:
             (x, x_low, x_high), (y, y_low, y_high) = a.times[name], b.times[name]
@@ -78,7 +78,7 @@ def _single_times(a, b, threshold):
 
 
 def _group_times(a, b, threshold):
-    """Timings of one number each are judged together with those of their group: median ratio and its quartiles."""
+    """Yield changes of groups of timings of one number each: median ratio and its quartiles."""
     for group, ratios in _ratios(a, b, _ours(_common(a.times, b.times))).items():
         ratio, spread = median(ratios), _quartiles(ratios)
         if kind := _past(ratio, *spread, threshold):
@@ -86,11 +86,11 @@ def _group_times(a, b, threshold):
 
 
 def _ratios(a, b, names) -> dict[str, list[float]]:
-    found = {}
+    ratios = {}
     for name in names:
         if 1 in (len(a.times[name]), len(b.times[name])) and a.times[name][0] > 0:
-            found.setdefault(name.partition(" | ")[0], []).append(b.times[name][0] / a.times[name][0])
-    return found
+            ratios.setdefault(name.partition(" | ")[0], []).append(b.times[name][0] / a.times[name][0])
+    return ratios
 
 
 def _quartiles(ratios) -> tuple[float, float]:
@@ -120,7 +120,7 @@ def _failures(a, b):
 
 
 def others(a: Measures, b: Measures) -> list[float]:
-    """Ratios of the times of other codes, the same versions in both runs: how the machine has changed."""
+    """Return ratios of the times of other codes, the same versions in both runs: how the machine has changed."""
     same = [other for other in OTHERS if a.packages.get(other) == b.packages.get(other)]
     names = (name for name in _common(a.times, b.times) if any(other in name.lower() for other in same))
     return [b.times[name][0] / a.times[name][0] for name in names if a.times[name][0] > 0]
@@ -128,7 +128,7 @@ def others(a: Measures, b: Measures) -> list[float]:
 
 # ---------------------------------------------------------------- the table
 def table(a: Measures, b: Measures, changes: list[Change], threshold: float) -> str:
-    """The comparison in words and rows, what is for the worse first."""
+    """Return the comparison in words and rows, what is for the worse first."""
     lines = [f"A: {a.commit}, {a.date}, {a.machine}", f"B: {b.commit}, {b.date}, {b.machine}", ""]
     if a.machine != b.machine:
         lines.append("times are not compared: A and B are of different machines")
@@ -172,14 +172,14 @@ def _seconds(value: float) -> str:
 
 # ---------------------------------------------------------------- command line
 def find(name: str, out: Path) -> Path:
-    """The file of a commit (or its beginning), of a path or of the word latest. Raises ValueError."""
+    """Return the file of a commit (or its beginning), of a path or of the word latest. Raises ValueError."""
     if Path(name).is_file():
         return Path(name)
-    kept = saved(out)
-    if name == "latest" and kept:
-        return kept[-1]
-    found = [path for path in kept if path.stem.startswith(name)]
-    exact = [path for path in found if path.stem == name] or found
+    runs = saved(out)
+    if name == "latest" and runs:
+        return runs[-1]
+    matches = [path for path in runs if path.stem.startswith(name)]
+    exact = [path for path in matches if path.stem == name] or matches
     if len(exact) == 1:
         return exact[0]
     if exact:

@@ -20,8 +20,8 @@ VARIABLE = "MOORING_SOLVERS"
 LONGEST_NAME = 255  # characters of a text that may be the name of a file
 
 
-def bring(files: list[Path]) -> str:
-    """Hand the files on to the programs that measure; what is wrong with them in words, empty where nothing is."""
+def set_files(files: list[Path]) -> str:
+    """Set the files for the programs that measure; return what is wrong with them, empty where nothing is."""
     if files:
         os.environ[VARIABLE] = os.pathsep.join(str(path.resolve()) for path in files)
     if not os.environ.get(VARIABLE):
@@ -31,8 +31,8 @@ def bring(files: list[Path]) -> str:
     return "" if done.returncode == 0 else (done.stderr.strip() or f"{program}: exit status {done.returncode}")
 
 
-def depending(stages: list[Stage]) -> list[Stage]:
-    """The stages; of those that ask the solvers, the files that were brought are sources."""
+def add_sources(stages: list[Stage]) -> list[Stage]:
+    """Return the stages; of those that run the solvers, the external files are sources."""
     files = [Path(name) for name in os.environ.get(VARIABLE, "").split(os.pathsep) if name]
     more = tuple(dict.fromkeys(source for path in files for source in sources(path)))
     return [replace(stage, sources=(*stage.sources, *more)) if _asks(stage) else stage for stage in stages]
@@ -44,17 +44,17 @@ def _asks(stage: Stage) -> bool:
 
 
 def sources(path: Path) -> list[str]:
-    """The file, the modules beside it that it imports, and every file that a text in it names: its programs."""
+    """Return the file, the modules beside it that it imports, and every file that a text in it names: its programs."""
     path = path.resolve()
-    tree, found = ast.parse(path.read_text(encoding="utf-8")), [path]
+    tree, files = ast.parse(path.read_text(encoding="utf-8")), [path]
     for node in ast.walk(tree):
         names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
         names += [node.module] if isinstance(node, ast.ImportFrom) and node.module else []
         for name in (name.partition(".")[0] for name in names):
-            found += [path.parent / f"{name}.py", *(p for p in (path.parent / name).rglob("*") if p.suffix in SUFFIXES)]
+            files += [path.parent / f"{name}.py", *(p for p in (path.parent / name).rglob("*") if p.suffix in SUFFIXES)]
         if isinstance(node, ast.Constant) and isinstance(node.value, str) and _may_name_a_file(node.value):
-            found += [path.parent / node.value, Path(shutil.which(node.value) or path)]
-    return [str(one.resolve()) for one in found if one.is_file()]
+            files += [path.parent / node.value, Path(shutil.which(node.value) or path)]
+    return [str(one.resolve()) for one in files if one.is_file()]
 
 
 def _may_name_a_file(text: str) -> bool:

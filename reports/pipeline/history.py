@@ -33,7 +33,7 @@ OTHERS = ("moorpy", "moordyn", "pycatenary")
 
 
 def of_others(name: str) -> bool:
-    """A measurement of another code."""
+    """Return whether a measurement is of another code."""
     return any(other in name.lower() for other in OTHERS)
 
 
@@ -58,21 +58,21 @@ class Measures:
 # ---------------------------------------------------------------- kept beside the results
 def save(out: Path, stages: list[Stage], failed: list[str]) -> Path:
     """Write what is valid of the results in ``out``; one file for each machine and commit, in ``out``/history."""
-    found = Measures(commit() or "no-commit", machine(), datetime.now().astimezone().isoformat(" ", "seconds"),
-                     packages(), failed)  # fmt: skip
+    measures = Measures(commit() or "no-commit", machine(), datetime.now().astimezone().isoformat(" ", "seconds"),
+                        packages(), failed)  # fmt: skip
     ledger = Ledger(out / "results")
     for stage in stages:
         path = out / "results" / stage.output
         if path.exists() and ledger.valid(stage):
-            read(path, stage.name, stage.timed, found)
-    folder = out / "history" / re.sub(r"\W+", "-", found.machine).strip("-")
+            read(path, stage.name, stage.timed, measures)
+    folder = out / "history" / re.sub(r"\W+", "-", measures.machine).strip("-")
     folder.mkdir(parents=True, exist_ok=True)
-    write_atomically(folder / f"{found.commit}.json", json.dumps(asdict(found)))
-    return folder / f"{found.commit}.json"
+    write_atomically(folder / f"{measures.commit}.json", json.dumps(asdict(measures)))
+    return folder / f"{measures.commit}.json"
 
 
 def load(path: Path) -> Measures:
-    """A file written by ``save``. Raises ValueError, OSError."""
+    """Return the content of a file written by ``save``. Raises ValueError, OSError."""
     try:
         return Measures(**json.loads(path.read_text(encoding="utf-8")))
     except (ValueError, TypeError) as error:
@@ -80,7 +80,7 @@ def load(path: Path) -> Measures:
 
 
 def saved(out: Path) -> list[Path]:
-    """All files of measurements, the oldest first."""
+    """Return all files of measurements, the oldest first."""
     return sorted((out / "history").glob("*/*.json"), key=lambda path: path.stat().st_mtime)
 
 
@@ -96,17 +96,17 @@ def read(path: Path, stage: str, timed: bool, into: Measures):
 
 
 def _tests(path: Path) -> dict[str, str]:
-    """Test -> passed, failed or skipped."""
-    found = {}
+    """Return test -> passed, failed or skipped."""
+    outcomes = {}
     for case in ElementTree.parse(path).iter("testcase"):
         trouble = any(node.tag in ("failure", "error") for node in case)
         outcome = "failed" if trouble else "skipped" if case.find("skipped") is not None else "passed"
-        found[f"tests | {case.get('classname')}::{case.get('name')}"] = outcome
-    return found
+        outcomes[f"tests | {case.get('classname')}::{case.get('name')}"] = outcome
+    return outcomes
 
 
 def _walk(node, who: str, which: str) -> Iterator[tuple[str, str, object]]:
-    """(name, kind, values) of all that is below a node of a result file."""
+    """Yield (name, kind, values) of all that is below a node of a result file."""
     if isinstance(node, list):
         names = [_names(item) for item in node]
         for i, (item, name) in enumerate(zip(node, names, strict=True)):

@@ -78,13 +78,13 @@ def commit() -> str:
 
 
 def machine() -> str:
-    """The machine that a timing belongs to."""
+    """Return the machine that a timing belongs to."""
     return " ".join([platform.node(), platform.machine(), platform.processor(), str(os.cpu_count())])
 
 
 @cache
 def key(stage: Stage, arguments: tuple[str, ...]) -> str:
-    """Digest of what the programs import, of sources, arguments and versions; of the machine too for a timing."""
+    """Return a digest of imports, sources, arguments and versions; for a timing, of the machine too."""
     files = {*depends_on(stage.programs), *(file for source in stage.sources for file in files_of(source))}
     parts = [digests(sorted(files)), arguments, packages(), sys.version]
     if stage.timed or stage.name == "machine":
@@ -105,7 +105,7 @@ class Ledger:
             self.entries = {}
 
     def current(self, stage: Stage) -> bool:
-        """The result is there as it was written, it is no failure, and nothing that it depends on has changed."""
+        """Return whether the result is as it was written, no failure, and nothing that it depends on has changed."""
         keys = [key(stage, arguments) for arguments in (stage.arguments, stage.better) if arguments]
         entry = self.entries.get(stage.name, {})
         return bool(entry.get("good") and entry.get("key") in keys and entry.get("result") == self._result(stage))
@@ -115,22 +115,22 @@ class Ledger:
         return hashlib.sha256(path.read_bytes()).hexdigest() if path.exists() else None
 
     def valid(self, stage: Stage) -> bool:
-        """The recorded result belongs to the present sources, whatever its arguments were (a shorter run, say)."""
+        """Return whether the recorded result belongs to the present sources, whatever its arguments were."""
         entry = self.entries.get(stage.name, {})
         return bool(entry.get("key")) and entry["key"] == key(stage, tuple(entry["arguments"]))
 
     def expected(self, stage: Stage) -> float:
-        """Seconds the stage took last time with these arguments, or a guess."""
+        """Return seconds the stage took last time with these arguments, or a guess."""
         entry = self.entries.get(stage.name, {})
         return entry["seconds"] if entry.get("arguments") == list(stage.arguments) else stage.seconds
 
     def forget(self, stage: Stage):
-        """Before a run: whatever it leaves behind is not a result until it is recorded."""
+        """Delete the record of a stage before it runs: its output is no result until it is recorded."""
         if self.entries.get(stage.name, {}).pop("key", None):
             self._write()
 
     def record(self, stage: Stage, **facts):
-        """After a successful run."""
+        """Record a stage that succeeded."""
         result = self._result(stage)
         self.entries[stage.name] = {"arguments": list(stage.arguments), "result": result, **facts}
         self._write()

@@ -21,8 +21,8 @@ def main() -> int:
     how, *words = sys.argv[1:]
     if how == "alone" and hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})  # interrupts tend to go to the first core
-    for told in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(told, lambda number, _: sys.exit(128 + number))
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda received, _: sys.exit(128 + received))
     group = {"process_group": 0} if hasattr(os, "killpg") else {}
     stage = subprocess.Popen([sys.executable, "-P", "-m", *words], stdin=subprocess.DEVNULL, **group)
     try:

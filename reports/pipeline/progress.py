@@ -38,14 +38,14 @@ class Progress:
             self.bar.close()
 
     def start(self, stage: Stage):
-        """A stage begins."""
+        """Show that a stage begins."""
         self.running[stage.name] = stage, time.perf_counter(), None
         if self.bar is None:
             self._say(f"{stage.title} ...")
         self.tick()
 
     def read(self, stage: Stage, line: str) -> bool:
-        """Take a line of a stage: True if it tells progress and nothing else."""
+        """Return whether a line of a stage reports progress and nothing else; take the progress from it."""
         ours, percent = _LINES.match(line), _PERCENT.search(line)
         if ours or percent:
             done, total = map(float, ours.groups()) if ours else (float(percent[1]), 100.0)
@@ -54,7 +54,7 @@ class Progress:
         return bool(ours)
 
     def finish(self, stage: Stage, state: str, seconds: float):
-        """A stage is over, however long it took."""
+        """Show that a stage is over, however long it took."""
         del self.running[stage.name]
         self.over.add(stage.name)
         if self.bar is None or state == "failed":
@@ -69,7 +69,7 @@ class Progress:
             self.bar.set_description_str(f"{self._times()} | {len(self.over)}/{len(self.weight)} done, now {titles}")
 
     def _done(self) -> float:
-        """Expected seconds behind us: by what the stages report, else by the clock and never beyond nine tenths."""
+        """Return the expected seconds done: as the stages report, else by the clock, at most nine tenths."""
         done = sum(self.weight[name] for name in self.over)
         for name, (_, began, reported) in self.running.items():
             clock = min((time.perf_counter() - began) / max(self.seconds[name], 1e-9), 0.9)
@@ -77,7 +77,7 @@ class Progress:
         return done
 
     def left(self) -> float:
-        """Seconds left, at the pace of this run as soon as there is one."""
+        """Return the seconds left, at the pace of this run as soon as there is one."""
         done, gone = self._done(), time.perf_counter() - self.began
         trust = min(done / (SETTLED * self.total), 1.0)
         pace = trust * gone / done + (1 - trust) if done else 1.0
@@ -92,7 +92,7 @@ class Progress:
 
 
 def _share(stage: Stage) -> float:
-    """Part of the machine that a stage takes."""
+    """Return part of the machine that a stage takes."""
     return 1.0 if stage.timed else min(stage.jobs / CORES, 1.0)
 
 

@@ -17,7 +17,7 @@ SETS = ("openfast_r_test", "msqs_two_line")
 
 @cache
 def read(name: str) -> tuple[dict, list[dict]]:
-    """(source.toml, rows of data.csv) of a published set; empty where the set is not there."""
+    """Return (source.toml, rows of data.csv) of a published set; empty where the set is not there."""
     try:
         source = tomllib.loads((DATA / name / "source.toml").read_text(encoding="utf-8"))
         with (DATA / name / "data.csv").open(encoding="utf-8", newline="") as file:
@@ -27,7 +27,7 @@ def read(name: str) -> tuple[dict, list[dict]]:
 
 
 def values(name: str) -> dict[tuple[str, str], float]:
-    """(name, quantity) -> value of a set in long form: hb_paper, msqs_paper, oc3_dynamics."""
+    """Return (name, quantity) -> value of a set in long form: hb_paper, msqs_paper, oc3_dynamics."""
     return {(row["name"], row["quantity"]): float(row["value"]) for row in read(name)[1]}
 
 
@@ -37,37 +37,37 @@ def printed_value(quantity: str) -> str:
 
 
 def msqs_table2() -> list[dict]:
-    """Table 2 of MSQS: method, jacobian and globalisation (absent for nested), and its counts and norms as printed."""
-    found = {}
+    """Return Table 2 of MSQS: method, jacobian and globalisation (absent for nested), counts and norms as printed."""
+    rows = {}
     for (name, quantity), value in values("msqs_paper").items():
         method, *rest = name.split(", ")
         if method in ("nested", "monolithic"):
-            row = found.setdefault(
+            row = rows.setdefault(
                 name, {"method": method} | dict(zip(("jacobian", "globalisation"), rest, strict=False))
             )
             whole = quantity.endswith(("iterations", "operations"))
             row[quantity.replace(" ", "_")] = int(value) if whole else value
-    return list(found.values())
+    return list(rows.values())
 
 
 def hb_table2(case: str, method: str) -> float | None:
-    """Seconds that HB Table 2 prints for case_1 to case_4; None for what it does not have."""
+    """Return seconds that HB Table 2 prints for case_1 to case_4; None for what it does not have."""
     return values("hb_paper").get((case.replace("_", " "), method))
 
 
 def independent(name: str) -> dict[str, float]:
-    """Quantity -> fairlead tension, kN, of a set of oc3_dynamics, by programs that share nothing with this project."""
-    return {quantity: value for (found, quantity), value in values("oc3_dynamics").items() if found == name}
+    """Return quantity -> fairlead tension, kN, of a set of oc3_dynamics, by programs independent of this project."""
+    return {quantity: value for (program, quantity), value in values("oc3_dynamics").items() if program == name}
 
 
 def other_times(name: str) -> dict[str, float]:
-    """Code or quantity -> time of a set of other_codes, in the unit of its rows; none where the code was given up."""
+    """Return code or quantity -> time of a set of other_codes, in the unit of its rows; none for a bound."""
     rows = read("other_codes")[1]
     return {row["quantity"]: float(row["value"]) for row in rows if row["name"] == name and not row["bound"]}
 
 
 def write_scenes(folder: Path) -> list[Path]:
-    """One scene file per published line, from its printed inputs; returns the paths."""
+    """Write one scene file per published line, from its printed inputs; return the paths."""
     folder.mkdir(parents=True, exist_ok=True)
     paths = []
     for name in SETS:

@@ -114,7 +114,7 @@ class _Run:
             _end([child.process for child in self.running.values()])
 
     def _startable(self) -> Stage | None:
-        """The first stage that finds its cores free; a timing has the machine for itself."""
+        """Return the first stage that finds its cores free; a timing has the machine for itself."""
         busy = sum(child.stage.jobs for child in self.running.values())
         for stage in self.waiting:
             if stage.timed:  # all others are over, or would have come first
@@ -150,7 +150,7 @@ class _Run:
         self.lines.put((name, None))
 
     def _next(self) -> Ended | None:
-        """Take one line of a child; the end of a stage if it was the last one."""
+        """Take one line of a child; return the end of its stage if it was the last one."""
         try:
             name, line = self.lines.get(timeout=0.5)
         except queue.Empty:
@@ -169,7 +169,7 @@ class _Run:
         return end
 
     def _kept(self, child: _Child) -> Ended:
-        """Take the result of a child that is over into the ledger."""
+        """Record the result of a child that is over; return how its stage ended."""
         stage, code, seconds = child.stage, child.process.returncode, time.perf_counter() - child.began
         output, part = self.ledger.results / stage.output, _part(self.ledger.results, stage)
         if code in stage.codes and part.exists():

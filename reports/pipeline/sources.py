@@ -24,17 +24,17 @@ Reference = tuple[str, str]  # ("file", path from the root), ("module", dotted n
 
 
 def depends_on(roots, root: Path = ROOT) -> list[str]:
-    """All files that ``roots`` (files and folders) need, themselves included, as paths from the repository's root."""
-    found, waiting = set(), [file for name in roots for file in files_of(name, root)]
+    """Return all files that ``roots`` (files and folders) need, themselves included, as paths from the root."""
+    needed, waiting = set(), [file for name in roots for file in files_of(name, root)]
     while waiting:
-        if (file := waiting.pop()) not in found:
-            found.add(file)
+        if (file := waiting.pop()) not in needed:
+            needed.add(file)
             waiting += _needed(file, root)
-    return sorted(found)
+    return sorted(needed)
 
 
 def program(module: str, root: Path = ROOT) -> str:
-    """The file that ``python -m module`` runs."""
+    """Return the file that ``python -m module`` runs."""
     path = module.replace(".", "/")
     return f"{path}/__main__.py" if (root / path).is_dir() else f"{path}.py"
 
@@ -68,7 +68,7 @@ def _module(name: str, root: Path) -> str | None:
 
 
 def _passed_on(file: str | None, root: Path) -> dict[str, str]:
-    """Name -> where it comes from, of those that an __init__.py imports from its own modules."""
+    """Return name -> where it comes from, of those that an __init__.py imports from its own modules."""
     if file is None or not file.endswith("/__init__.py"):
         return {}
     pairs = (_imported(node, file) for node in _tree(file, root).body if isinstance(node, ast.ImportFrom))
@@ -82,7 +82,7 @@ def _tree(file: str, root: Path) -> ast.Module:
 
 @cache
 def _needed(file: str, root: Path) -> list[str]:
-    """What a file itself leads to; nothing where it is no program of ours."""
+    """Return the files that a file names or imports; nothing where it is no program of this project."""
     if not (file.endswith(".py") and (root / file).is_relative_to(root)):
         return []
     references = set(_read(_tree(file, root), file, root))
@@ -113,7 +113,7 @@ def _read(tree: ast.AST, file: str, root: Path) -> Iterator[Reference]:
 
 
 def _imported(node: ast.ImportFrom, file: str) -> list[tuple[str, str]]:
-    """(alias, dotted name) of what the statement imports, relative names resolved."""
+    """Return (alias, dotted name) of what the statement imports, relative names resolved."""
     package = file.split("/")[:-1]
     base = package[: len(package) - node.level + 1] if node.level else []
     module = ".".join([*base, *([node.module] if node.module else [])])
@@ -135,7 +135,7 @@ def _path(node: ast.BinOp, file: str, root: Path) -> Iterator[Reference]:
 
 
 def _command(node: ast.List | ast.Tuple) -> Iterator[Reference]:
-    """The program after "-m"; with a name put together at run time, any program of the package."""
+    """Yield the program after "-m"; with a name put together at run time, any program of the package."""
     for flag, word in zip(node.elts, node.elts[1:], strict=False):
         if isinstance(flag, ast.Constant) and flag.value == "-m":
             if isinstance(word, ast.JoinedStr):
@@ -145,7 +145,7 @@ def _command(node: ast.List | ast.Tuple) -> Iterator[Reference]:
 
 
 def _text(text: str, file: str, root: Path) -> Iterator[Reference]:
-    """A path, a module or a program in a string."""
+    """Yield a path, a module or a program in a string."""
     if "\n" in text:
         if "import " in text:
             try:

@@ -58,8 +58,8 @@ class Stage:
     codes: tuple[int, ...] = (0,)
     better: tuple[str, ...] = ()
 
-    def shown(self, results: Path) -> str:
-        """The command as a reader would type it, its results in that folder."""
+    def command_line(self, results: Path) -> str:
+        """Return the command as a reader would type it, its results in that folder."""
         words = (_typed(word.replace("{root}", str(ROOT))) for word in self.arguments)
         return self.filled(" ".join(["python -m", *words]), _typed(results), self.output)
 
@@ -96,7 +96,7 @@ ELSEWHERE = ("suite/test_report", "suite/test_report_runs", "suite/test_dynamics
 
 
 def _tests(quick: bool) -> list[Stage]:
-    """A stage for each long file; the others together, for to start costs more than most of them."""
+    """Return a stage for each long file; the others together, since starting pytest costs more than most of them."""
     files = (path.relative_to(TESTS).with_suffix("").as_posix() for path in sorted(TESTS.rglob("test_*.py")))
     stems = [stem for stem in files if stem not in ELSEWHERE]
     alone = [stem for stem in stems if stem in WHOLE_TREE or (stem in LONG_TESTS and (not quick or stem in IN_QUICK))]
@@ -123,7 +123,7 @@ def _test(stem: str, quick: bool) -> Stage:
 
 # ---------------------------------------------------------------- measurements
 def _measured(name: str, title: str, arguments: tuple[str, ...], seconds: float, group: str = "", **more) -> Stage:
-    """The stage of a program of ours whose file is named as the stage."""
+    """Return the stage of a program of this project whose file is named as the stage."""
     arguments = (arguments[0], "--out", "{results}", *arguments[1:])
     file = f"{name}.json"
     return Stage(name, group or name, title, arguments, file, (program(arguments[0]),), seconds=seconds, **more)
@@ -135,7 +135,7 @@ def _machine() -> Stage:
 
 
 def _sized(name: str, title: str, words: tuple[str, ...], seconds: tuple[float, float], quick: bool, **more) -> Stage:
-    """A program with --quick, whose whole run serves the quick report as well; seconds of the whole and the quick."""
+    """Return the stage of a program with --quick, whose whole run serves the quick report as well."""
     if not quick:
         return _measured(name, title, words, seconds[0], **more)
     whole = (words[0], "--out", "{results}", *words[1:])
@@ -168,7 +168,7 @@ DYNAMICS = (*MOVING, "stability")
 
 
 def _dynamics(quick: bool) -> Iterator[Stage]:
-    """Two stages for each program: most of what it does is no timing and runs beside other work, references first."""
+    """Yield two stages for each program: what is no timing runs beside other work, references first; then timings."""
     for group, (title, module, untimed, timed) in MOVING.items():
         yield _sized(f"{group}_untimed", title, (module, "--kind", "untimed"), untimed, quick, group=group)
         yield _sized(group, f"{title}, timings", (module, "--kind", "timed"), timed, quick, group=group, timed=True)
@@ -180,7 +180,7 @@ def _stability(quick: bool) -> Stage:
 
 
 def _defects() -> Stage:
-    """Every seeded defect and the check named for it, or all of its module; status 1: some promise is broken."""
+    """Return the stage of seeded defects, each with the check named for it; status 1: some promise is broken."""
     named = ("verification.defects", "--out", "{results}", "--jobs", "{jobs}")
     sources = ("solvers", "verification", "reference_data", "pyproject.toml")
     return Stage("defects", "defects", "seeded defects", named, "defects.json", (), sources, seconds=115, jobs=JOBS,
@@ -191,7 +191,7 @@ SCENE_SECONDS = {"published": 1, "scenes": 2, "moving_scene": 9}
 
 
 def scene_stage(path: Path, group: str = "scenes") -> Stage:
-    """The stage of one scene file, its result named after the stem; of a published line the forces only, no times."""
+    """Return the stage of one scene file, named after its stem; of a published line the forces only, no times."""
     published = group == "published"
     title = f"{'published value' if published else 'scene'} {path.stem}"
     arguments = ("benchmarks.scenes.measure", str(path.resolve()), "--out", "{results}", *(("--forces",) if published else ()))
@@ -209,7 +209,7 @@ GROUPS = ("tests", "machine", "accuracy", "benchmarks", "work_precision", "speed
 
 
 def plan(quick: bool, published: list[Path]) -> list[Stage]:
-    """The stages of the whole report; ``published`` are scene files made from published tables."""
+    """Return the stages of the whole report; ``published`` are scene files made from published tables."""
     return [
         *_tests(quick),
         _machine(),
@@ -228,5 +228,5 @@ def plan(quick: bool, published: list[Path]) -> list[Stage]:
 
 
 def scene_plan(paths: list[Path]) -> list[Stage]:
-    """The stages of a page about somebody's own lines."""
+    """Return the stages of a page about somebody's own lines."""
     return [_machine(), *(scene_stage(path) for path in paths)]

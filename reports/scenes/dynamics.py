@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -15,87 +16,88 @@ from ..page.formatting import DASH, number, plural, seconds, slug, status_words
 from ..page.tables import Table
 
 OWN = ("harmonic balance", "harmonic balance, corrected", "time domain")
-OTHERS = {"REFUSED": "refused", "UNSUPPORTED": "not modelled"}
-"""How other codes that give no tension are shown."""
+NO_TENSION = {"REFUSED": "refused", "UNSUPPORTED": "not applicable"}
+"""Status of another code that gives no tension -> words."""
 
 
 def build(scene: dict, stem: str, figure_folder: Path, table_folder: Path) -> dict | None:
     """Return what dynamics.html.j2 shows; None for a scene at rest."""
-    found = scene.get("dynamics")
-    if found is None or "failed" in found:
-        return found
+    dynamics = scene.get("dynamics")
+    if dynamics is None or "failed" in dynamics:
+        return dynamics
     name = f"scene_{slug(stem)}_dynamics"
-    solved = found.get("waveform") is not None
-    figures = [_work(found, name, figure_folder)]
+    solved = dynamics.get("waveform") is not None
+    figures = [_work(dynamics, name, figure_folder)]
     if solved:
         figures += [
-            _waveform(found, name, figure_folder),
-            _spectrum(found, name, figure_folder),
-            _envelope(found, name, figure_folder),
+            _waveform(dynamics, name, figure_folder),
+            _spectrum(dynamics, name, figure_folder),
+            _envelope(dynamics, name, figure_folder),
         ]
-    tables = [_settings(found, name), _statics(found, name)]
+    tables = [_settings(dynamics, name), _statics(dynamics, name)]
     return {
-        "sentence": _sentence(found),
-        "facts": _facts(found),
-        "python": found["python"] and found["python"].replace("FILE", scene["file"]),
-        "warnings": found["warnings"],
-        "figures": Group(_caption(found), figures),
+        "sentence": _sentence(dynamics),
+        "facts": _facts(dynamics),
+        "python": dynamics["python"] and dynamics["python"].replace("FILE", scene["file"]),
+        "warnings": dynamics["warnings"],
+        "figures": Group(_caption(dynamics), figures),
         "tables": [table.write(table_folder) for table in tables],
     }
 
 
 def _setting(row: dict) -> str:
-    """As a reader says it."""
+    """Return a setting in words."""
     if row["method"] != "time domain":
         how = " and a deferred correction" if row["method"].endswith("corrected") else ""
         return f"harmonic balance with {row['nodes']} nodes, {plural(row['harmonics'], 'harmonic')}{how}"
     return f"time stepping with {row['nodes']} nodes and dt = {number(row['dt'])} s"
 
 
-def _sentence(found: dict) -> str:
-    best = found["recommended"]
+def _sentence(dynamics: dict) -> str:
+    best = dynamics["recommended"]
     if best is None:
-        return "No setting solved this line: the table says how each ended."
+        return "No setting solved this line: the table says how each failed."
     cost = f"{seconds(best['seconds'])} here, expected error {number(best['promised'], 2)} of the greatest tension"
-    tolerance = number(found["tolerance"], 1)
+    tolerance = number(dynamics["tolerance"], 1)
     if best["meets"]:
-        return f"Use {_setting(best)}: {cost}, within the tolerance of {tolerance}.{_cheaper(found, best)}"
+        return f"Use {_setting(best)}: {cost}, within the tolerance of {tolerance}.{_cheaper(dynamics, best)}"
     return f"No setting meets the tolerance of {tolerance}. The most accurate is {_setting(best)}: {cost}."
 
 
-def _cheaper(found: dict, best: dict) -> str:
-    """Other codes that meet the tolerance sooner than this project's setting that is recommended."""
-    within = found["tolerance"] - found["reference"]["uncertainty"]
-    rows = [row for row in found["ladder"] if row["method"] not in OWN and row["seconds"] < best["seconds"]]
+def _cheaper(dynamics: dict, best: dict) -> str:
+    """Return the other codes that meet the tolerance in less time than the recommended setting of this project."""
+    within = dynamics["tolerance"] - dynamics["reference"]["uncertainty"]
+    rows = [row for row in dynamics["ladder"] if row["method"] not in OWN and row["seconds"] < best["seconds"]]
     names = ", ".join(dict.fromkeys(r["method"] for r in rows if r["error"] is not None and r["error"] <= within))
     if not names:
         return ""
     return f" It is the cheapest of this project; cheaper still within the tolerance: {names}."
 
 
-def _facts(found: dict) -> list[str]:
-    """Extremes, reference and natural frequencies, one sentence each."""
-    said = []
-    if found.get("extremes"):
-        low, mean, high = (number(KN * found["extremes"][key], 5) for key in ("min", "mean", "max"))
-        said.append(f"Fairlead tension over a period: {low} to {high} kN, mean {mean} kN.")
-        least = found["smallest"]
-        said.append(
+def _facts(dynamics: dict) -> list[str]:
+    """Return extremes, reference and natural frequencies, one sentence each."""
+    sentences = []
+    if dynamics.get("extremes"):
+        low, mean, high = (number(KN * dynamics["extremes"][key], 5) for key in ("min", "mean", "max"))
+        sentences.append(f"Fairlead tension over a period: {low} to {high} kN, mean {mean} kN.")
+        least = dynamics["smallest"]
+        sentences.append(
             f"The smallest tension along the line is {number(KN * least['tension'], 4)} kN, at s = "
             f"{number(least['s'], 4)} m, {number(least['time'])} s into the period."
         )
-        said.append(_reference(found["reference"]))
-    said.append(f"Lowest natural frequencies at rest: {', '.join(number(f, 4) for f in found['modes'])} Hz.")
-    return said
+        sentences.append(_reference(dynamics["reference"]))
+    sentences.append(f"Lowest natural frequencies at rest: {', '.join(number(f, 4) for f in dynamics['modes'])} Hz.")
+    return sentences
 
 
 def _reference(known: dict) -> str:
     order = known.get("order")
-    seen = f" (observed order in the mesh {number(order)})" if order else ""
+    observed = f" (observed order in the mesh {number(order)})" if order else ""
     if known["method"] == "harmonic balance":
         return (
-            f"Errors are against harmonic balance extrapolated from meshes up to {known['nodes']} nodes{seen}, with up "
-            f"to {known['harmonics']} harmonics, known to {number(known['uncertainty'], 2)} of the greatest tension."
+            f"Errors are against harmonic balance extrapolated from meshes up to {known['nodes']} nodes{observed}, "
+            f"with up to {known['harmonics']} harmonics, known to {number(known['uncertainty'], 2)} of the greatest "
+            "tension."
         )
     return (
         f"Errors are against time stepping with {known['nodes']} nodes and dt = {number(known['dt'])} s, which moved "
@@ -103,25 +105,37 @@ def _reference(known: dict) -> str:
     )
 
 
-def _caption(found: dict) -> str:
-    used = [row for row in found["ladder"] if row["error"]]
-    failed = len(found["ladder"]) - len([row for row in found["ladder"] if row["error"] is not None])
-    said = f"{plural(len(used), 'setting')} solved" + (f", {failed} failed" if failed else "")
+def _caption(dynamics: dict) -> str:
     tail = "Dashed: the tolerance of the scene. Star: the recommended setting. Ringed: on the Pareto front."
-    if found.get("harmonics"):
-        mean, *rest = found["harmonics"]
+    if dynamics.get("harmonics"):
+        mean, *rest = dynamics["harmonics"]
         great = int(np.argmax(rest)) + 1
         tail += (
             f" The greatest harmonic of the tension is number {great}, {number(KN * rest[great - 1], 4)} kN about a "
             f"mean of {number(KN * mean, 5)} kN."
         )
-    return f"{said}. {tail}"
+    return f"{_count_outcomes(dynamics['ladder'])}. {tail}"
 
 
-def _work(found, name, folder) -> Figure:
+def _count_outcomes(ladder: list[dict]) -> str:
+    """Return such as "13 solved, 4 not corrected, MoorDyn not applicable"."""
+    failed = [row for row in ladder if row["error"] is None]
+    reasons = Counter(_reason(row) for row in failed if row["method"] in OWN)
+    others = dict.fromkeys(
+        f"{r['method']} {NO_TENSION.get(r['status'], 'failed')}" for r in failed if r["method"] not in OWN
+    )
+    ours = [f"{count} {reason}" for reason, count in reasons.items()]
+    return ", ".join([f"{len(ladder) - len(failed)} solved", *ours, *others])
+
+
+def _reason(row: dict) -> str:
+    return "not corrected" if row["method"].endswith("corrected") else status_words(row["status"])
+
+
+def _work(dynamics, name, folder) -> Figure:
     title = "Error against run time"
     figure, axes = panel(title, "run time, s", "error / greatest tension", xscale="log", yscale="log")
-    solved = [row for row in found["ladder"] if row["error"]]
+    solved = [row for row in dynamics["ladder"] if row["error"]]
     for method, look in style.add_missing_looks(METHODS, dict.fromkeys(row["method"] for row in solved)).items():
         rows = [row for row in solved if row["method"] == method]
         if rows:
@@ -130,26 +144,34 @@ def _work(found, name, folder) -> Figure:
     front = pareto_front(solved)
     axes.plot([r["seconds"] for r in front], [r["error"] for r in front], "o", markerfacecolor="none",
               markeredgecolor=style.INK, markersize=10)  # fmt: skip
-    axes.axhline(found["tolerance"], color=style.INK, linestyle="--", linewidth=1)
-    best = found["recommended"]
+    axes.axhline(dynamics["tolerance"], color=style.INK, linestyle="--", linewidth=1)
+    best = dynamics["recommended"]
     if best and best["error"]:
-        axes.plot(best["seconds"], best["error"], "*", color=style.RECOMMENDED, markeredgecolor=style.INK, markersize=14, zorder=6)
+        axes.plot(
+            best["seconds"],
+            best["error"],
+            "*",
+            color=style.RECOMMENDED,
+            markeredgecolor=style.INK,
+            markersize=14,
+            zorder=6,
+        )
     set_decade_ticks(axes)
     add_legend(figure, axes)
     return style.save(figure, folder, f"{name}_work", title, f"{title} of {plural(len(solved), 'setting')}.")
 
 
-def _waveform(found, name, folder) -> Figure:
-    title, wave = "Fairlead tension over a period", found["waveform"]
+def _waveform(dynamics, name, folder) -> Figure:
+    title, wave = "Fairlead tension over a period", dynamics["waveform"]
     figure, axes = panel(title, "time, s", "tension, kN")
     axes.plot(wave["time"], KN * np.array(wave["tension"]), color=METHODS["reference"]["color"])
-    axes.axhline(KN * found["statics"]["exact"], color=style.PALE, linestyle=":", label="at rest")
+    axes.axhline(KN * dynamics["statics"]["exact"], color=style.PALE, linestyle=":", label="at rest")
     add_legend(figure, axes)
     return style.save(figure, folder, f"{name}_tension", title, f"{title}, converged, and the tension at rest.")
 
 
-def _spectrum(found, name, folder) -> Figure:
-    title, harmonics = "Harmonics of the fairlead tension", np.array(found["harmonics"][1:])
+def _spectrum(dynamics, name, folder) -> Figure:
+    title, harmonics = "Harmonics of the fairlead tension", np.array(dynamics["harmonics"][1:])
     number_of = np.arange(1, harmonics.size + 1)
     figure, axes = panel(title, "harmonic of the frequency", "amplitude, kN", yscale="log")
     axes.bar(number_of, KN * np.maximum(harmonics, 1e-6 * harmonics.max()), color=style.PALETTE[0])
@@ -157,20 +179,20 @@ def _spectrum(found, name, folder) -> Figure:
     return style.save(figure, folder, f"{name}_harmonics", title, f"{title}, 1 to {harmonics.size}.")
 
 
-def _envelope(found, name, folder) -> Figure:
-    title, shape = "Tension along the line", {key: np.array(value) for key, value in found["envelope"].items()}
+def _envelope(dynamics, name, folder) -> Figure:
+    title, shape = "Tension along the line", {key: np.array(value) for key, value in dynamics["envelope"].items()}
     figure, axes = panel(title, "s, m of unstretched line from the anchor", "tension, kN")
     axes.fill_between(shape["s"], KN * shape["low"], KN * shape["high"], color=style.PALETTE[0], alpha=0.25,
                       label="least to greatest")  # fmt: skip
     axes.plot(shape["s"], KN * shape["mean"], color=style.PALETTE[0], label="mean")
-    least = found["smallest"]
+    least = dynamics["smallest"]
     axes.plot(least["s"], KN * least["tension"], "v", color=style.WRONG, label="smallest")
     add_legend(figure, axes, 3)
     return style.save(figure, folder, f"{name}_envelope", title, f"{title} over a period: envelope and mean.")
 
 
-def _settings(found, name) -> Table:
-    best = found["recommended"]
+def _settings(dynamics, name) -> Table:
+    best = dynamics["recommended"]
     rows = [
         {
             "method": row["method"],
@@ -178,9 +200,9 @@ def _settings(found, name) -> Table:
             "setting": f"{row['harmonics']} harmonics" if "harmonics" in row else f"dt = {number(row['dt'])} s",
             "error": row["error"],
             "seconds": row["seconds"],
-            "ended": _ended(row, best),
+            "ended": _outcome(row, best),
         }
-        for row in found["ladder"]
+        for row in dynamics["ladder"]
     ]
     heads = {"method": "method", "nodes": "nodes", "setting": "setting", "error": "error", "seconds": "run time",
              "ended": ""}  # fmt: skip
@@ -188,16 +210,16 @@ def _settings(found, name) -> Table:
     return Table(f"{name}_settings", "Settings", heads, rows, {"error": error, "seconds": seconds})
 
 
-def _ended(row, best) -> str:
-    if row["status"] in OTHERS:
-        return f"{OTHERS[row['status']]}: {row['sentence']}"
+def _outcome(row, best) -> str:
+    if row["status"] in NO_TENSION:
+        return f"{NO_TENSION[row['status']]}: {row['sentence']}"
     if row["status"] != "SUCCESS":
         return status_words(row["status"])
     same = best and all(best.get(key) == row.get(key) for key in ("method", "nodes", "harmonics", "dt"))
     return "recommended" if same else ""
 
 
-def _statics(found, name) -> Table:
-    heads = {"nodes": "nodes", "tension": "tension at rest, N", "error": "error", "seconds": "run time"}
-    formats = {"tension": lambda v: number(v, 8), "error": lambda v: number(v, 2), "seconds": seconds}
-    return Table(f"{name}_statics", "The line at rest on the nodes", heads, found["statics"]["rows"], formats)
+def _statics(dynamics, name) -> Table:
+    heads = {"nodes": "nodes", "tension": "tension at rest, kN", "error": "error", "seconds": "run time"}
+    formats = {"tension": lambda v: number(KN * v, 8), "error": lambda v: number(v, 2), "seconds": seconds}
+    return Table(f"{name}_statics", "The line at rest on the nodes", heads, dynamics["statics"]["rows"], formats)

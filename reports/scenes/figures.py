@@ -22,18 +22,18 @@ DASHES = ("-", "--", ":", "-.")
 
 
 def profiles(scene: dict, surroundings: dict, folder: Path) -> Group:
-    """Every line of the scene in its surroundings, the tension in colour; one scale for all of them."""
+    """Return every line of the scene in its surroundings, the tension in colour; one scale for all of them."""
     top = max(max(line["profile"]["tension"]) for line in scene["lines"]) / 1e3
     figures = [_profile(scene, line, surroundings, top, folder) for line in scene["lines"]]
     figures.append(tension(scene, surroundings, folder))
-    said = [_sentence(scene, line) for line in scene["lines"]]
+    sentences = [_sentence(scene, line) for line in scene["lines"]]
     if any(0 < line["grounded_length"] < line["inputs"]["L"] for line in scene["lines"]):
-        said.append("Triangle: touchdown.")
-    return Group(" ".join(said), figures)
+        sentences.append("Triangle: touchdown.")
+    return Group(" ".join(sentences), figures)
 
 
 def _start(scene: dict, line: dict) -> str:
-    """The label before a sentence about one of several lines."""
+    """Return the label before a sentence about one of several lines."""
     return f"{line['label']}: " if len(scene["lines"]) > 1 else ""
 
 
@@ -46,8 +46,8 @@ def _sentence(scene: dict, line: dict) -> str:
     )
     ends = line["tension"] / 1e3, np.hypot(line["H_anchor"], line["V_anchor"]) / 1e3
     return (
-        f"{_start(scene, line)}{rests}; {number(ends[0], 4)} kN at the fairlead, "
-        f"{number(float(ends[1]), 4)} kN at the anchor."
+        f"{_start(scene, line)}{rests}; {number(ends[0], 4)} kN at the fairlead, {number(float(ends[1]), 4)} kN at the "
+        "anchor."
     )
 
 
@@ -69,7 +69,11 @@ def _profile(scene, line, surroundings, top: float, folder: Path) -> Figure:
         at = np.interp(grounded, line["profile"]["s"], x), np.interp(grounded, line["profile"]["s"], z)
         axes.plot(*at, "^", color=style.INK, markersize=8, zorder=5)
     note = _scale(axes, x, heights)
-    axes.set(title=line["label"] or scene["name"], xlabel="x, m from the anchor", ylabel=f"z, m{surroundings['z_note']}{note}")
+    axes.set(
+        title=line["label"] or scene["name"],
+        xlabel="x, m from the anchor",
+        ylabel=f"z, m{surroundings['z_note']}{note}",
+    )
     bar = figure.colorbar(pieces, ax=axes, location="bottom", aspect=35, shrink=0.9)
     bar.set_label("tension, kN")
     alt = f"Profile of {scene['name']}, {line['label']}, coloured by tension from 0 to {number(top)} kN."
@@ -78,8 +82,12 @@ def _profile(scene, line, surroundings, top: float, folder: Path) -> Figure:
 
 
 def _height(x, z, surroundings) -> float:
-    """Inches that fit the picture at equal scales: title, labels and colour bar, then what the line needs."""
-    heights = [np.nanmin(z), np.nanmax(z), *(surroundings[key] for key in ("seabed", "water") if surroundings[key] is not None)]
+    """Return inches that fit the picture at equal scales: title, labels and colour bar, then what the line needs."""
+    heights = [
+        np.nanmin(z),
+        np.nanmax(z),
+        *(surroundings[key] for key in ("seabed", "water") if surroundings[key] is not None),
+    ]
     tall = max(heights) - min(heights)
     return float(np.clip(1.95 + 3.9 * tall / max(np.ptp(x), 1e-9), 2.9, 5.4))
 
@@ -116,7 +124,7 @@ def _scale(axes, x, heights) -> str:
 
 
 def tension(scene: dict, surroundings: dict, folder: Path) -> Figure:
-    """Tension along the line from the anchor, all lines of the scene together."""
+    """Return tension along the line from the anchor, all lines of the scene together."""
     figure, axes = plt.subplots(figsize=style.PANEL)
     for line, dash, colour in zip(scene["lines"], DASHES * 9, style.PALETTE * 9, strict=False):
         curve = line["profile"]
@@ -131,16 +139,16 @@ def tension(scene: dict, surroundings: dict, folder: Path) -> Figure:
 
 
 def ladder(scene: dict, surroundings: dict, looks: dict, folder: Path) -> Group:
-    """Error against time of every setting, with the tolerance that the scene asks for and the cheapest within it."""
-    figures, said = [], []
+    """Return error against time of every setting, with the scene's tolerance and the cheapest setting within it."""
+    figures, sentences = [], []
     for line in scene["lines"]:
-        said.append(_ladder_sentence(scene, line))
+        sentences.append(_ladder_sentence(scene, line))
         if analysis.select_answered(line["ladder"]):
             figures.append(_ladder_panel(scene, line, surroundings, looks, folder))
-    said.append(
+    sentences.append(
         "Dashed: the tolerance of the scene. Star: the cheapest setting that meets it. Rings: the Pareto front."
     )
-    return Group(" ".join(said), figures)
+    return Group(" ".join(sentences), figures)
 
 
 def _ladder_panel(scene, line, surroundings, looks, folder) -> Figure:

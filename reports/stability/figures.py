@@ -34,20 +34,20 @@ TICKS = 10  # on an axis at most
 
 
 def maps(entries: list[dict], explicit: list[dict], folder: Path) -> Group:
-    """The maps of one solver; explicit: rows of the limits of explicit steps, drawn where the step is an axis."""
-    said, drawn = [_caption(entry) for entry in entries], [_map(entry, explicit, folder) for entry in entries]
+    """Return the maps of one solver; explicit: limits of explicit steps, drawn where the step is an axis."""
+    captions, drawn = [_caption(entry) for entry in entries], [_map(entry, explicit, folder) for entry in entries]
     if any(_limit(entry, explicit) for entry in entries):
-        said.append("Dashed: the largest step of the leapfrog, an explicit method, on this mesh.")
-    return Group(" ".join(said), drawn)
+        captions.append("Dashed: the largest step of the leapfrog, an explicit method, on this mesh.")
+    return Group(" ".join(captions), drawn)
 
 
 def _limit(entry: dict, explicit: list[dict]) -> tuple[str, float] | None:
-    """("x" or "y", place) of the leapfrog's largest step on the mesh of a map whose steps go below it."""
-    found = [row["leapfrog"] / row["period"] for row in explicit if row["nodes"] == entry["nodes"] and not row["beta"]]
+    """Return ("x" or "y", position) of the largest leapfrog step on the mesh of a map with smaller steps."""
+    limits = [row["leapfrog"] / row["period"] for row in explicit if row["nodes"] == entry["nodes"] and not row["beta"]]
     for key in ("x", "y"):
         values = entry[key]["values"]
-        if found and entry[key]["label"].startswith("step") and found[0] > values[0]:
-            return key, float(np.interp(math.log(found[0]), np.log(values), np.arange(len(values)) + 0.5))
+        if limits and entry[key]["label"].startswith("step") and limits[0] > values[0]:
+            return key, float(np.interp(math.log(limits[0]), np.log(values), np.arange(len(values)) + 0.5))
     return None
 
 
@@ -68,8 +68,8 @@ def _map(entry: dict, explicit: list[dict], folder: Path) -> Figure:
         if verdict in marked:
             axes.scatter(*zip(*marked[verdict], strict=True), label=verdict, **look)
     for axis, values in ((axes.xaxis, x), (axes.yaxis, y)):
-        shown = range(0, len(values), math.ceil(len(values) / TICKS))
-        axis.set_ticks([i + 0.5 for i in shown], [_tick(values[i]) for i in shown])
+        ticks = range(0, len(values), math.ceil(len(values) / TICKS))
+        axis.set_ticks([i + 0.5 for i in ticks], [_tick(values[i]) for i in ticks])
     axes.tick_params(axis="x", labelrotation=45 if max(len(_tick(v)) for v in x) > 4 else 0)
     axes.set(title=entry["title"], xlabel=entry["x"]["label"], ylabel=entry["y"]["label"])
     axes.set(xlim=(0, len(x)), ylim=(0, len(y)))
@@ -90,7 +90,7 @@ def _map(entry: dict, explicit: list[dict], folder: Path) -> Figure:
 
 
 def _tick(value: float) -> str:
-    """0.001, 30, 1e5, 1 - 1e-6."""
+    """Return such as 0.001, 30, 1e5, 1 - 1e-6."""
     if 0 < abs(value - 1) < 1e-3:
         return f"1{'+' if value > 1 else MINUS}{abs(value - 1):.0e}".replace("e-0", "e-")
     text = f"{value:.0e}" if value >= 1e4 and value == 10 ** round(math.log10(value)) else f"{value:g}"
@@ -103,35 +103,34 @@ def _caption(entry: dict) -> str:
     text = f"{entry['title']}: {len(solved)} of {plural(len(entry['points']), 'point')} solved{counts}"
     if solved:
         worst = max(solved, key=lambda point: point["error"])
-        place = ", ".join(f"{entry[key]['label']} {_tick(entry[key]['values'][worst[key]])}" for key in ("x", "y"))
-        text += f"; greatest error of the solved {number(worst['error'], 2)} ({place})"
+        where = ", ".join(f"{entry[key]['label']} {_tick(entry[key]['values'][worst[key]])}" for key in ("x", "y"))
+        text += f"; greatest error of the solved {number(worst['error'], 2)} ({where})"
     return f"{text}. {entry['left_out']}".strip()
 
 
 # ---------------------------------------------------------------- stiff integration
 def stiff(explicit: list[dict], axial: list[dict], folder: Path) -> Group:
-    """The limits of explicit steps by nodes, and the loss of an axial wave by steps in its period."""
+    """Return the limits of explicit steps by nodes, and the loss of an axial wave by steps in its period."""
     plain = [row for row in explicit if not row["beta"]]
     last = plain[-1]
     leapfrog, runge_kutta = (f"{number(1e3 * last[key], 2)} ms" for key in ("leapfrog", "rk4"))
-    said = (
-        "Left: the largest eigenvalue of the chain linearised about rest limits explicit steps, on "
-        f"{last['nodes']} nodes the leapfrog's to {leapfrog} and that of the classical Runge-Kutta method to "
-        f"{runge_kutta}; the box scheme's shortest waves are faster than an axial wave crosses a cell, so the limit "
-        "falls with the square of the cell. The implicit method has none: the maps above step from a fraction of it to "
-        "half a period. "
+    text = (
+        f"Left: the largest eigenvalue of the chain linearised about rest limits explicit steps, on {last['nodes']} "
+        f"nodes the leapfrog's to {leapfrog} and that of the classical Runge-Kutta method to {runge_kutta}; the box "
+        "scheme's shortest waves are faster than an axial wave crosses a cell, so the limit falls with the square of "
+        "the cell. The implicit method has none: the maps above step from a fraction of it to half a period. "
     )
     damped = [row for row in explicit if row["beta"]]
     if damped:
         limits = ", ".join(f"{number(row['rk4'], 2)} s with β = {row['beta']:g} s" for row in damped)
-        said += f"Structural damping tightens an explicit step further on {damped[0]['nodes']} nodes: {limits}. "
+        text += f"Structural damping tightens an explicit step further on {damped[0]['nodes']} nodes: {limits}. "
     worst = max(abs(row["measured"] - row["expected"]) for row in axial if row["measured"] is not None)
-    said += (
+    text += (
         f"Right: what the first axial wave ({number(axial[0]['frequency'])} Hz) loses in a period, measured in a free "
         f"motion (markers) and from the roots of the method (lines); they differ by at most {number(worst, 1)}. With "
         "spectral radius 1 it loses nothing, and nothing above it either."
     )
-    return Group(said, [_limits(plain, folder), _losses(axial, folder)])
+    return Group(text, [_limits(plain, folder), _losses(axial, folder)])
 
 
 def _limits(rows, folder) -> Figure:

@@ -98,7 +98,7 @@ def _limit_sentences(limit: dict | None) -> list[str]:
 
 
 def _explained(entries: list[dict]) -> list[str]:
-    """Why there are points without an answer, where there are some."""
+    """Return why there are points without an answer, where there are some."""
     failed = ("not converged", "invalid", "too coarse")
     return list(
         dict.fromkeys(e["explained"] for e in entries if any(e["counts"][v] for v in failed) and e["explained"])
@@ -112,7 +112,7 @@ def _counts(data: dict) -> Table:
 
 
 def _points(data: dict) -> Table:
-    """Every point of every map; for the files beside the page."""
+    """Return every point of every map; for the files beside the page."""
     rows = [
         point | {"map": entry["name"], "x": entry["x"]["values"][point["x"]], "y": entry["y"]["values"][point["y"]]}
         for entry in data["maps"]
@@ -147,7 +147,7 @@ def _example(row: dict, one: dict) -> dict:
 
 
 def _moved(row: dict) -> dict:
-    """The wrong point of a grid of motions with the least amplitude."""
+    """Return the wrong point of a grid of motions with the least amplitude."""
     point = min((p for p in row["points"] if p["verdict"] == "wrong"), key=lambda p: p["y"])
     return row | {"x": point["x"], "y": point["y"], "error": point["error"]}
 

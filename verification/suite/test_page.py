@@ -188,6 +188,35 @@ def test_every_item_of_the_papers_is_listed(bare):
     assert next(row for row in rows if row["item"] == "Table 1")["verdict"] == "agrees"
 
 
+SECTION = """
+import sys
+from dataclasses import replace
+from pathlib import Path
+from reports.page import site
+from reports.page.section import Content
+from reports.papers.errata import ERRATA
+build = lambda inputs: Content({"value": len(inputs.results[sys.argv[3]])}, sentences=["A planted sentence."])
+planted = replace(ERRATA, id="planted", title="Planted", needs=tuple(sys.argv[2].split()), build=build)
+site.SECTIONS = (planted, *site.SECTIONS)
+site.build(Path(sys.argv[1]), "index.html", [], [], True)
+"""
+"""Builds the page with one more section, with the template of that on misprints."""
+
+
+@pytest.mark.parametrize(
+    ("needs", "used", "says"),
+    [
+        ("tests", "tests", "UndefinedError: 'errata' is undefined"),
+        ("tests", "accuracy", "KeyError: 'accuracy'"),
+        ("misprints", "misprints", "no such group of stages: 'misprints'"),
+    ],
+)
+def test_a_section_gets_what_it_declares(tmp_path, needs, used, says):
+    """A result it does not name, a group that is not there or a variable that it does not give stop the page."""
+    run = subprocess_of(SECTION, tmp_path, needs, used)
+    assert run.returncode == 1 and says in run.stderr
+
+
 # ---------------------------------------------------------------- lines to paste
 @pytest.fixture(scope="module")
 def scene_page(tmp_path_factory):
@@ -258,9 +287,10 @@ def test_a_figure_without_units_is_refused(tmp_path):
     assert run.returncode == 1 and "figure 'bare': axes without a label" in run.stderr and ": y" in run.stderr
 
 
-def subprocess_of(code: str):
+def subprocess_of(code: str, *arguments):
     """A process of its own: verification imports no reports."""
-    return subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=60)
+    command = [sys.executable, "-c", code, *map(str, arguments)]
+    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=60)
 
 
 # ---------------------------------------------------------------- fronts

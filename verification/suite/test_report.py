@@ -193,7 +193,7 @@ def test_networks_are_on_the_page(whole_pages):
     (_, without), (folder, text) = whole_pages
     assert "Not run yet" in section(without, "networks") and "<h3" not in section(without, "networks")
     found = section(text, "networks")
-    headings = [heading for heading in re.findall(r"<h3[^>]*>(.*?)</h3>", found) if heading != "Beside MoorPy"]
+    headings = [heading for heading in re.findall(r"<h3[^>]*>(.*?)</h3>", found) if heading != "Compared with MoorPy"]
     assert [heading.replace("&#39;", "'") for heading in headings] == list(NETWORK_HEADINGS)
     for name in NETWORK_FIGURES:
         assert f'href="figures/networks_{name}.png"' in found

@@ -410,7 +410,7 @@ def test_what_cannot_be_done_is_told_in_a_sentence(tmp_path, arguments, says):
 def test_a_command_is_shown_with_its_real_folders():
     """Below the working folder as seen from there; elsewhere, beside it too, whole."""
     code = ("import sys; from reports.pipeline.stages import *; "
-            "print(scene_stage(Path(sys.argv[1])).shown(Path(sys.argv[2])))")  # fmt: skip
+            "print(scene_stage(Path(sys.argv[1])).command_line(Path(sys.argv[2])))")  # fmt: skip
     for scene, out in ((f"{ROOT}-lines/a.toml", f"{ROOT}-out"), ("/lines/a.toml", "/out")):
         assert python(code, scene, out).stdout.strip() == f"python -m benchmarks.scenes.measure {scene} --out {out}"
     inside = python(code, str(ROOT / "a.toml"), str(ROOT / "mooring-report")).stdout.strip()
