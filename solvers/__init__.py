@@ -1,6 +1,8 @@
 """Compact mooring-cable solvers: numpy and scipy, numba for loops over small blocks. Conventions: README.md."""
 
-from ._version import __version__
+from importlib.metadata import PackageNotFoundError as _PackageNotFoundError
+from importlib.metadata import version as _version
+
 from .cable.statics import StaticState, solve_static
 from .cable.system import CableSystem, cable_system
 from .catenary.span import CatenaryBatch, CatenaryState, Regime, Span, solve_span, solve_spans
@@ -44,3 +46,8 @@ __all__ = [
     "solve_static",
     "solve_time_domain",
 ]
+
+try:
+    __version__ = _version("mooring-verification")  # stated by pyproject.toml alone
+except _PackageNotFoundError:  # imported from a folder that was never installed
+    __version__ = "unknown"

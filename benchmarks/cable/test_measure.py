@@ -16,6 +16,7 @@ from solvers import Motion, solve_span
 from solvers.common.motion import Ramped
 from solvers.harmonic_balance.solve import solve_periodic
 from solvers.time_domain.solve import solve_time_domain
+from verification import registry
 from verification.registry import INSTANTS, extrapolated_time_domain, instants, last_period_tension
 
 from .. import peers
@@ -135,7 +136,7 @@ WRONG_PLACES = {
 @pytest.mark.parametrize("name", WRONG_PLACES)
 def test_a_response_at_wrong_instants_is_found(name, monkeypatch):
     """Instants of the response that are not those of its reference change the error."""
-    monkeypatch.setattr(dynamic_cases, *WRONG_PLACES[name])
+    monkeypatch.setattr(registry, *WRONG_PLACES[name])
     assert any(miss.startswith("a response") for miss in misses_or_refusal())
 
 

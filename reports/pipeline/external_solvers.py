@@ -12,7 +12,7 @@ import subprocess
 from dataclasses import replace
 from pathlib import Path
 
-from ..installation import MODULE, child_environment
+from .installation import MODULE, child_environment
 from .sources import SUFFIXES
 from .stages import Stage
 

@@ -15,7 +15,7 @@ from functools import cache
 from itertools import chain
 from pathlib import Path
 
-from ..installation import DISTRIBUTION, has_git, installed_requirements, installed_version, is_repository
+from .installation import DISTRIBUTION, has_git, installed_requirements, installed_version, is_repository
 from .sources import ROOT, depends_on, files_of
 from .stages import Stage
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from datetime import datetime
 from pathlib import Path
 
-from ..installation import MODULE, child_environment
+from .installation import MODULE, child_environment
 from .ledger import Ledger, key
 from .progress import Progress
 from .stages import CORES, Stage

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
 
-from ..installation import INSTALLED_PYTEST, is_repository
+from .installation import INSTALLED_PYTEST, is_repository
 from .sources import ROOT, program
 
 SCENES = Path(str(files("reference_data") / "scenes"))

@@ -68,7 +68,7 @@ def test_a_missing_extra_is_named_with_its_command(package, module):
 
 def test_only_a_checkout_is_taken_for_the_repository(tmp_path):
     """Neither a folder without a project file nor one with that of another project, in a git repository or not."""
-    code = ("import sys, pathlib; from reports.installation import has_git, is_repository; "
+    code = ("import sys, pathlib; from reports.pipeline.installation import has_git, is_repository; "
             "print(*(f(pathlib.Path(sys.argv[1])) for f in (is_repository, has_git)))")  # fmt: skip
     answers = lambda: python("-c", code, tmp_path).stdout.split()
     (tmp_path / ".git").mkdir()

@@ -7,7 +7,7 @@ import sys
 from importlib.metadata import PackageNotFoundError, requires, version
 from pathlib import Path
 
-from .pipeline.sources import ROOT
+from .sources import ROOT
 
 DISTRIBUTION = "mooring-verification"
 MODULE = (sys.executable, "-P", "-m")
