@@ -51,7 +51,9 @@ def cables(adapter: peers.Adapter) -> Iterator[str]:
     for setting in adapter.settings[:2]:
         answer = dynamic_work.ask(adapter, chain.scene, ramped, chain.period, setting)
         error = None if answer.kind else dynamic_work.errors(reference, answer)["rms"]
-        yield _row(f"cable {CABLE}, {setting[0]} cells, {setting[1]} steps", answer.kind or "rms", error, answer.message)
+        yield _row(
+            f"cable {CABLE}, {setting[0]} cells, {setting[1]} steps", answer.kind or "rms", error, answer.message
+        )
 
 
 def _row(case: str, verdict: str, error, message: str) -> str:

@@ -128,5 +128,6 @@ def _orbit(damping: float, steps, harmonics) -> tuple[list, np.ndarray]:
     start = orbit.at(zero)[..., 0], orbit.rate_at(zero)[..., 0]
     period = chain.period
     return [
-        last_period_tension(solve_time_domain(system, dt=period / count, periods=1, hold=None, start=start)) for count in steps
+        last_period_tension(solve_time_domain(system, dt=period / count, periods=1, hold=None, start=start))
+        for count in steps
     ], last_period_tension(orbit)

@@ -174,7 +174,10 @@ def test_a_crash_of_the_interpreter_ends_the_measuring_and_one_of_a_program_does
 
 def test_its_files_are_what_results_depend_on(folder):
     """A result belongs to the files that were brought, and to those that they import and call."""
-    code = "import sys, pathlib; from reports.pipeline.external_solvers import sources; print(*sources(pathlib.Path(sys.argv[1])))"
+    code = (
+        "import sys, pathlib; from reports.pipeline.external_solvers import sources; "
+        "print(*sources(pathlib.Path(sys.argv[1])))"
+    )
     said = subprocess.run([sys.executable, "-c", code, folder / "toys.py"], cwd=ROOT, capture_output=True, text=True,
                           check=True).stdout  # fmt: skip
     assert set(said.split()) >= {str((folder / name).resolve()) for name in ("toys.py", "my_code.py", "program.py")}

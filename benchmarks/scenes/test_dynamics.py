@@ -63,7 +63,9 @@ def finer(name, method, nodes, other) -> np.ndarray:
     chain = cable_system(SCENES[name], max(4 * nodes, 100))
     if method.startswith("harmonic"):
         corrected = method.endswith("corrected")
-        return last_period_tension(solve_periodic(chain, harmonics=max(2 * other + 10, 30), deferred_correction=corrected))
+        return last_period_tension(
+            solve_periodic(chain, harmonics=max(2 * other + 10, 30), deferred_correction=corrected)
+        )
     return last_period_tension(solve_time_domain(chain, dt=other / 4, periods=scene_dynamics.PERIODS + 2))
 
 

@@ -78,20 +78,42 @@ def _typed(word: str | Path) -> str:
 
 
 # ---------------------------------------------------------------- tests
-LONG_TESTS = {"catenary/test_exact": 50, "network/test_solve": 20, "harmonic_balance/test_solve": 15, "suite/test_stability": 13,
-              "common/test_failures": 14, "catenary/test_invariants": 13, "time_domain/test_solve": 12, "cable/test_exact": 12,
-              "network/test_properties": 12,
-              "cable/test_order": 11, "network/test_checks": 11, "catenary/test_checks": 9, "cable/test_invariants": 8,
-              "harmonic_balance/test_oscillators": 8, "catenary/test_references": 7, "cable/test_failures": 6, "harmonic_balance/test_start": 6,
-              "cable/test_statics": 5, "common/test_found_by_defects": 5, "suite/test_fuzz": 5}  # fmt: skip
+LONG_TESTS = {
+    "catenary/test_exact": 50,
+    "network/test_solve": 20,
+    "harmonic_balance/test_solve": 15,
+    "suite/test_stability": 13,
+    "common/test_failures": 14,
+    "catenary/test_invariants": 13,
+    "time_domain/test_solve": 12,
+    "cable/test_exact": 12,
+    "network/test_properties": 12,
+    "cable/test_order": 11,
+    "network/test_checks": 11,
+    "catenary/test_checks": 9,
+    "cable/test_invariants": 8,
+    "harmonic_balance/test_oscillators": 8,
+    "catenary/test_references": 7,
+    "cable/test_failures": 6,
+    "harmonic_balance/test_start": 6,
+    "cable/test_statics": 5,
+    "common/test_found_by_defects": 5,
+    "suite/test_fuzz": 5,
+}
 """Test files that take long -> expected seconds."""
 IN_QUICK = {"catenary/test_exact": "not 50_digits and not random_lines"}
 """Files among them that the quick run takes in part: what pytest -k chooses."""
 WHOLE_TREE = {"suite/test_architecture": ("solvers", "verification", "benchmarks", "reference_data", "reports")}
 """Tests that read sources which they do not name one by one."""
 
-ELSEWHERE = ("suite/test_report", "suite/test_report_runs", "suite/test_dynamics_report", "suite/test_page", "suite/test_defects",
-             "suite/test_planting")  # fmt: skip
+ELSEWHERE = (
+    "suite/test_report",
+    "suite/test_report_runs",
+    "suite/test_dynamics_report",
+    "suite/test_page",
+    "suite/test_defects",
+    "suite/test_planting",
+)
 """Tests of what makes a report, which show nothing in one that it does not show itself; `pytest` runs them."""
 
 
@@ -102,9 +124,17 @@ def _tests(quick: bool) -> list[Stage]:
     alone = [stem for stem in stems if stem in WHOLE_TREE or (stem in LONG_TESTS and (not quick or stem in IN_QUICK))]
     short = tuple(f"verification/{stem}.py" for stem in stems if stem not in LONG_TESTS and stem not in WHOLE_TREE)
     typed = (f"{{root}}/{file}" for file in short)
-    together = Stage("test_short", "tests", "tests: short files", (*PYTEST, *typed, *JUNIT),
-                     "tests/test_short.xml", (*short, "verification/conftest.py"), ("pyproject.toml", "conftest.py"),
-                     seconds=13, codes=(0, 1))  # fmt: skip
+    together = Stage(
+        "test_short",
+        "tests",
+        "tests: short files",
+        (*PYTEST, *typed, *JUNIT),
+        "tests/test_short.xml",
+        (*short, "verification/conftest.py"),
+        ("pyproject.toml", "conftest.py"),
+        seconds=13,
+        codes=(0, 1),
+    )
     return [*(_test(stem, quick) for stem in alone), together]
 
 
@@ -115,10 +145,17 @@ def _test(stem: str, quick: bool) -> Stage:
     name = stem.replace("/test_", "_")
     title = f"tests: {stem.replace('/test_', ', ').replace('_', ' ')}"
     return Stage(
-        f"test_{name}", "tests", title, (*whole, *fewer), f"tests/test_{name}.xml",
-        (file, "verification/conftest.py"), ("pyproject.toml", "conftest.py", *WHOLE_TREE.get(stem, ())),
-        seconds=8 if fewer else LONG_TESTS.get(stem, 3), codes=(0, 1), better=whole if fewer else (),
-    )  # fmt: skip
+        f"test_{name}",
+        "tests",
+        title,
+        (*whole, *fewer),
+        f"tests/test_{name}.xml",
+        (file, "verification/conftest.py"),
+        ("pyproject.toml", "conftest.py", *WHOLE_TREE.get(stem, ())),
+        seconds=8 if fewer else LONG_TESTS.get(stem, 3),
+        codes=(0, 1),
+        better=whole if fewer else (),
+    )
 
 
 # ---------------------------------------------------------------- measurements
@@ -153,14 +190,30 @@ def _benchmarks() -> Stage:
     found = sorted((ROOT / "benchmarks").rglob("bench_*.py"))
     programs = tuple(path.relative_to(ROOT).as_posix() for path in found)
     typed = (f"{{root}}/{program}" for program in programs)
-    options = ("--benchmark-enable", "--benchmark-only", "--benchmark-json={part}", "--benchmark-max-time=0.5",
-               "--benchmark-storage=file://{results}/benchmarks")  # fmt: skip
-    return Stage("benchmarks", "benchmarks", "timings", (*PYTEST, *typed, *options), "benchmark.json",
-                 programs, ("pyproject.toml",), timed=True, seconds=16)  # fmt: skip
+    options = (
+        "--benchmark-enable",
+        "--benchmark-only",
+        "--benchmark-json={part}",
+        "--benchmark-max-time=0.5",
+        "--benchmark-storage=file://{results}/benchmarks",
+    )
+    return Stage(
+        "benchmarks",
+        "benchmarks",
+        "timings",
+        (*PYTEST, *typed, *options),
+        "benchmark.json",
+        programs,
+        ("pyproject.toml",),
+        timed=True,
+        seconds=16,
+    )
 
 
-MOVING = {"dynamics": ("moving cable", "benchmarks.cable.measure", (21, 6), (10, 4)),
-          "harmonic_balance": ("harmonic balance", "benchmarks.harmonic_balance.measure", (24, 10), (60, 10))}  # fmt: skip
+MOVING = {
+    "dynamics": ("moving cable", "benchmarks.cable.measure", (21, 6), (10, 4)),
+    "harmonic_balance": ("harmonic balance", "benchmarks.harmonic_balance.measure", (24, 10), (60, 10)),
+}
 """Group -> title, program, expected seconds of the whole and of the quick run: of what is not timed, and what is."""
 
 DYNAMICS = (*MOVING, "stability")
@@ -183,8 +236,19 @@ def _defects() -> Stage:
     """Return the stage of seeded defects, each with the check named for it; status 1: some promise is broken."""
     named = ("verification.defects", "--out", "{results}", "--jobs", "{jobs}")
     sources = ("solvers", "verification", "reference_data", "pyproject.toml")
-    return Stage("defects", "defects", "seeded defects", named, "defects.json", (), sources, seconds=115, jobs=JOBS,
-                 codes=(0, 1), better=(*named, "--all"))  # fmt: skip
+    return Stage(
+        "defects",
+        "defects",
+        "seeded defects",
+        named,
+        "defects.json",
+        (),
+        sources,
+        seconds=115,
+        jobs=JOBS,
+        codes=(0, 1),
+        better=(*named, "--all"),
+    )
 
 
 SCENE_SECONDS = {"published": 1, "scenes": 2, "moving_scene": 9}
@@ -194,18 +258,44 @@ def scene_stage(path: Path, group: str = "scenes") -> Stage:
     """Return the stage of one scene file, named after its stem; of a published line the forces only, no times."""
     published = group == "published"
     title = f"{'published value' if published else 'scene'} {path.stem}"
-    arguments = ("benchmarks.scenes.measure", str(path.resolve()), "--out", "{results}", *(("--forces",) if published else ()))
-    return Stage(f"scene_{path.stem}", group, title, arguments, f"scene_{path.stem}.json",
-                 (program("benchmarks.scenes.measure"),), (str(path.resolve()),), timed=not published,
-                 seconds=SCENE_SECONDS[group])  # fmt: skip
+    arguments = (
+        "benchmarks.scenes.measure",
+        str(path.resolve()),
+        "--out",
+        "{results}",
+        *(("--forces",) if published else ()),
+    )
+    return Stage(
+        f"scene_{path.stem}",
+        group,
+        title,
+        arguments,
+        f"scene_{path.stem}.json",
+        (program("benchmarks.scenes.measure"),),
+        (str(path.resolve()),),
+        timed=not published,
+        seconds=SCENE_SECONDS[group],
+    )
 
 
 # ---------------------------------------------------------------- the whole
 SLOW = ("work_precision", "defects", "benchmarks", "speed", "moving_scene")
 """Groups left out by --quick; results of an earlier whole run are still shown."""
 
-GROUPS = ("tests", "machine", "accuracy", "benchmarks", "work_precision", "speed", "networks", *DYNAMICS, "defects",
-          "scenes", "moving_scene", "published")  # fmt: skip
+GROUPS = (
+    "tests",
+    "machine",
+    "accuracy",
+    "benchmarks",
+    "work_precision",
+    "speed",
+    "networks",
+    *DYNAMICS,
+    "defects",
+    "scenes",
+    "moving_scene",
+    "published",
+)
 
 
 def plan(quick: bool, published: list[Path]) -> list[Stage]:

@@ -138,8 +138,8 @@ def mesh_warnings(pretension_error) -> tuple[str, ...]:
     if pretension_error is None or not pretension_error > MAX_PRETENSION_ERROR:
         return ()
     return (
-        f"mesh: the pretension is off by {pretension_error:.2g} of the exact catenary's: use more nodes, or a finer mesh "
-        "where the line touches down or bends",
+        f"mesh: the pretension is off by {pretension_error:.2g} of the exact catenary's: use more nodes, or a finer "
+        "mesh where the line touches down or bends",
     )
 
 

@@ -22,7 +22,7 @@ def check_history(history):
         return
     yield from system.rest_warnings()
     if history.failed_ramp is not None:
-        yield f"ramp: the default, {history.failed_ramp:g} s, led to a failure; the motion grows over {history.ramp:g} s"
+        yield f"ramp: the default, {history.failed_ramp:g} s, led to a failure; taken was one of {history.ramp:g} s"
     tension = history.tension[-1]
     spread = _range(tension)
     cure = (

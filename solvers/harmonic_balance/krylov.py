@@ -18,7 +18,10 @@ _BASIS = 200  # vectors kept before GMRES gives up; to restart it with fewer doe
 
 
 class HarmonicKrylov:
-    """The Jacobian of a HarmonicResidual at sampled rows, as a product and an approximate inverse. ``singular``: no use."""
+    """The Jacobian of a HarmonicResidual at sampled rows, as a product and an approximate inverse.
+
+    singular: True where there is no inverse.
+    """
 
     def __init__(self, balance, rows, state):
         self.balance, self.rows = balance, rows

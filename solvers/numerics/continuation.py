@@ -17,9 +17,7 @@ class ContinuationResult(NamedTuple):
     steps: list
 
 
-def continue_in_load(
-    solve, x, rest=None, *, min_step, max_iterations=math.inf, secant=False
-) -> ContinuationResult:
+def continue_in_load(solve, x, rest=None, *, min_step, max_iterations=math.inf, secant=False) -> ContinuationResult:
     """Return the solution at the full load, found from x at once or else by steps in the load factor from 0 to 1.
 
     solve(load_factor, guess) -> (x, steps, converged). A step that fails is halved, one that succeeds is followed by

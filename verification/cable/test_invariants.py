@@ -187,7 +187,9 @@ def imbalance(case, fields, of=SOLVERS):
     for nodes, dt in ((26, 0.1), (51, 0.05), (101, 0.025)):
         chain = system(case, nodes, of, fields=fields)
         start = (swing(chain), None)
-        history = of.time_domain.solve.solve_time_domain(chain, dt=dt, duration=10.0, start=start, rho_inf=1.0, hold=None)
+        history = of.time_domain.solve.solve_time_domain(
+            chain, dt=dt, duration=10.0, start=start, rho_inf=1.0, hold=None
+        )
         E, P = energy(chain, history.y), loss(case, chain, history.y, history.ydot)
         work = np.concatenate([[0.0], np.cumsum((P[1:] + P[:-1]) / 2 * np.diff(history.time))])
         first = E[0] - energy(chain, chain.rest_state()[..., None])[0]

@@ -209,8 +209,16 @@ def test_tables_that_are_none_are_refused(steps):
 SHARE = 15  # every fifteenth sign by default; all of them in the long version
 SIGNS = {
     "cable.planar": ("_loads", "_local", "_add_stiffness", "_up", "cells", "velocity", "stretched_tangent"),
-    "cable.spatial": ("__init__", "_local", "_stiffness_coefficients", "_add_stiffness", "_up", "cells", "velocity",
-                      "stretched_tangent"),
+    "cable.spatial": (
+        "__init__",
+        "_local",
+        "_stiffness_coefficients",
+        "_add_stiffness",
+        "_up",
+        "cells",
+        "velocity",
+        "stretched_tangent",
+    ),
 }
 """Functions of the two modules of HB (1)-(12) in which each term in turn is planted with the wrong sign."""
 
@@ -240,5 +248,8 @@ def test_no_fault_no_red():
     """The same checks pass on a copy of the solvers with a change that is none, and a fault not found is refused."""
     with planted(Fault("cable.loads", "quadratic_drag", "2 * slope", "2 * slope * 1")) as copy:
         assert not red_checks(copy)
-    with pytest.raises(ValueError, match="not once"), planted(Fault("cable.loads", "quadratic_drag", "no_such_code()", "1")):
+    with (
+        pytest.raises(ValueError, match="not once"),
+        planted(Fault("cable.loads", "quadratic_drag", "no_such_code()", "1")),
+    ):
         pass

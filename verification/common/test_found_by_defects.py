@@ -180,7 +180,9 @@ def test_tangents_times_a_state_are_the_change_of_the_rows():
 def test_a_hold_takes_an_offset_back():
     """An end that runs away by itself: the hold learns its rate; after twelve intervals 1 % of the offset is left."""
     offset, growth, before = np.array([1.0]), 0.3, np.zeros(1)
-    hold = PositionDriftControl(SimpleNamespace(drift=lambda y, t: offset, settling_time=lambda: 0.0, drift_gain=lambda: 1.0), 1.0)
+    hold = PositionDriftControl(
+        SimpleNamespace(drift=lambda y, t: offset, settling_time=lambda: 0.0, drift_gain=lambda: 1.0), 1.0
+    )
     for k in range(12):
         correction = hold(None, float(k), 1.0)
         offset, before = offset + growth + (before + correction) / 2, correction

@@ -72,11 +72,22 @@ def whole(file: str) -> str:
 STORED = "suite/test_published.py catenary/test_references.py -k '{}'".format(
     " and ".join(f"not {word}" for word in LONG["catenary/test_references.py"])
 )
-_SPAN = ("catenary/test_exact.py", "catenary/test_jacobian.py", "catenary/test_limits.py", "catenary/test_invariants.py", "catenary/test_cross_solver.py",
-         "common/test_failures.py")  # fmt: skip
+_SPAN = (
+    "catenary/test_exact.py",
+    "catenary/test_jacobian.py",
+    "catenary/test_limits.py",
+    "catenary/test_invariants.py",
+    "catenary/test_cross_solver.py",
+    "common/test_failures.py",
+)
 _NETWORK = ("network/test_solve.py", "network/test_jacobian.py", "io/test_network_scene.py", "io/test_map_file.py")
-_CABLE = ("cable/test_order.py", "cable/test_jacobian.py", "cable/test_statics.py", "cable/test_invariants.py",
-          "io/test_scene.py")  # fmt: skip
+_CABLE = (
+    "cable/test_order.py",
+    "cable/test_jacobian.py",
+    "cable/test_statics.py",
+    "cable/test_invariants.py",
+    "io/test_scene.py",
+)
 _TIME = (
     "time_domain/test_solve.py",
     "cable/test_order.py",
@@ -90,20 +101,60 @@ _PERIODIC = (
     "harmonic_balance/test_solve.py",
 )
 _FILES = {
-    **dict.fromkeys(("catenary.span", "catenary.profile", "catenary.regimes", "catenary.solve", "numerics.elementary"), _SPAN),
-    **dict.fromkeys(("network.solve", "network.equations", "network.scalar", "network.jacobian", "network.model", "network.nested",
-                     "network.monolithic", "network.rounding", "io.network_scene", "io.map_file"), _NETWORK),
-    **dict.fromkeys(("cable.system", "cable.equations", "cable.mesh", "cable.outputs", "cable.predictor", "cable.planar", "cable.spatial",
-                     "cable.loads", "numerics.chain"),
-                    (*_CABLE, "time_domain/test_solve.py", "harmonic_balance/test_solve.py")),
+    **dict.fromkeys(
+        ("catenary.span", "catenary.profile", "catenary.regimes", "catenary.solve", "numerics.elementary"), _SPAN
+    ),
+    **dict.fromkeys(
+        (
+            "network.solve",
+            "network.equations",
+            "network.scalar",
+            "network.jacobian",
+            "network.model",
+            "network.nested",
+            "network.monolithic",
+            "network.rounding",
+            "io.network_scene",
+            "io.map_file",
+        ),
+        _NETWORK,
+    ),
+    **dict.fromkeys(
+        (
+            "cable.system",
+            "cable.equations",
+            "cable.mesh",
+            "cable.outputs",
+            "cable.predictor",
+            "cable.planar",
+            "cable.spatial",
+            "cable.loads",
+            "numerics.chain",
+        ),
+        (*_CABLE, "time_domain/test_solve.py", "harmonic_balance/test_solve.py"),
+    ),
     "cable.statics": (*_CABLE, "harmonic_balance/test_start.py"),
     "cable.shooting": _CABLE,
-    **dict.fromkeys(("time_domain.generalized_alpha", "time_domain.solve", "time_domain.step_control",
-                     "time_domain.drift_control"), (*_TIME, "cable/test_failures.py")),
+    **dict.fromkeys(
+        ("time_domain.generalized_alpha", "time_domain.solve", "time_domain.step_control", "time_domain.drift_control"),
+        (*_TIME, "cable/test_failures.py"),
+    ),
     "numerics.continuation": ("numerics/test_continuation.py", *_PERIODIC, "cable/test_statics.py"),
-    **dict.fromkeys(("numerics.fourier", "harmonic_balance.solve", "harmonic_balance.residual", "harmonic_balance.krylov", "harmonic_balance.blocks", "harmonic_balance.start"),
-                    _PERIODIC),
-    **dict.fromkeys(("numerics.lu.bordered", "numerics.compiled", "numerics.memory", "numerics.threads"), (*_PERIODIC, "harmonic_balance/test_start.py")),
+    **dict.fromkeys(
+        (
+            "numerics.fourier",
+            "harmonic_balance.solve",
+            "harmonic_balance.residual",
+            "harmonic_balance.krylov",
+            "harmonic_balance.blocks",
+            "harmonic_balance.start",
+        ),
+        _PERIODIC,
+    ),
+    **dict.fromkeys(
+        ("numerics.lu.bordered", "numerics.compiled", "numerics.memory", "numerics.threads"),
+        (*_PERIODIC, "harmonic_balance/test_start.py"),
+    ),
     "catenary.excursion": _NETWORK,
     "common.diagnostics": ("suite/test_stability.py",),
     "numerics.modes": ("time_domain/test_solve.py",),
@@ -112,11 +163,16 @@ _FILES = {
     "numerics.newton": (*_SPAN, *_PERIODIC, "cable/test_statics.py"),
     "common.outcome": ("common/test_failures.py", "network/test_solve.py", "harmonic_balance/test_oscillators.py"),
     "common.validation": ("common/test_failures.py", "io/test_network_scene.py", "io/test_scene.py"),
-    "common.properties": ("common/test_failures.py", "io/test_network_scene.py", "io/test_scene.py", "cable/test_order.py"),
+    "common.properties": (
+        "common/test_failures.py",
+        "io/test_network_scene.py",
+        "io/test_scene.py",
+        "cable/test_order.py",
+    ),
     "common.response": ("time_domain/test_solve.py", "harmonic_balance/test_solve.py"),
     "harmonic_balance.response": _PERIODIC,
     "io.scene": ("common/test_failures.py", "catenary/test_invariants.py", "io/test_scene.py"),
-}  # fmt: skip
+}
 
 
 def files(module: str) -> tuple[str, ...]:

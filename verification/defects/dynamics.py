@@ -178,7 +178,8 @@ DEFECTS = (
         Fault("time_domain.drift_control", "MeanDriftControl.__call__", "self.sum / self.interval", "self.sum"),
         "unit",
         "the mean hold takes the integral of the drift for its mean",
-        "harmonic_balance/test_oscillators.py time_domain/test_solve.py::test_the_fairlead_stays_where_it_is_prescribed -k 'stays and 5'",
+        "harmonic_balance/test_oscillators.py "
+        "time_domain/test_solve.py::test_the_fairlead_stays_where_it_is_prescribed -k 'stays and 5'",
     ),
     # ------------------------------------------------------------ time_domain
     Defect(
@@ -590,7 +591,8 @@ DEFECTS = (
         ),
         "sign",
         "the preconditioner takes sines with the other sign",
-        "harmonic_balance/test_jacobian.py::test_harmonics_of_the_averaged_chain_are_the_inverse_at_rest -k 'mass or towed'",
+        "harmonic_balance/test_jacobian.py::test_harmonics_of_the_averaged_chain_are_the_inverse_at_rest "
+        "-k 'mass or towed'",
     ),
     Defect(
         "harmonics of the second on",
@@ -602,7 +604,8 @@ DEFECTS = (
         ),
         "index",
         "each harmonic is preconditioned with the frequency of the one below",
-        "harmonic_balance/test_jacobian.py::test_harmonics_of_the_averaged_chain_are_the_inverse_at_rest -k 'mass or towed'",
+        "harmonic_balance/test_jacobian.py::test_harmonics_of_the_averaged_chain_are_the_inverse_at_rest "
+        "-k 'mass or towed'",
     ),
     Defect(
         "product without the drift",

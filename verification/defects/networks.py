@@ -440,7 +440,12 @@ DEFECTS = (
     ),
     Defect(
         "a thousand roundings are one",
-        Fault("network.rounding", "within_rounding", "g.rounding * np.abs(taut).max(axis=2).T", "1e3 * g.rounding * np.abs(taut).max(axis=2).T"),
+        Fault(
+            "network.rounding",
+            "within_rounding",
+            "g.rounding * np.abs(taut).max(axis=2).T",
+            "1e3 * g.rounding * np.abs(taut).max(axis=2).T",
+        ),
         "tolerance",
         "foreseen forces are accepted that exact lines do not have",
         _ACCEPTED,

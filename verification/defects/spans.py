@@ -362,7 +362,8 @@ DEFECTS = (
         Fault("catenary.regimes", "suspended_start", "6 * slack + slack * slack", "6 * slack"),
         "factor",
         "the start of the iteration for slack suspended lines",
-        "catenary/test_exact.py catenary/test_invariants.py::test_profile_ends_at_the_ends -k 'not 50_digits and not random_lines'",
+        "catenary/test_exact.py catenary/test_invariants.py::test_profile_ends_at_the_ends "
+        "-k 'not 50_digits and not random_lines'",
         blind="a start only decides how many evaluations a root takes, and these stay within the budget of eight",
     ),
     Defect(

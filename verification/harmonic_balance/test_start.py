@@ -69,7 +69,9 @@ def step_error() -> float:
 
 def test_double_precision_where_single_does_not_do(monkeypatch):
     """Single precision cannot tell the frequencies apart; that is seen, and the step is right all the same."""
-    monkeypatch.setattr(harmonic_rows, "SINGLE_PRECISION_FROM", 0)  # or a chain as small as this one is never in single precision
+    monkeypatch.setattr(
+        harmonic_rows, "SINGLE_PRECISION_FROM", 0
+    )  # or a chain as small as this one is never in single precision
     assert step_error() < NEAR_RESONANCE
     monkeypatch.setattr(harmonic_rows, "MAX_REFINEMENT", np.inf)
     assert not step_error() < NEAR_RESONANCE
@@ -326,7 +328,5 @@ def test_overlapping_solves_leave_the_threads_as_they_were():
     """A solve, then one in a thread of Python, then two that overlap, of which the first began first and its thread
     lives on: one BLAS thread inside, as many as before in the end."""
     environment = {name: value for name, value in os.environ.items() if not name.endswith("_NUM_THREADS")}
-    run = subprocess.run(
-        [sys.executable, "-c", THREADS], cwd=ROOT, env=environment, capture_output=True, text=True
-    )
+    run = subprocess.run([sys.executable, "-c", THREADS], cwd=ROOT, env=environment, capture_output=True, text=True)
     assert (run.stdout, run.stderr) == (f"True {[True] * 4}\n", "")

@@ -179,9 +179,7 @@ def test_without_compiling_it_solves_as_well():
         "assert backward_error(chain, chain.solved()) <= BACKWARD\n"
     )
     environment = os.environ | {"NUMBA_DISABLE_JIT": "1"}
-    run = subprocess.run(
-        [sys.executable, "-c", text], cwd=ROOT, env=environment, capture_output=True, text=True
-    )
+    run = subprocess.run([sys.executable, "-c", text], cwd=ROOT, env=environment, capture_output=True, text=True)
     assert run.returncode == 0, run.stderr
 
 

@@ -59,4 +59,6 @@ def test_it_ends_at_the_smallest_step_and_at_the_most_iterations():
     result = continue_in_load(solver(jump)[0], 0.0, min_step=2.0**-6)
     assert result.x == result.reached == 0.5
     solve, tries = solver(jump)
-    assert continue_in_load(solve, 0.0, min_step=1e-9, max_iterations=4).iterations == 6 == len(tries)  # seen when a step fails
+    assert (
+        continue_in_load(solve, 0.0, min_step=1e-9, max_iterations=4).iterations == 6 == len(tries)
+    )  # seen when a step fails

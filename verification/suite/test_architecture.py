@@ -44,15 +44,31 @@ ROOMS = ("common", "numerics", "catenary", "network", "cable", "time_domain", "h
 UNRELATED = {"time_domain": ("catenary", "network", "cable"),
              "harmonic_balance": ("catenary", "network", "cable", "time_domain")}  # fmt: skip
 
-# Rooms and modules of reports from the lowest to the highest: imports between them run only downwards. Of the room "page"
-# the modules that name every section stand at the top, all others below the rooms of the sections.
-REPORT_ORDER = ("pipeline", "page", "drawing", "catenary", "network", "cable", "harmonic_balance", "stability", "scenes",
-                "papers", "evidence", "page.registry", "page.site", "__main__")  # fmt: skip
+# Rooms and modules of reports from the lowest to the highest: imports between them run only downwards. Of the
+# room "page" the modules that name every section stand at the top, all others below the rooms of the sections.
+REPORT_ORDER = (
+    "pipeline",
+    "page",
+    "drawing",
+    "catenary",
+    "network",
+    "cable",
+    "harmonic_balance",
+    "stability",
+    "scenes",
+    "papers",
+    "evidence",
+    "page.registry",
+    "page.site",
+    "__main__",
+)
 TEST_ROOMS = ("browser",)  # looks at the finished page, and imports none of these
 
 # Beside that, what one file alone may import.
 ALSO = {
-    "solvers/numerics/compiled.py": ("numba",),  # whose loops are worth it is measured: those of block_chain, harmonic_blocks
+    "solvers/numerics/compiled.py": (
+        "numba",
+    ),  # whose loops are worth it is measured: those of block_chain, harmonic_blocks
     "solvers/numerics/lu/bordered.py": ("numba", "llvmlite"),  # LAPACK by address
 }
 
@@ -100,12 +116,7 @@ def folder_of(path: Path, root: Path) -> str | None:
 
 def sources(root: Path) -> list[Path]:
     """Python files of the top-level folders."""
-    return [
-        path
-        for folder in OWN
-        for path in sorted((root / folder).rglob("*.py"))
-        if "__pycache__" not in path.parts
-    ]
+    return [path for folder in OWN for path in sorted((root / folder).rglob("*.py")) if "__pycache__" not in path.parts]
 
 
 def bad_imports(root: Path = ROOT) -> list[str]:
@@ -237,7 +248,9 @@ def undocumented(root: Path = ROOT) -> list[str]:
         if path.stat().st_size and not ast.get_docstring(tree):
             missing.append(f"{path.relative_to(root)}: module")
         if path.relative_to(root).parts[0] == "solvers":
-            missing += [f"{path.relative_to(root)}: {name}" for name, node in public(tree) if not ast.get_docstring(node)]
+            missing += [
+                f"{path.relative_to(root)}: {name}" for name, node in public(tree) if not ast.get_docstring(node)
+            ]
     return missing
 
 

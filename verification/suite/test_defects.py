@@ -32,7 +32,6 @@ LEAST = 60
 """Defects that the catalogue has to have."""
 
 
-
 def module_name(path):
     """Dotted name below solvers of the module in a file."""
     return ".".join(path.relative_to(SOLVERS).with_suffix("").parts)
@@ -107,7 +106,9 @@ def test_lists_of_checks_name_what_is_there():
     for file, words in (*PLANTING.items(), *LONG.items()):
         for word in words:
             assert any(word in name for name in functions(ROOT / "verification" / file)), (file, word)
-    assert "-k 'not 50_digits and" in whole("catenary/test_exact.py") and "not test_forces_equal" in whole("catenary/test_exact.py")
+    assert "-k 'not 50_digits and" in whole("catenary/test_exact.py") and "not test_forces_equal" in whole(
+        "catenary/test_exact.py"
+    )
     assert frozen("suite/test_published.py::test_x") and not frozen("catenary/test_exact.py::test_vertical_line")
 
 

@@ -139,10 +139,17 @@ def test_examples_of_the_readme_give_the_values_beside_them(monkeypatch):
 def test_each_check_turns_red():
     """A broken link, a renamed test or another folder, a lost erratum, another digit, another order."""
     assert broken_links("[a](no/such.md), [b](README.md)", ROOT) == ["no/such.md"]
-    lost = ["verification/catenary/test_exact.py::test_no_such", "verification/test_none.py::", "catenary/test_exact.py::",
-            "benchmarks/test_exact.py::test_random_lines", "verification/catenary/test_exact.py::test_random"]  # fmt: skip
+    lost = [
+        "verification/catenary/test_exact.py::test_no_such",
+        "verification/test_none.py::",
+        "catenary/test_exact.py::",
+        "benchmarks/test_exact.py::test_random_lines",
+        "verification/catenary/test_exact.py::test_random",
+    ]
     assert missing_tests(" and ".join(name.removesuffix("::") for name in lost)) == lost
-    assert not missing_tests("`verification/catenary/test_exact.py`, `verification/catenary/test_exact.py::test_random_lines`.")
+    assert not missing_tests(
+        "`verification/catenary/test_exact.py`, `verification/catenary/test_exact.py::test_random_lines`."
+    )
     assert missing_errata("Erratum `(99)`") == ["(99)"]
     assert wrong_constants("`newton.MAX_ITERATIONS` = 201, `tolerance` = 1e-3, `NOT_THERE` = 1") == [
         "MAX_ITERATIONS = 201", "tolerance = 1e-3", "NOT_THERE = 1"

@@ -48,7 +48,12 @@ def built(tmp_path_factory):
 def test_report_shows_the_parts_that_were_measured_and_no_other(built):
     """Measured parts have their headings, others none; figures are described, every link leads somewhere."""
     out, _, found = built
-    for heading in ("The moving cable in time", "the line at rest", "Harmonic balance", "Compared with harmonic-balance"):
+    for heading in (
+        "The moving cable in time",
+        "the line at rest",
+        "Harmonic balance",
+        "Compared with harmonic-balance",
+    ):
         assert heading in found.text
     for heading in ("from rest to periodic", ">Drift<", "HB Table 2:", "HB Fig. 3:"):
         assert heading not in found.text

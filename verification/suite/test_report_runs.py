@@ -164,7 +164,17 @@ def test_a_stage_that_ends_first_leaves_no_child(tmp_path, planted, how):
 def test_a_guard_that_is_told_to_end_ends_its_stage(tmp_path, planted, told):
     """The stage, its child, and the output that a report would wait for; the status is that of shells."""
     beats, part = tmp_path / "beats", tmp_path / "part"
-    command = [sys.executable, "-m", "reports.pipeline.process_group", "beside", "planted_stage", "0", part, beats, str(LONGEST)]
+    command = [
+        sys.executable,
+        "-m",
+        "reports.pipeline.process_group",
+        "beside",
+        "planted_stage",
+        "0",
+        part,
+        beats,
+        str(LONGEST),
+    ]
     environment = os.environ | {"PYTHONPATH": str(tmp_path)}
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
     with subprocess.Popen(command, cwd=ROOT, env=environment, start_new_session=True, **pipes) as guard:
@@ -419,7 +429,9 @@ def test_a_command_is_shown_with_its_real_folders():
 
 def test_one_example_moves_and_the_quick_report_waits_for_none():
     """Of the scenes that the whole page shows one has a motion; its seconds are not spent by --quick."""
-    code = "from reports.pipeline.stages import *; print(*(f'{s.arguments[1]} {s.group in SLOW}' for s in plan(False, []) "
+    code = (
+        "from reports.pipeline.stages import *; print(*(f'{s.arguments[1]} {s.group in SLOW}' for s in plan(False, []) "
+    )
     words = python(code + "if s.name.startswith('scene_')))").stdout.split()
     pairs = zip(words[::2], words[1::2], strict=True)
     found = [(Scene.load(path).motion is not None, late == "True") for path, late in pairs]
@@ -429,11 +441,16 @@ def test_one_example_moves_and_the_quick_report_waits_for_none():
 # ---------------------------------------------------------------- what a result depends on
 def test_results_depend_on_what_is_imported():
     """Timings of lines need neither networks nor templates; what names a folder or a program needs it."""
-    code = "from reports.pipeline.sources import *; import sys, json; print(json.dumps(depends_on([program(sys.argv[1])])))"
+    code = (
+        "from reports.pipeline.sources import *; import sys, json; "
+        "print(json.dumps(depends_on([program(sys.argv[1])])))"
+    )
     found = {name: json.loads(python(code, name).stdout) for name in ("benchmarks.catenary.speed", "reports")}
     assert {"solvers/catenary/span.py", "benchmarks/run/harness.py", "benchmarks/peers/moorpy.py",
             "reference_data/spans/data.csv"} <= set(found["benchmarks.catenary.speed"])  # fmt: skip
-    assert not [name for name in found["benchmarks.catenary.speed"] if "network.py" in name or name.startswith("reports")]
+    assert not [
+        name for name in found["benchmarks.catenary.speed"] if "network.py" in name or name.startswith("reports")
+    ]
     assert {"reports/page/templates/index.html.j2", "benchmarks/catenary/accuracy.py"} <= set(found["reports"])
 
 

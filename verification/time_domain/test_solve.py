@@ -31,7 +31,9 @@ Scheme = SOLVERS.time_domain.generalized_alpha.Scheme
 Status, InputError, ConvergenceError = (
     getattr(SOLVERS.common.outcome, n) for n in ("Status", "InputError", "ConvergenceError")
 )
-Motion, SampledMotion, FunctionMotion = (getattr(SOLVERS.common.motion, f"{n}Motion") for n in ("", "Sampled", "Function"))
+Motion, SampledMotion, FunctionMotion = (
+    getattr(SOLVERS.common.motion, f"{n}Motion") for n in ("", "Sampled", "Function")
+)
 PERIOD = 20.0  # s, of the 0.05 Hz of HB section 4
 
 
