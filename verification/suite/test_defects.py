@@ -347,12 +347,11 @@ def test_mutants_are_changes_of_one_place():
             defect = mutant(module, text, *place)
             assert ast.dump(ast.parse(defect.applied_to(text))) != before, defect.name
             assert misnamed(defect.check) == []
-    drawn = sample(SOLVERS, 2)
-    assert drawn == sample(SOLVERS, 2) != sample(SOLVERS, 2, seed=1)
+    drawn = sample(SOLVERS, 1)
     assert plain <= {"numerics.elementary", "numerics.compiled"} and {d.module for d in drawn} == set(texts) - plain
-    assert len({d.name for d in drawn}) == len(drawn) > 1.8 * len(texts)
     one = sample(SOLVERS, 5, ["network.nested"])
-    assert len(one) == 5 and one[:2] == [d for d in drawn if d.module == "network.nested"]
+    assert one == sample(SOLVERS, 5, ["network.nested"]) != sample(SOLVERS, 5, ["network.nested"], seed=1)
+    assert len({d.name for d in one}) == 5 and one[:1] == [d for d in drawn if d.module == "network.nested"]
 
 
 # ---------------------------------------------------------------- a campaign of mutants
