@@ -41,6 +41,20 @@ def test_harmonic_motion_is_a_sine_with_phase():
     np.testing.assert_allclose(motion.displacement(t), expected, rtol=0, atol=DERIVATIVE)
 
 
+def test_harmonic_motion_without_a_phase_starts_at_its_place():
+    """Every direction is a sine alone."""
+    motion = Motion.harmonic(0.2, (1.0, 2.0, 0.5))
+    assert not motion.displacement(0.0).any() and not motion.cosine.any()
+    np.testing.assert_allclose(motion.displacement(1.25), [1.0, 2.0, 0.5], rtol=DERIVATIVE)
+
+
+@pytest.mark.parametrize("factor", [2.0, 0.5, -1.0, 0.0])
+def test_a_scaled_motion_is_the_motion_times_the_factor(factor):
+    t = np.linspace(0.0, 30.0, 17)
+    expected = factor * PERIODIC.displacement(t)
+    np.testing.assert_allclose(PERIODIC.scaled(factor).displacement(t), expected, rtol=0, atol=1e-13)
+
+
 def test_series_of_a_cubic_is_that_cubic():
     """A spline with not-a-knot ends reproduces a cubic, values and rates."""
     time = np.array([0.0, 0.7, 1.1, 2.0, 3.5, 4.0])

@@ -10,9 +10,10 @@ import sys
 import time
 from pathlib import Path
 
+from . import campaign
 from .catalogue import CATALOGUE, WIDER, frozen
 from .defect import Defect
-from .mutants import sample
+from .mutants import module_names, sample
 from .runner import ROOT, CheckError, Log, run
 from .verdict import Verdict, as_json, kept, summary, verdicts
 
@@ -35,13 +36,18 @@ def _arguments(argv) -> argparse.Namespace:
     parser.add_argument("--timeout", type=float, default=120.0, metavar="S", help="after so long a check has seen it")
     parser.add_argument("--out", type=Path, default=DEFAULT_OUT, metavar="DIR", help="folder of the results")
     parser.add_argument("--fresh", action="store_true", help="run again what has not changed since the last run")
-    parser.add_argument("--mutants", type=int, metavar="N", help="plant N changes at random instead of the catalogue")
+    parser.add_argument("--mutants", type=int, metavar="N", help="plant N random changes of each module instead")
+    parser.add_argument("--module", action="append", metavar="NAME", help="plant in this module only (may be repeated)")
     parser.add_argument("--list", action="store_true", help="list the defects and their checks, and run nothing")
     arguments = parser.parse_args(argv)
-    if arguments.jobs < 1 or not arguments.timeout > 0 or arguments.mutants == 0:
+    if arguments.jobs < 1 or not arguments.timeout > 0 or (arguments.mutants or 1) < 1:
         parser.error("--jobs, --timeout and --mutants must be > 0")
-    words = arguments.only or [""]
-    arguments.catalogue = CATALOGUE if arguments.mutants is None else sample(ROOT / "solvers", arguments.mutants)
+    words, modules = arguments.only or [""], arguments.module or module_names(ROOT / "solvers")
+    if unknown := set(modules) - set(module_names(ROOT / "solvers")):
+        parser.error(f"no module of solvers is named {', '.join(sorted(unknown))}")
+    arguments.catalogue = [d for d in CATALOGUE if d.module in modules]
+    if arguments.mutants is not None:
+        arguments.catalogue = sample(ROOT / "solvers", arguments.mutants, modules)
     arguments.catalogue = [d for d in arguments.catalogue if any(w in d.name or w == d.module for w in words)]
     if not arguments.catalogue:
         parser.error(f"no defect has {' or '.join(map(repr, words))} in its name or as its module")
@@ -55,8 +61,10 @@ def main(argv=None) -> int:
         print(*(f"{d.module}: {d.name}: {d.check}" for d in arguments.catalogue), sep="\n")
         return 0
     signal.signal(signal.SIGTERM, signal.default_int_handler)
-    log, results = Log(arguments.out / "defects.jsonl"), []
     options = {"jobs": arguments.jobs, "timeout": arguments.timeout, "fresh": arguments.fresh}
+    if arguments.mutants is not None:
+        return main_of_mutants(arguments, options)
+    log, results = Log(arguments.out / "defects.jsonl"), []
     wanted = pairs(arguments.catalogue, arguments.all)
     try:
         for _, _, found in progress(run(wanted, log, **options)):
@@ -68,14 +76,12 @@ def main(argv=None) -> int:
         print(f"\n{error}", file=sys.stderr)
         return 2
     made = verdicts(arguments.catalogue, results)
-    if arguments.mutants is not None:
-        tell_mutants(made)
-        return 0
     tell(made)
-    if arguments.only is None:
+    if arguments.only is None and arguments.module is None:
         write_atomically(arguments.out / "defects.json", json.dumps(as_json(made), indent=1))
     counts = summary(made)
-    return 0 if kept(counts) or (arguments.only and not (counts["survivors"] or counts["seen_blind"])) else 1
+    part = arguments.only or arguments.module
+    return 0 if kept(counts) or (part and not (counts["survivors"] or counts["seen_blind"])) else 1
 
 
 def progress(steps):
@@ -120,15 +126,32 @@ def tell(found: list[Verdict]):
             print(f"{what}:", *counts[name], sep="\n  ")
 
 
-def tell_mutants(found: list[Verdict]):
-    """Found and planted of each module, then the changes that no check saw."""
-    for module in sorted({v.defect.module for v in found}):
-        mine = [v for v in found if v.defect.module == module]
-        print(f"{module:>20}  {sum(bool(v.seen) for v in mine)} of {len(mine)}")
-    print(f"\n{sum(bool(v.seen) for v in found)} of {len(found)} mutants found; not seen:")
-    print(*(f"  {v.defect.name}" for v in found if not v.seen), sep="\n")
-    if void := sorted({check for v in found for check in v.void}):
-        print("checks that are red without any mutant:", *void, sep="\n  ")
+def main_of_mutants(arguments, options) -> int:
+    """Exit status 0: enough of every module's mutants are killed; 1: the output says where not; 2: a red test."""
+    try:
+        log = Log(arguments.out / "mutants.jsonl")
+        *_, (_, _, found) = progress(campaign.run(arguments.catalogue, log, **options))
+    except KeyboardInterrupt:
+        print("\ninterrupted; finished results are kept and the next run goes on from there", file=sys.stderr)
+        return 130
+    except CheckError as error:
+        print(f"\n{error}", file=sys.stderr)
+        return 2
+    rows = campaign.scores(arguments.catalogue, found, campaign.judgements())
+    tell_scores(rows)
+    return 0 if all(row.rate >= campaign.LEAST for row in rows) else 1
+
+
+def tell_scores(rows: list[campaign.Score]):
+    """Print the mutants of each module, and then those that survived without a judgement."""
+    print(f"{'module':>32}  planted  killed  equivalent  open   rate")
+    for row in rows:
+        counts = f"{row.planted:7d} {row.killed:7d} {len(row.equivalent):11d} {len(row.open):5d}"
+        print(f"{row.module:>32}  {counts} {row.rate:6.1%}{'' if row.rate >= campaign.LEAST else '  too few'}")
+    planted, killed = sum(row.planted for row in rows), sum(row.killed for row in rows)
+    equivalent, left = (sum(len(getattr(row, name)) for row in rows) for name in ("equivalent", "open"))
+    print(f"\n{planted} mutants: {killed} killed, {equivalent} judged equivalent, {left} open")
+    print(*(f"  {mutant.name}" for row in rows for mutant in row.open), sep="\n")
 
 
 def _mark(verdict: Verdict, results) -> str:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import ast
 import random
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import cache
 from pathlib import Path
 
@@ -26,17 +26,23 @@ NO_FORMULA = (ast.Raise, ast.JoinedStr, ast.AnnAssign, ast.arg, ast.Import, ast.
 """Messages and types: to change them is no mistake of a solver."""
 
 
-def sample(solvers: Path, count: int, seed: int = 2026) -> list[Defect]:
-    """``count`` mutants over all modules, as many of each as it has places for, but two at least."""
-    draw, found = random.Random(seed), []
-    paths = [path for path in sorted(solvers.rglob("*.py")) if path.stem != "__init__"]
-    name = lambda path: ".".join(path.relative_to(solvers).with_suffix("").parts)
-    texts = {name(path): path.read_text(encoding="utf-8") for path in paths}
-    places = {module: list(changes(text)) for module, text in texts.items()}
-    total = sum(map(len, places.values()))
-    for module, mine in places.items():
-        for change in draw.sample(mine, min(len(mine), max(2, round(count * len(mine) / total)))):
-            found.append(mutant(module, texts[module], *change))
+def module_names(solvers: Path) -> list[str]:
+    """Names of the modules below ``solvers`` that hold code, as "network.nested"."""
+    paths = sorted(path for path in solvers.rglob("*.py") if path.stem != "__init__")
+    return [".".join(path.relative_to(solvers).with_suffix("").parts) for path in paths]
+
+
+def sample(solvers: Path, count: int, modules: Iterable[str] = (), seed: int = 2026) -> list[Defect]:
+    """``count`` mutants of each module, or of those that are named: all that it has where they are fewer.
+
+    The draw of a module depends on no other one, and a larger one begins with the smaller one.
+    """
+    found = []
+    for module in modules or module_names(solvers):
+        text = (solvers / f"{module.replace('.', '/')}.py").read_text(encoding="utf-8")
+        places = list(changes(text))
+        random.Random(f"{seed} {module}").shuffle(places)
+        found += [mutant(module, text, *change) for change in places[:count]]
     return found
 
 
@@ -81,13 +87,16 @@ def mutant(module: str, text: str, start: int, end: int, new: str) -> Defect:
     return Defect(f"{module}.{fault.function}: {shown}", fault, "factor", shown, check(module))
 
 
-@cache
 def check(module: str) -> str:
     """All files of tests of a module at one go, but what is long, plants mistakes itself or compares with a file."""
-    names, left_out = (*files(module), "common/test_found_by_defects.py"), []
-    for name in names:
-        words = (*PLANTING.get(name, ()), *LONG.get(name, ()))
-        for function in re.findall(r"^def (test_\w+)", (TESTS / name).read_text(encoding="utf-8"), re.MULTILINE):
-            if any(word in function for word in words) or frozen(f"{name}::{function}"):
-                left_out.append(f"--deselect=verification/{name}::{function}")
-    return " ".join((*names, *left_out))
+    names = (*files(module), "common/test_found_by_defects.py")
+    return " ".join((*names, *filter(None, map(deselected, names))))
+
+
+@cache
+def deselected(file: str) -> str:
+    """Options that leave out the tests of a file that are long, plant mistakes themselves or compare with a file."""
+    words = (*PLANTING.get(file, ()), *LONG.get(file, ()))
+    functions = re.findall(r"^def (test_\w+)", (TESTS / file).read_text(encoding="utf-8"), re.MULTILINE)
+    left_out = [name for name in functions if any(word in name for word in words) or frozen(f"{file}::{name}")]
+    return " ".join(f"--deselect=verification/{file}::{name}" for name in left_out)

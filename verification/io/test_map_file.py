@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from solvers import InputError, solve_network
-from solvers.io.map_file import read_map_file
+from solvers.io.map_file import SECTIONS, read_map_file
 
 SCENES = files("reference_data") / "scenes"
 OC3 = SCENES / "oc3_hywind.map"
@@ -141,6 +141,8 @@ REFUSED = [
     ("-80   0    0      0    0    0", "-80   0    0      #    0    0", "FX: '#' is marked as unknown"),
     ("-80   0    0      0    0    0", "-80   0    0      0    0", "9 columns where NODE PROPERTIES has 10"),
     ("-80   0    0 ", "-80   -5   0 ", "mass: -5 kg must be >= 0"),
+    ("-80   0    0      0    0    0", "-80   0    0      0    0    0   0", "11 columns where NODE PROPERTIES has 10"),
+    ("870.0     1         2         tension_anch", "870.0     1", "4 columns where LINE PROPERTIES has 5"),
     ("0.6   -1.0  0.05", "0.6   -1.0", "8 columns where LINE DICTIONARY has 9"),
     ("384.243E6", "0", "EA: 0 N must be > 0"),
     ("chain     0.09   77.7066", "chain     nine   77.7066", "Diam: 'nine' must be a number"),
@@ -180,6 +182,20 @@ def test_a_section_that_is_missing_or_doubled_is_named(tmp_path, title):
         path.write_text(changed, encoding="utf-8")
         with pytest.raises(InputError, match=rf"edited\.map:\d+: .*({message})"):
             read_map_file(path, depth=DEPTH)
+
+
+def test_only_the_section_of_options_may_be_empty(tmp_path):
+    """A file without lines or nodes says nothing; one without options is read."""
+    text = BRIDLE.read_text(encoding="utf-8").split("\n")
+    titles = [i for i, line in enumerate(text) if line.startswith("--")] + [len(text)]
+    for title, start, end in zip(SECTIONS, titles, titles[1:], strict=False):
+        path = tmp_path / "empty.map"
+        path.write_text("\n".join(text[: start + 3] + text[end:]), encoding="utf-8")
+        if title == "SOLVER OPTIONS":
+            assert len(read_map_file(path, depth=DEPTH).nodes) == 4
+        else:
+            with pytest.raises(InputError, match=f"section {title} is empty"):
+                read_map_file(path, depth=DEPTH)
 
 
 def test_a_missing_line_of_units_does_not_swallow_a_row(tmp_path):

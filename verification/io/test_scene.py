@@ -71,6 +71,39 @@ def test_harmonics_of_a_motion_are_rows(written):
     assert motion.period == 20.0 and motion.harmonics == 2
 
 
+def test_one_row_of_a_motion_is_its_first_harmonic(written):
+    """A list of one row is that row."""
+    rows = "period = 12.0\namplitude = [[2.0, 0.0, 1.0]]\nphase = [[0.0, 0.0, 1.5]]\n"
+    one = Scene.load(written(SCENE[SCENE.index("period = 12") :], rows)).motion
+    assert one.harmonics == 1
+    assert np.array_equal(one.displacement(3.0), Scene.load(written()).motion.displacement(3.0))
+
+
+@pytest.mark.parametrize(
+    ("friction", "wanted"), [("", (0.0,)), ("friction = 0.3\n", (0.3,)), ("friction = [0, 1.0]\n", (0, 1.0))]
+)
+def test_friction_is_what_the_file_says(written, friction, wanted):
+    """One coefficient, several, or none of it."""
+    assert Scene.load(written("EA =", f"{friction}EA =")).friction == wanted
+
+
+@pytest.mark.parametrize("phase", [0.0, 1.0, 2.0, 3.0, 4.0, 5.0])
+def test_a_motion_may_touch_the_seabed_and_not_pass_it(written, phase):
+    """50 m down from z = -10 m to the seabed is accepted, 50.1 m is not, wherever in a period of 1 s it is lowest."""
+    motion = SCENE[SCENE.index("period = 12") :]
+    heave = f"period = 1.0\namplitude = [0, 0, {{}}]\nphase = [0, 0, {phase}]\n"
+    assert Scene.load(written(motion, heave.format(50.0))).motion.harmonics == 1
+    with pytest.raises(InputError, match=r"motion.amplitude: takes the fairlead down to z = -60.*below the seabed"):
+        Scene.load(written(motion, heave.format(50.1)))
+
+
+def test_a_motion_down_to_the_seabed_itself_is_accepted(written):
+    """Its lowest place is exactly the seabed."""
+    motion = SCENE[SCENE.index("period = 12") :]
+    scene = Scene.load(written(motion, "period = 4.0\namplitude = [0, 0, 50.0]\n"))
+    assert scene.fairlead[2] + scene.motion.displacement(3.0)[2] == -60.0
+
+
 @pytest.mark.parametrize("path", sorted(FOLDER.glob("*.toml")), ids=lambda path: path.stem)
 def test_shipped_scenes_have_an_equilibrium(path):
     """Every shipped scene with motion is read, and its line is in equilibrium on the default mesh."""

@@ -172,7 +172,7 @@ def test_without_compiling_it_solves_as_well():
     """With NUMBA_DISABLE_JIT, as for a debugger, the same file runs interpreted."""
     text = (
         "import numpy as np\n"
-        "from solvers import block_chain\n"
+        "from solvers.numerics.lu import bordered as block_chain\n"
         "from verification.numerics.test_bordered import BACKWARD, CHAINS, backward_error\n"
         "assert not hasattr(block_chain._solve, 'py_func')\n"
         "chain = CHAINS['closed in space']\n"

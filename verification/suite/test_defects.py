@@ -6,11 +6,12 @@ import ast
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 import time
 import tomllib
-from dataclasses import replace
+from dataclasses import astuple, replace
 from functools import cache
 from pathlib import Path
 
@@ -18,6 +19,7 @@ import pytest
 
 from verification import ROOT
 
+from ..defects import campaign
 from ..defects.catalogue import CATALOGUE, FROZEN, LONG, PLANTING, WIDER, frozen, whole
 from ..defects.defect import KINDS, Defect, arguments
 from ..defects.interpreter import Interpreter, Stopped
@@ -172,6 +174,10 @@ def test_the_program_lists_and_refuses(tmp_path):
     assert len(program(tmp_path, "--list").stdout.splitlines()) == len(CATALOGUE)
     refused = program(tmp_path, "--only", "no such")
     assert refused.returncode == 2 and "no defect has 'no such'" in refused.stderr
+    refused = program(tmp_path, "--mutants", "1", "--module", "no.such")
+    assert refused.returncode == 2 and "no module of solvers is named no.such" in refused.stderr
+    listed = program(tmp_path, "--mutants", "2", "--module", "numerics.memory", "--module", "cable.loads", "--list")
+    assert [line.split(":")[0] for line in listed.stdout.splitlines()] == ["numerics.memory"] * 2 + ["cable.loads"] * 2
 
 
 # ---------------------------------------------------------------- the runner, on a project of two functions
@@ -342,10 +348,128 @@ def test_mutants_are_changes_of_one_place():
             defect = mutant(module, text, *place)
             assert ast.dump(ast.parse(defect.applied_to(text))) != before, defect.name
             assert misnamed(defect.check) == []
-    drawn = sample(SOLVERS, 150)
-    assert drawn == sample(SOLVERS, 150) != sample(SOLVERS, 150, seed=1)
+    drawn = sample(SOLVERS, 1)
     assert plain <= {"numerics.elementary", "numerics.compiled"} and {d.module for d in drawn} == set(texts) - plain
-    assert len({d.name for d in drawn}) == len(drawn) >= 150
+    one = sample(SOLVERS, 5, ["network.nested"])
+    assert one == sample(SOLVERS, 5, ["network.nested"]) != sample(SOLVERS, 5, ["network.nested"], seed=1)
+    assert len({d.name for d in one}) == 5 and one[:1] == [d for d in drawn if d.module == "network.nested"]
+
+
+# ---------------------------------------------------------------- a campaign of mutants
+OTHER_TESTS = """
+import time
+from solvers.numbers import half, unused
+
+
+def test_a_slow_half():
+    time.sleep(0.3)
+    assert half(4) == 2
+
+
+def test_quick_half():
+    assert half(8) == 4
+"""
+UNUSED = "\n\ndef unused(x):\n    return x - 1\n"
+
+
+@pytest.fixture
+def campaigning(tiny, monkeypatch) -> Path:
+    """The tiny project with a second file of tests and a function that none of them calls."""
+    (tiny / "solvers" / "numbers.py").write_text(MODULE + UNUSED)
+    (tiny / "verification" / "test_more.py").write_text(OTHER_TESTS)
+    (tiny / "verification" / "defects").mkdir()
+    for name in ("__init__.py", "ordering.py"):
+        shutil.copy2(ROOT / "verification" / "defects" / name, tiny / "verification" / "defects")
+    monkeypatch.setattr(campaign, "test_files", lambda module: ["test_numbers.py", "test_more.py"])
+    monkeypatch.setattr(campaign, "deselected", lambda file: "")
+    return tiny
+
+
+def mutants_of(project, *changes) -> list[Defect]:
+    """Mutants of the tiny module, named by their code."""
+    return [Defect(f"{old} -> {new}", Fault("numbers", function, old, new), "factor", "", "")
+            for function, old, new in changes]  # fmt: skip
+
+
+def campaigned(project, log, mutants, **options):
+    """Results by name of a campaign on the tiny project."""
+    *_, (done, total, results) = campaign.run(mutants, log, project=project, **options)
+    assert done == total
+    return results
+
+
+THREE = (("half", "x / 2", "x * 2"), ("half", "x / 2", "x * 0.5"), ("unused", "x - 1", "x + 1"))
+
+
+def test_mutants_are_killed_judged_or_open(campaigning, tmp_path):
+    """The quickest test kills; survivors count as equivalent where the table says so, else as open."""
+    mutants = mutants_of(campaigning, *THREE)
+    results = campaigned(campaigning, Log(tmp_path / "log"), mutants, jobs=2)
+    assert [results[m.name].outcome for m in mutants] == ["caught", "missed", "missed"]
+    assert results["x / 2 -> x * 2"].test != "test_more.py::test_a_slow_half"
+    judged = {astuple(mutants[1].fault): campaign.Judgement(mutants[1].fault, "equal in doubles")}
+    (score,) = campaign.scores(mutants, results, judged)
+    assert (score.planted, score.killed, score.equivalent, score.open) == (3, 1, (mutants[1],), (mutants[2],))
+    assert score.rate == 0.5 and campaign.scores(mutants, results, {})[0].rate == pytest.approx(1 / 3)
+
+
+def test_mutants_are_shown_to_the_files_that_call_them(campaigning, tmp_path):
+    """``double`` is called in one file, ``half`` in both; what none calls is shown to all."""
+    mutants = mutants_of(campaigning, *THREE, ("double", "2 * x", "2 / x"))
+    results = campaigned(campaigning, Log(tmp_path / "log"), mutants)
+    assert [results[m.name].check for m in mutants] == ["test_numbers.py test_more.py"] * 3 + ["test_numbers.py"]
+
+
+def test_results_of_mutants_are_kept_while_they_hold(campaigning, tmp_path):
+    """Killed ones while their module and test are there; survivors until a test changes, and may then be killed."""
+    mutants, log = mutants_of(campaigning, *THREE), tmp_path / "log"
+    first = campaigned(campaigning, Log(log), mutants)
+    again = campaigned(campaigning, Log(log), mutants)
+    assert first == again  # times included: none was measured again
+    path = campaigning / "verification" / "test_more.py"
+    path.write_text(path.read_text() + "\n\ndef test_unused():\n    assert unused(1) == 0\n")
+    more = campaigned(campaigning, Log(log), mutants)
+    assert more["x / 2 -> x * 2"] == first["x / 2 -> x * 2"]
+    assert more["x - 1 -> x + 1"].test == "test_more.py::test_unused"
+    fresh = campaigned(campaigning, Log(log), mutants[:1], fresh=True)
+    assert fresh["x / 2 -> x * 2"] != first["x / 2 -> x * 2"]
+    (campaigning / "solvers" / "numbers.py").write_text("\n" + MODULE + UNUSED)
+    assert campaigned(campaigning, Log(log), mutants[:1])["x / 2 -> x * 2"] not in more.values()
+
+
+def test_a_campaign_wants_green_tests(campaigning, tmp_path):
+    """A test that fails without a mutant would kill them all: it is named, and nothing is run."""
+    path = campaigning / "verification" / "test_more.py"
+    path.write_text(path.read_text().replace("half(8) == 4", "half(8) == 5"))
+    with pytest.raises(CheckError, match=r"test_more.py is red without any mutant: test_more.py::test_quick_half"):
+        campaigned(campaigning, Log(tmp_path / "log"), mutants_of(campaigning, *THREE))
+
+
+def test_judgements_are_of_mutants_of_the_solvers():
+    """Every mutant of the table can be planted and is one of its module's changes; the reason is a sentence."""
+    for judged in campaign.judgements().values():
+        module, fault = judged.fault.module, judged.fault
+        text = (ROOT / fault.path).read_text(encoding="utf-8")
+        changed = ast.dump(ast.parse(fault.apply_to(text)))
+        assert any(changed == _changed(text, *place) for place in changes(text)), f"{module}: {fault} is no mutant"
+        assert judged.reason.endswith(".") and judged.reason[0].isupper() and len(judged.reason.split()) > 3, fault
+
+
+def _changed(text, start, end, new) -> str:
+    """Syntax of the text with new code from ``start`` to ``end`` bytes."""
+    source = text.encode()
+    return ast.dump(ast.parse(source[:start] + new.encode() + source[end:]))
+
+
+def test_a_mutant_is_judged_once(tmp_path):
+    """The same function and code twice in the table is refused."""
+    row = '[[mutant]]\nmodule = "a"\nfunction = "f"\nold = "x"\nnew = "y"\nreason = "It is the same."\n'
+    path = tmp_path / "equivalent.toml"
+    path.write_text(row)
+    assert [one.reason for one in campaign.judgements(path).values()] == ["It is the same."]
+    path.write_text(row + row)
+    with pytest.raises(ValueError, match="a mutant stands there twice"):
+        campaign.judgements(path)
 
 
 # ---------------------------------------------------------------- resumption

@@ -1,0 +1,133 @@
+"""Do the warnings of a result say what is wrong with it, by the right number? Results written down by formula."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from solvers import Motion
+from solvers.common import diagnostics
+
+PERIOD, NODES = 8.0, 4
+
+
+class Line:
+    """A system of four nodes whose tension is a function of time at each, and whose fairlead is ``away`` m off."""
+
+    def __init__(self, tensions, amplitude=1.0, away=0.0):
+        self.tensions, self.away, self.period = tensions, away, PERIOD
+        self.motion = Motion.harmonic(1 / PERIOD, (0.0, 0.0, amplitude))
+
+    def tension(self, y, ydot):
+        return np.array([tension(y[0]) for tension in self.tensions])  # the state is the time itself
+
+    s = np.linspace(0.0, 100.0, NODES)
+
+    def rest_warnings(self):
+        return ()
+
+    def drift(self, y, t):
+        return np.array([0.6, 0.0, 0.8])[:, None] * self.away * np.ones_like(t)
+
+
+def history(line, count=160, periods=2, steps=None):
+    """A history of the line at equal times, as ``check_history`` reads it."""
+    time = np.linspace(0.0, periods * PERIOD, count + 1)
+    at = lambda t: np.array([t])
+    return SimpleNamespace(
+        ramped_system=line, system=line, failed_ramp=None, time=time, steps=count if steps is None else steps,
+        hold="position",
+        tension=line.tension(at(time), None), drift=lambda: np.abs(line.away) * np.ones_like(time),
+        at=at, rate_at=at, fairlead_tension=lambda t: line.tension(at(t), None)[-1],
+    )  # fmt: skip
+
+
+def response(line, harmonics=8, mean=True):
+    """A periodic response of the line, as ``check_response`` reads it."""
+    at = lambda t: np.array([t])
+    basis = SimpleNamespace(harmonics=harmonics)
+    return SimpleNamespace(system=line, basis=basis, at=at, rate_at=at, last_period=(0.0, PERIOD), mean=mean)
+
+
+def wave(mean=10.0, **amplitudes):
+    """mean + sum of amplitudes cos(k omega t), as c1=..., c7=..."""
+    harmonics = {int(name[1:]): value for name, value in amplitudes.items()}
+    return lambda t: mean + sum(a * np.cos(2 * np.pi * k * t / PERIOD) for k, a in harmonics.items()) + 0 * t
+
+
+def inner_nodes_with(tension):
+    """Four nodes: the tension at all but the fairlead, where a smooth wave of range 2 is."""
+    return Line([tension] * (NODES - 1) + [wave(c1=1.0)])
+
+
+CALM, SHARP = wave(c1=1.0), wave(c1=1.0, c40=0.5)
+
+
+def test_a_smooth_history_and_response_warn_of_nothing():
+    line = Line([CALM] * NODES)
+    assert list(diagnostics.check_history(history(line))) == [] == list(diagnostics.check_response(response(line)))
+
+
+def test_resolution_is_judged_at_the_fairlead():
+    """Waves at the other nodes say nothing of the fairlead's tension; one there is told with its share."""
+    assert list(diagnostics.check_history(history(inner_nodes_with(SHARP)))) == []
+    assert list(diagnostics.check_response(response(inner_nodes_with(wave(c1=1.0, c8=0.1))))) == []
+    line = Line([CALM] * (NODES - 1) + [SHARP])
+    bends = diagnostics.largest_slope_change(SHARP(history(line).time), history(line).time) / np.ptp(
+        SHARP(history(line).time)
+    )
+    (told,) = diagnostics.check_history(history(line))
+    assert told == f"dt: the slope of the tension changes by {bends:.2g} of its range in a step: use a shorter dt"
+
+
+@pytest.mark.parametrize("last", [7, 8])
+def test_the_last_two_harmonics_are_told_by_their_amplitude(last):
+    """A tenth of the range, told as such; the same amplitude in the harmonic before them is not."""
+    line = Line([CALM] * (NODES - 1) + [wave(c1=1.0, **{f"c{last}": 0.2})])
+    spread = np.ptp(line.tensions[-1](PERIOD * np.arange(128) / 128))
+    (told,) = diagnostics.check_response(response(line))
+    assert told == f"harmonics: the last of 8 carry {0.2 / spread:.2g} of the tension's range: use more"
+    assert list(diagnostics.check_response(response(Line([CALM] * 3 + [wave(c1=1.0, c6=0.2)])))) == []
+
+
+def test_amplitudes_are_compared_with_the_range():
+    """Just below and just above the bound, whatever the size of the tension."""
+    for size in (1e-3, 1.0, 1e6):
+        for share, told in ((0.8, False), (1.25, True)):
+            tail = share * diagnostics.TAIL * 2 * size
+            line = Line([CALM] * 3 + [wave(mean=10 * size, c1=size, c8=tail)])
+            assert bool(list(diagnostics.check_response(response(line)))) is told, (size, share)
+
+
+def test_bends_are_told_only_where_every_step_is_stored():
+    """Of a history that keeps every second step the stored times say nothing of dt; nor does a constant tension."""
+    line = Line([CALM] * 3 + [SHARP])
+    assert list(diagnostics.check_history(history(line, steps=320))) == []
+    assert list(diagnostics.check_history(history(Line([wave()] * NODES)))) == []
+
+
+def test_a_tension_of_zero_is_no_compression():
+    """A line may hang slack; a tension below zero at one node is told with node, time and number."""
+    zero = wave(mean=1.0, c1=1.0)  # least at half a period, between two of the stored times and at an instant
+    assert zero(np.array([4.0])) == 0.0
+    line = Line([CALM, zero, CALM, CALM])
+    for found in (history(line, count=161 * 2), history(line, count=2), response(line)):
+        of = diagnostics.check_history if hasattr(found, "time") else diagnostics.check_response
+        assert [told for told in of(found) if told.startswith("tension")] == []
+    below = Line([CALM, wave(mean=1.0, c1=1.5), CALM, CALM])
+    (told,) = diagnostics.check_response(response(below))
+    assert told == "tension: -0.5 N between instants, at t = 4 s, node 2: use more nodes, or more harmonics"
+
+
+def test_a_fairlead_off_its_place_is_told_with_its_share():
+    """The distance, over half the excursion; none where the fairlead stands still where it should."""
+    for amplitude, away, told in ((2.0, 0.2, True), (2.0, 0.09, False), (0.0, 0.0, False)):
+        line = Line([CALM] * NODES, amplitude, away)
+        for found in (list(diagnostics.check_history(history(line))), list(diagnostics.check_response(response(line)))):
+            assert bool(found) is told, (amplitude, away)
+            if told:
+                assert found[0].startswith("drift: the fairlead is up to 0.2 m from its place, 0.1 of its excursion")
+    (told,) = diagnostics.check_response(response(Line([CALM] * NODES, 0.0, 0.5)))
+    assert told.startswith("drift: the fairlead is up to 0.5 m from its place: use more nodes")
