@@ -118,8 +118,9 @@ def solve_time_domain(
     them); or scheme, a Scheme.
     tolerance: mean |dy| of the last Newton step, HB (76).
     ramp: time in s over which the motion grows from rest (none from a ``start``). Default: half a period, HB 4.3; where
-    a step fails or a state is invalid within the first two periods, which so short a ramp alone may cause, the
-    integration is done again over a whole period (if it is longer than that), and ``failed_ramp`` and a warning say so.
+    a step fails or a state is invalid within the first two periods, which so short a ramp alone may cause, a history of
+    two periods or more is integrated again with a ramp of one period, unless allow_invalid; ``failed_ramp`` and a
+    warning say so.
     hold: what keeps the last node from drifting, for the rows of the end see velocities only. "position": a velocity
     that leads it back at every step; "mean": one that takes back the mean drift once a period, so that the response
     is that of ``solve_periodic``; None: nothing, the paper's scheme.
@@ -161,7 +162,8 @@ def solve_time_domain(
 
     history, tried = integrate(first_ramp), f"ramp = {first_ramp:g} s"
     early = history.event is not None and first_ramp > 0 and history.event[0] <= 2 * system.period
-    if ramp is None and early and end > system.period:  # the full motion has to be reached
+    reaches_full_motion = early and end >= 2 * system.period  # a whole period of it, after a ramp of one period
+    if ramp is None and reaches_full_motion and not allow_invalid:
         longer = integrate(system.period)
         tried += f", then {system.period:g} s"
         if longer.success:

@@ -500,6 +500,14 @@ def test_a_failure_in_the_first_ramp_takes_a_longer_one():
     assert asked.status is Status.COMPRESSION and (asked.ramp, asked.failed_ramp) == (2.5, None)
 
 
+@pytest.mark.parametrize("options", [{"periods": 1.9}, {"periods": 2, "allow_invalid": True}], ids=str)
+def test_a_longer_ramp_hides_no_failure(options):
+    """Too short a history to reach the full motion, or one that may go on in compression, keeps its first ramp."""
+    chain = system(STUDLESS_CHAIN, 25)
+    history = solve(chain, dt=chain.period / 100, throw=False, **options)
+    assert history.status is Status.COMPRESSION and (history.ramp, history.failed_ramp) == (2.5, None)
+
+
 def test_where_both_ramps_fail_both_are_named():
     """The first failure is reported, with what only a time integration can try."""
     chain = system(replace(SURGE_9, amplitude=(25.0, 0.0, 0.0)), 15)
