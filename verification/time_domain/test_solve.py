@@ -505,7 +505,7 @@ def test_a_longer_ramp_hides_no_failure(options):
     """Too short a history to reach the full motion, or one that may go on in compression, keeps its first ramp."""
     chain = system(STUDLESS_CHAIN, 25)
     history = solve(chain, dt=chain.period / 100, throw=False, **options)
-    assert history.status is Status.COMPRESSION and (history.ramp, history.failed_ramp) == (2.5, None)
+    assert not history.success and (history.ramp, history.failed_ramp) == (2.5, None)
 
 
 def test_where_both_ramps_fail_both_are_named():
