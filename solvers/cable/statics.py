@@ -79,7 +79,9 @@ class StaticState(Outcome):
         return self.tension[0] * self.system.direction(self.y)[:, 0]
 
 
-def solve_static(system: CableEquations, *, method="box", tolerance=TOLERANCE, throw=True) -> StaticState:
+def solve_static(
+    system: CableEquations, *, method: str = "box", tolerance: float = TOLERANCE, throw: bool = True
+) -> StaticState:
     """Return the equilibrium of the cable between its ends, HB (13)-(15).
 
     method: "box", the scheme (39) that the dynamic solvers use, or "shooting", the differential equations themselves

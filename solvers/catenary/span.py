@@ -11,6 +11,7 @@ import math
 from dataclasses import dataclass, fields
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..common.outcome import InputError, Outcome, Status
 from ..common.validation import as_array, flags, real_number
@@ -106,7 +107,7 @@ class CatenaryState(Outcome):
         """Fairlead tension, N."""
         return math.hypot(self.H, self.V)
 
-    def profile(self, s) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def profile(self, s: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Position and tension at unstretched arc length ``s`` from the anchor: (2.1), (2.5), (2.20), (2.22), (2.24).
 
         s : array (...), m, in [0, L]. Returns (x, z, tension), arrays of the same shape, m, m, N.
@@ -164,11 +165,22 @@ def solve_span(span: Span, *, tolerance: float = TOLERANCE, throw: bool = True) 
     inputs = span.w, span.EA, span.L, span.x, span.z, span.seabed, span.friction, span.clearance
     *forces, regime, status, iterations, residual = solve(SCALAR, one, *inputs, tolerance)
     stiffness = np.array(forces[5:]).reshape(2, 2)
-    state = CatenaryState(span, *forces[:5], stiffness, REGIMES[regime], STATUSES[status], iterations, residual)
+    state = CatenaryState(span, *forces[:5], stiffness, REGIMES[regime], STATUSES[status], iterations, residual)  # type: ignore[call-arg]
     return state.or_raise(span) if throw else state
 
 
-def solve_spans(w, EA, L, x, z, seabed=True, friction=0.0, clearance=0.0, *, tolerance=TOLERANCE) -> CatenaryBatch:
+def solve_spans(
+    w: ArrayLike,
+    EA: ArrayLike,
+    L: ArrayLike,
+    x: ArrayLike,
+    z: ArrayLike,
+    seabed: ArrayLike = True,
+    friction: ArrayLike = 0.0,
+    clearance: ArrayLike = 0.0,
+    *,
+    tolerance: float = TOLERANCE,
+) -> CatenaryBatch:
     """Solve n spans; arguments as in Span, scalars or arrays (n,), broadcast. Row i equals solve_span bit for bit.
 
     A row with bad input or without solution gets its own status and NaN. Memory beyond inputs and results does not
@@ -186,10 +198,10 @@ def solve_spans(w, EA, L, x, z, seabed=True, friction=0.0, clearance=0.0, *, tol
         for first in range(0, n, BLOCK):
             block = [column[first : first + BLOCK] for column in columns]
             rows = np.flatnonzero(_valid(*block))
-            solved = solve(ARRAY, many, *(column[rows] for column in block), tolerance)
+            solved = solve(ARRAY, many, *(column[rows] for column in block), tolerance)  # type: ignore[call-arg]
             for place, values in zip(places, solved, strict=True):
                 place[first + rows] = values
-    return CatenaryBatch(*forces, stiffness.reshape(n, 2, 2), regime, status, iterations, residual)
+    return CatenaryBatch(*forces, stiffness.reshape(n, 2, 2), regime, status, iterations, residual)  # type: ignore[call-arg]
 
 
 def span_arrays(w, EA, L, x, z, seabed, friction, clearance, tolerance=TOLERANCE):

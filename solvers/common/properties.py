@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, field
 
 from .outcome import InputError
+from .types import Vector
 from .validation import non_negative_number, positive_number, real_number, vector
 
 _LARGEST = 1e100  # m; squares of a diameter and products with it stay within double precision
@@ -23,7 +24,7 @@ class Environment:
     rho: float = 1025.0
     g: float = 9.80665
     depth: float | None = None
-    current: tuple[float, float, float] = field(default=(0.0, 0.0, 0.0), kw_only=True)
+    current: Vector = field(default=(0.0, 0.0, 0.0), kw_only=True)
     seabed_stiffness: float | None = field(default=None, kw_only=True)
 
     def __post_init__(self):
@@ -107,4 +108,4 @@ class CableProperties:
         """Return the submerged weight per unstretched length, N/m: as given, else g (m - rho pi d^2/4), MSQS (2.2)."""
         if self.submerged_weight is not None:
             return self.submerged_weight
-        return environment.g * (self.mass_per_length - environment.rho * self.area)
+        return environment.g * (self.mass_per_length - environment.rho * self.area)  # type: ignore[operator]

@@ -5,6 +5,7 @@ Lengths in m, forces in N, z up; the seabed is at z = -environment.depth.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -15,6 +16,7 @@ import numpy as np
 from ..catenary.span import Span
 from ..common.outcome import InputError
 from ..common.properties import Environment
+from ..common.types import Vector
 from ..common.validation import non_negative_number, one_of, real_array, vector
 from .equations import Balance
 
@@ -32,10 +34,10 @@ class Node:
     """
 
     kind: str
-    r: tuple[float, float, float]
+    r: Vector
     mass: float = 0.0
     volume: float = 0.0
-    force: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    force: Vector = (0.0, 0.0, 0.0)
 
     def __post_init__(self):
         one_of("kind", self.kind, KINDS)
@@ -56,7 +58,7 @@ class Element:
     w: float
     EA: float
     L: float
-    ends: tuple[int, int]
+    ends: Sequence[int]
     friction: float = 0.0
 
     def __post_init__(self):
@@ -74,8 +76,8 @@ class Element:
 class Network:
     """Nodes, elements and environment. Raises InputError naming the node or element, its value and its unit."""
 
-    nodes: tuple[Node, ...]
-    elements: tuple[Element, ...]
+    nodes: Sequence[Node]
+    elements: Sequence[Element]
     environment: Environment = field(default_factory=Environment)
 
     def __post_init__(self):
@@ -109,7 +111,7 @@ class Network:
 
     def _held(self) -> list[bool]:
         """Nodes that are tied to a fixed or coupled node; one that carries no element is not."""
-        neighbours = [[] for _ in self.nodes]
+        neighbours: list[list[int]] = [[] for _ in self.nodes]
         for first, last in (element.ends for element in self.elements):
             neighbours[first].append(last)
             neighbours[last].append(first)
