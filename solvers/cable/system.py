@@ -69,6 +69,11 @@ def cable_system(
     motion: displacement(t) and velocity(t), (3, *S) in m and m/s, in place of the scene's.
     source: t -> (n_f, N, *S), right-hand side added to the equations, for manufactured solutions.
     Raises InputError naming the field for anything missing or out of range.
+
+    >>> chain = CableProperties(EA=384.243e6, diameter=0.09, mass_per_length=77.7066, Cdn=1.6)
+    >>> scene = Scene("my line", chain, 902.2, (0.0, 0.0, -320.0), (848.67, 0.0, -70.0))
+    >>> cable_system(scene, nodes=20).fields
+    ('eps', 'u', 'v', 'phi')
     """
     motion = scene.motion if motion is None else motion
     return CableSystem(scene, check_mesh(nodes, mesh, scene.length), _is_planar(fields, scene, motion), motion, source)

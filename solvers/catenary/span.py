@@ -36,6 +36,9 @@ class Span:
     clearance : height of the anchor above the seabed, m, >= 0
 
     Raises InputError naming the field, its value and its unit.
+
+    >>> Span(w=698.094, EA=384.243e6, L=902.2, x=848.67, z=250.0).friction
+    0.0
     """
 
     w: float
@@ -157,6 +160,10 @@ def solve_span(span: Span, *, tolerance: float = TOLERANCE, throw: bool = True) 
     state carries the status and NaN. Every valid span has a solution; the ways to fail are friction under a line that
     touches the seabed between two raised ends, and inputs so extreme that doubles cannot carry the forces or the ratios
     between (x, z, clearance over L, friction, w L/EA above 1e40; EA/L above 1e308; 0 < |w| L < 1e-300 N).
+
+    >>> state = solve_span(Span(w=698.094, EA=384.243e6, L=902.2, x=848.67, z=250.0))
+    >>> round(state.H), round(state.V)  # N
+    (736938, 535727)
     """
     if not isinstance(span, Span):
         raise InputError(f"{span!r} is not a solvers.Span", field="span", value=span)
@@ -185,6 +192,10 @@ def solve_spans(
 
     A row with bad input or without solution gets its own status and NaN. Memory beyond inputs and results does not
     grow with n. Raises InputError for shapes that do not broadcast, more than one dimension, values that are not real.
+
+    >>> batch = solve_spans(w=698.094, EA=384.243e6, L=902.2, x=[840.0, 848.67], z=250.0)
+    >>> batch.H.round(-3).tolist(), batch.success.all().item()  # N
+    ([547000.0, 737000.0], True)
     """
     tolerance = _checked(tolerance)
     names = [field.name for field in fields(Span)]

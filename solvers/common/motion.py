@@ -34,6 +34,9 @@ class Motion:
 
     frequency f in Hz; sine and cosine (K, 3) in m in x, y, z (cosine None: zero).
     Raises InputError naming the field, its value and its unit.
+
+    >>> Motion.harmonic(0.05, (5.0, 0.0, 0.0)).displacement(5.0).round(6).tolist()  # m, a quarter of the period
+    [5.0, 0.0, 0.0]
     """
 
     frequency: float
@@ -117,6 +120,9 @@ class SampledMotion:
     """A C2 cubic spline through a series: time (n,) in s, increasing; samples (n, 3) in m in x, y, z.
 
     Two or more samples, not-a-knot ends; t outside the series is refused. Raises InputError naming what is wrong.
+
+    >>> SampledMotion([0, 1, 2, 3], [[0, 0, 0], [1, 0, 0], [4, 0, 0], [9, 0, 0]]).velocity(1.5).round(6).tolist()  # m/s
+    [3.0, 0.0, 0.0]
     """
 
     time: np.ndarray
@@ -180,7 +186,11 @@ class SampledMotion:
 
 @dataclass(frozen=True, eq=False)
 class FunctionMotion:
-    """Motion by functions of one time in s: position t -> (3,) in m in x, y, z, and its rate t -> (3,) in m/s."""
+    """Motion by functions of one time in s: position t -> (3,) in m in x, y, z, and its rate t -> (3,) in m/s.
+
+    >>> FunctionMotion(position=lambda t: (2.0 * t, 0, 0), rate=lambda t: (2.0, 0, 0)).displacement(1.5).tolist()  # m
+    [3.0, 0.0, 0.0]
+    """
 
     position: Callable[[float], ArrayLike]
     rate: Callable[[float], ArrayLike]

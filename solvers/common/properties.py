@@ -19,6 +19,9 @@ class Environment:
     rho in kg/m^3, g in m/s^2, depth in m (None: no seabed); current: steady velocity of the water, (3,) in m/s;
     seabed_stiffness in N/m^2, per unit length of line and metre of penetration (None: rigid, for statics only).
     Raises InputError naming the field, its value and its unit.
+
+    >>> Environment(depth=320.0, current=(0.5, 0.0, 0.0)).rho  # kg/m^3
+    1025.0
     """
 
     rho: float = 1025.0
@@ -59,6 +62,10 @@ class CableProperties:
     (tangential, on pi d l), added mass coefficient Ca, and damping: the Kelvin-Voigt time beta in s of
     T = EA (eps + beta d(eps)/dt). They act with diameter and mass_per_length, which statics does not need.
     Raises InputError naming the field, its value and its unit.
+
+    >>> chain = CableProperties(EA=384.243e6, diameter=0.09, mass_per_length=77.7066)
+    >>> round(chain.weight_in(Environment()), 2)  # N/m
+    698.09
     """
 
     EA: float

@@ -60,6 +60,13 @@ def solve_periodic(
     mesh is so coarse that the steps grow.
     When Newton's method fails, the driving is raised in steps. Raises InputError for bad input, ConvergenceError when
     no response is found (``throw=False``: the largest amplitude reached, with its status).
+
+    >>> chain = CableProperties(EA=384.243e6, diameter=0.09, mass_per_length=77.7066, Cdn=1.6)
+    >>> surge = Motion.harmonic(0.05, (5.0, 0.0, 0.0))
+    >>> scene = Scene("my line", chain, 902.2, (0.0, 0.0, -320.0), (848.67, 0.0, -70.0), motion=surge)
+    >>> response = solve_periodic(cable_system(scene, nodes=20), harmonics=3)
+    >>> (response.tension_harmonics(1) / 1e3).round().tolist()  # kN, mean and first amplitude
+    [974.0, 364.0]
     """
     Nh = _count("harmonics", harmonics)
     nu = _count("subharmonic", subharmonic)

@@ -62,6 +62,11 @@ def read_map_file(
     """Return the network of a MAP++ file, in water ``depth`` m deep (None: no seabed), rho kg/m^3, g m/s^2.
 
     Raises InputError naming file and line for what is missing, wrong or not supported.
+
+    >>> from importlib.resources import files
+    >>> from solvers.io import read_map_file
+    >>> len(read_map_file(files("reference_data") / "scenes" / "oc3_hywind.map", depth=320.0).elements)
+    3
     """
     environment, types = Environment(rho=rho, g=g, depth=depth), {}
     angles: list[float] = []

@@ -42,7 +42,13 @@ class NamedNetwork(Network):
 
 
 def load_network(path: str | PathLike[str]) -> NamedNetwork:
-    """Read a network file. Raises InputError naming file, table, key and value of what is missing, unknown or wrong."""
+    """Read a network file. Raises InputError naming file, table, key and value of what is missing, unknown or wrong.
+
+    >>> from importlib.resources import files
+    >>> from solvers.io import load_network
+    >>> len(load_network(files("reference_data") / "scenes" / "networks" / "three_bridles.toml").elements)
+    9
+    """
     return read_tables(path, _from_tables)
 
 

@@ -57,6 +57,10 @@ class Scene:
     """One line with its environment: length in m, friction a tuple of coefficients, anchor and fairlead (3,) in m.
 
     motion: of the fairlead about that position, or None. Raises InputError naming the key, its value and its unit.
+
+    >>> section = CableProperties(EA=384.243e6, diameter=0.09, mass_per_length=77.7066)
+    >>> Scene("my line", section, 902.2, (0.0, 0.0, -320.0), (848.67, 0.0, -70.0)).spans()[0].z  # m
+    250.0
     """
 
     name: str
@@ -72,7 +76,12 @@ class Scene:
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> Scene:
-        """Read a scene file. Raises InputError naming file and key for anything missing, unknown or out of range."""
+        """Read a scene file. Raises InputError naming file and key for anything missing, unknown or out of range.
+
+        >>> from importlib.resources import files
+        >>> Scene.load(files("reference_data") / "scenes" / "shallow_chain.toml").environment.depth  # m
+        30.0
+        """
         return read_tables(path, cls._from_tables)
 
     @classmethod

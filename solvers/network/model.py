@@ -31,6 +31,9 @@ class Node:
     r : (3,) position, m; of a free node the user's guess
     mass : point mass, kg, and volume : displaced volume, m^3, both >= 0
     force : (3,) external force, N
+
+    >>> Node("free", (0, 0, -65), force=(0, 0, 6.4e5)).mass
+    0.0
     """
 
     kind: str
@@ -53,6 +56,9 @@ class Element:
 
     w < 0: buoyant; such a line never touches the seabed, and hangs as if there were none, below it too.
     friction : coefficient of the seabed where the anchor end lies on it (MSQS 2.15); a raised anchor end has none.
+
+    >>> Element(w=59.1, EA=2.34e8, L=300, ends=(1, 2)).friction
+    0.0
     """
 
     w: float
@@ -74,7 +80,12 @@ class Element:
 
 @dataclass(frozen=True)
 class Network:
-    """Nodes, elements and environment. Raises InputError naming the node or element, its value and its unit."""
+    """Nodes, elements and environment. Raises InputError naming the node or element, its value and its unit.
+
+    >>> nodes = [Node("fixed", (0, 0, 0)), Node("free", (0, 0, -90))]
+    >>> len(Network(nodes, [Element(w=59.1, EA=2.34e8, L=100, ends=(1, 0))]).elements)
+    1
+    """
 
     nodes: Sequence[Node]
     elements: Sequence[Element]

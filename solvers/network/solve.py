@@ -118,6 +118,12 @@ def solve_network(
     tolerance : of residual_norm; forces that positions as doubles do not tell so far are those of positions less than a
         rounding away
     Raises InputError for unknown options, ConvergenceError when no equilibrium was found unless throw is False.
+
+    >>> ends = [Node("fixed", (0, 0, 0)), Node("fixed", (100, 0, 0)), Node("free", (50, 0, -20), force=(0, 0, -1e3))]
+    >>> lines = [Element(w=10.0, EA=1e6, L=60.0, ends=(i, 2)) for i in (0, 1)]
+    >>> state = solve_network(Network(ends, lines))
+    >>> state.r[2].round(2).tolist(), state.status.name  # m
+    ([50.0, 0.0, -32.78], 'SUCCESS')
     """
     given = {"method": method, "jacobian": jacobian, "globalisation": globalisation, "units": units}
     for name, value in given.items():

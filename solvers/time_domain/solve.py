@@ -130,6 +130,13 @@ def solve_time_domain(
     every: keep each n-th step, the first and the last. progress: called with the time reached in s after each step.
     Raises InputError for bad input, ConvergenceError when a step fails or a state is invalid (``throw=False``, and an
     invalid state that is allowed: the history up to there with its status).
+
+    >>> chain = CableProperties(EA=384.243e6, diameter=0.09, mass_per_length=77.7066, Cdn=1.6)
+    >>> surge = Motion.harmonic(0.05, (5.0, 0.0, 0.0))
+    >>> scene = Scene("my line", chain, 902.2, (0.0, 0.0, -320.0), (848.67, 0.0, -70.0), motion=surge)
+    >>> history = solve_time_domain(cable_system(scene, nodes=20), dt=0.5, periods=2)
+    >>> round(float(history.fairlead_tension(40.0)) / 1e6, 2)  # MN
+    1.28
     """
     end = _duration(system, periods, duration)
     dt, tolerance = positive_number("dt", dt, "s"), positive_number("tolerance", tolerance, "(mean change of a state)")
