@@ -34,7 +34,7 @@ def describe() -> dict:
     """Everything but results."""
     return {
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
-        "commit": _git("rev-parse", "--short", "HEAD") or None,
+        "commit": _git("rev-parse", "--short", "HEAD") or _installed(),
         "modified": bool(_git("status", "--porcelain")),
         "python": platform.python_version(),
         "platform": platform.platform(),
@@ -55,6 +55,11 @@ def _git(*arguments) -> str:
     except (OSError, subprocess.TimeoutExpired):
         return ""
     return done.stdout.strip() if done.returncode == 0 else ""
+
+
+def _installed() -> str | None:
+    """Return the version of an installed wheel, in place of a commit; None for a checkout without git."""
+    return None if (console.ROOT / "pyproject.toml").exists() else f"version-{_version('mooring-verification')}"
 
 
 def _cpu() -> str:

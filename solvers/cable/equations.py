@@ -8,6 +8,7 @@ Inside, vectors are (up, along, out): HB's X, Y, Z with Y from the anchor toward
 from __future__ import annotations
 
 import math
+from typing import Self
 
 import numpy as np
 
@@ -81,7 +82,7 @@ class CableEquations(CableOutputs, ChainSystem):
             problem = f"z = {self.anchor[2]:g} m is below the seabed, z = {-environment.depth:g} m"
             raise InputError(problem, field="anchor", value=self.scene.anchor, unit="m")
 
-    def replace(self, **changes) -> CableEquations:
+    def replace(self, **changes) -> Self:
         """Return the same cable with other arguments of its constructor; another motion brings its own period."""
         kept = [name for name in self._ARGUMENTS if not (name == "period" and "motion" in changes)]
         return type(self)(**{name: getattr(self, name) for name in kept} | changes)

@@ -2,11 +2,21 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 
 class CableOutputs:
     """Outputs of a state y (n_f, N, *S) of ``CableEquations``: a mixin of it."""
+
+    EA: float
+    beta: float
+    ds: np.ndarray
+    axes: np.ndarray
+    anchor: np.ndarray
+    equations: Any  # the module of the fields
+    stencils: Any
 
     def stretched_tangent(self, y):
         """Return (1 + eps) t of the nodes in (up, along[, out]) and d/dy: (n_d, N, *S), (n_d, n_f, N, *S)."""

@@ -79,13 +79,20 @@ class StaticState(Outcome):
         return self.tension[0] * self.system.direction(self.y)[:, 0]
 
 
-def solve_static(system: CableEquations, *, method="box", tolerance=TOLERANCE, throw=True) -> StaticState:
+def solve_static(
+    system: CableEquations, *, method: str = "box", tolerance: float = TOLERANCE, throw: bool = True
+) -> StaticState:
     """Return the equilibrium of the cable between its ends, HB (13)-(15).
 
     method: "box", the scheme (39) that the dynamic solvers use, or "shooting", the differential equations themselves
     from node to node, started from the former: its error is that of the integration, ten digits and more.
     Raises InputError for the system of a corrected response (``CableSystem.fourth_order``), ConvergenceError when no
     equilibrium is found (``throw=False``: a state whose status says so).
+
+    >>> chain = CableProperties(EA=384.243e6, diameter=0.09, mass_per_length=77.7066, Cdn=1.6)
+    >>> scene = Scene("my line", chain, 902.2, (0.0, 0.0, -320.0), (848.67, 0.0, -70.0))
+    >>> round(solve_static(cable_system(scene, nodes=20)).tension[-1] / 1e3)  # kN
+    963
     """
     one_of("method", method, ("box", "shooting"))
     flags(throw=throw)

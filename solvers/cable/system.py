@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from typing import Protocol, Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.interpolate import make_interp_spline
 
 from ..common.motion import Ramped
 from ..common.outcome import InputError
+from ..common.properties import CableProperties, Environment
+from ..common.types import Movement, Vector
 from ..common.validation import one_of
 from .equations import CableEquations, line_axes
 from .mesh import check_mesh, every_second_node
@@ -19,7 +24,43 @@ _SMALL_TURN = 0.02  # rad in a cell, up to which a drift correction feeds no wav
 _IN_PLANE = 1e-12  # out-of-plane parts below this share of a vector come from rounding its direction
 
 
-def cable_system(scene, nodes=50, *, mesh=None, fields="auto", motion=None, source=None) -> CableSystem:
+class CableScene(Protocol):
+    """What a cable asks of a scene, as ``solvers.Scene`` has it: SI units, anchor and fairlead in x, y, z."""
+
+    @property
+    def cable(self) -> CableProperties:
+        """Section of the line."""
+
+    @property
+    def environment(self) -> Environment:
+        """Water, gravity and seabed."""
+
+    @property
+    def length(self) -> float:
+        """Unstretched length, m."""
+
+    @property
+    def anchor(self) -> Vector:
+        """Position of the anchor, m."""
+
+    @property
+    def fairlead(self) -> Vector:
+        """Mean position of the fairlead, m."""
+
+    @property
+    def motion(self) -> Movement | None:
+        """Motion of the fairlead about it, or None."""
+
+
+def cable_system(
+    scene: CableScene,
+    nodes: int = 50,
+    *,
+    mesh: ArrayLike | None = None,
+    fields: str = "auto",
+    motion: Movement | None = None,
+    source: Callable[[ArrayLike], np.ndarray] | None = None,
+) -> CableSystem:
     """Return the line of a scene on ``nodes`` nodes, for solve_static, solve_time_domain and solve_periodic.
 
     mesh: unstretched arc lengths (N,) of the nodes in m, from 0 to the length, or None: uniform.
@@ -28,6 +69,11 @@ def cable_system(scene, nodes=50, *, mesh=None, fields="auto", motion=None, sour
     motion: displacement(t) and velocity(t), (3, *S) in m and m/s, in place of the scene's.
     source: t -> (n_f, N, *S), right-hand side added to the equations, for manufactured solutions.
     Raises InputError naming the field for anything missing or out of range.
+
+    >>> chain = CableProperties(EA=384.243e6, diameter=0.09, mass_per_length=77.7066, Cdn=1.6)
+    >>> scene = Scene("my line", chain, 902.2, (0.0, 0.0, -320.0), (848.67, 0.0, -70.0))
+    >>> cable_system(scene, nodes=20).fields
+    ('eps', 'u', 'v', 'phi')
     """
     motion = scene.motion if motion is None else motion
     return CableSystem(scene, check_mesh(nodes, mesh, scene.length), _is_planar(fields, scene, motion), motion, source)
@@ -42,7 +88,7 @@ class CableSystem(CableEquations):
         self.equilibrium = Equilibrium(self) if equilibrium is None else equilibrium
 
     # ------------------------------------------------------------ the same cable, changed
-    def replace(self, **changes) -> CableSystem:
+    def replace(self, **changes) -> Self:
         """Return the same cable with other arguments of its constructor; another motion keeps the equilibrium."""
         kept = {} if changes.keys() - {"motion", "period", "order"} else {"equilibrium": self.equilibrium}
         return super().replace(**kept | changes)
@@ -55,7 +101,7 @@ class CableSystem(CableEquations):
 
     def scaled(self, load_factor) -> CableSystem:
         """Return the same cable with its motion multiplied by a number."""
-        return self.replace(motion=self.motion.scaled(load_factor))
+        return self.replace(motion=self.motion.scaled(load_factor))  # type: ignore[attr-defined]
 
     def fourth_order(self) -> CableSystem:
         """Return the same cable about the same rest, its cells of fourth order in ds, tangents of the box scheme."""

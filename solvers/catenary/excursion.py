@@ -46,14 +46,14 @@ def excursion(H, V, w, EA, L, rests, friction, clearance) -> Excursion:
     smooth, rough = None, ()
     if np.count_nonzero(low):
         special = low & ((friction > 0) | (clearance > 0))
-        smooth, rough = low & ~special, np.flatnonzero(special)
+        smooth, rough = low & ~special, np.flatnonzero(special)  # type: ignore[assignment]
     out = _free(H, V, w, EA, L, weight, smooth)
     if len(rough):
         line = [a[rough] for a in (H, V, w, EA, L, friction, clearance)]
         lift = _hanging_end(*line)
         touching = np.flatnonzero(line[1] + lift < weight[rough])
         out.put(rough[touching], _touching(*(a[touching] for a in (*line, lift))))
-    for ruling, law, line in ((H, _upright, (V, w, EA, L)), (w, _spring, (H, V, EA, L))):
+    for ruling, law, line in ((H, _upright, (V, w, EA, L)), (w, _spring, (H, V, EA, L))):  # type: ignore[assignment]
         if np.count_nonzero(ruling) < ruling.size:
             rows = np.flatnonzero(ruling == 0)
             out.put(rows, law(*(a[rows] for a in line)))

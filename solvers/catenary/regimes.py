@@ -55,7 +55,7 @@ def suspended_start(f, l, height, e):
 
 def suspended_residual(f, y, l, height, e):
     """log of (computed l)/l, and its Newton step in log y."""
-    return _suspended_step(f, *_suspended_angle(f, y, height, e), l, e)
+    return _suspended_step(f, *_suspended_angle(f, y, height, e), l, e)  # type: ignore[call-arg]
 
 
 def _suspended_angle(f, y, height, e):
@@ -126,13 +126,13 @@ def steep_residual(f, t, l, height, e):
 def steep_state(f, t, l, h, e):
     """Forces and stiffness from the unknown t."""
     up = f.where(h.real < 0, -1.0, 1.0)
-    return _suspended_state(f, *_steep_angle(f, t, up * h, e), l, up, e)
+    return _suspended_state(f, *_steep_angle(f, t, up * h, e), l, up, e)  # type: ignore[call-arg]
 
 
 def suspended_state(f, y, l, h, e):
     """Forces and stiffness from y; the determinant of the compliance is summed from positive terms only."""
     up = f.where(h.real < 0, -1.0, 1.0)
-    return _suspended_state(f, *_suspended_angle(f, y, up * h, e), l, up, e)
+    return _suspended_state(f, *_suspended_angle(f, y, up * h, e), l, up, e)  # type: ignore[call-arg]
 
 
 def _suspended_state(f, y, s, c, v, one_minus_v, l, up, e):
@@ -253,7 +253,7 @@ def grounded_state(f, p, l, h, e, CB, c=None, swapped=False):
     # a fairlead on the seabed (F22 = 0) takes V = sqrt(2 H h) to lift: K22 is infinite
     determinant = f.where(F22 > 0, C11 * F22 - C12 * F12, C11)
     stiffness = f.where(F22 > 0, F22, 1.0) / determinant, -C12 / determinant, -F12 / determinant
-    stiffness = *stiffness, f.where(F22 > 0, C11 / determinant, math.inf)
+    stiffness = *stiffness, f.where(F22 > 0, C11 / determinant, math.inf)  # type: ignore[assignment]
     forces = H, f.where(swapped, Vc, V), f.maximum((H - CB * grounded).real, 0.0), 0 - f.where(swapped, V, Vc), grounded
     return forces, stiffness
 

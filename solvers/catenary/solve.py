@@ -91,7 +91,7 @@ def _classify(f, l, h, e, CB, c, seabed, massless):
 
 def one(regime, columns, tolerance, *_):
     """Solve one span of the given regime."""
-    return _KERNELS[regime](SCALAR, monotone_root, *columns, tolerance)
+    return _KERNELS[regime](SCALAR, monotone_root, *columns, tolerance)  # type: ignore[call-arg]
 
 
 def many(regime, columns, tolerance, solved=None, only=True):
@@ -102,7 +102,7 @@ def many(regime, columns, tolerance, solved=None, only=True):
     for code, kernel in enumerate(_KERNELS):
         rows = np.flatnonzero((regime == code) & only)
         if rows.size:
-            values = kernel(ARRAY, monotone_roots, *(column[rows] for column in columns), tolerance)
+            values = kernel(ARRAY, monotone_roots, *(column[rows] for column in columns), tolerance)  # type: ignore[call-arg]
             for target, value in zip(solved, values, strict=True):
                 target[rows] = value
     return solved

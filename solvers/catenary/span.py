@@ -11,6 +11,7 @@ import math
 from dataclasses import dataclass, fields
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..common.outcome import InputError, Outcome, Status
 from ..common.validation import as_array, flags, real_number
@@ -35,6 +36,9 @@ class Span:
     clearance : height of the anchor above the seabed, m, >= 0
 
     Raises InputError naming the field, its value and its unit.
+
+    >>> Span(w=698.094, EA=384.243e6, L=902.2, x=848.67, z=250.0).friction
+    0.0
     """
 
     w: float
@@ -106,7 +110,7 @@ class CatenaryState(Outcome):
         """Fairlead tension, N."""
         return math.hypot(self.H, self.V)
 
-    def profile(self, s) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def profile(self, s: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Position and tension at unstretched arc length ``s`` from the anchor: (2.1), (2.5), (2.20), (2.22), (2.24).
 
         s : array (...), m, in [0, L]. Returns (x, z, tension), arrays of the same shape, m, m, N.
@@ -156,6 +160,10 @@ def solve_span(span: Span, *, tolerance: float = TOLERANCE, throw: bool = True) 
     state carries the status and NaN. Every valid span has a solution; the ways to fail are friction under a line that
     touches the seabed between two raised ends, and inputs so extreme that doubles cannot carry the forces or the ratios
     between (x, z, clearance over L, friction, w L/EA above 1e40; EA/L above 1e308; 0 < |w| L < 1e-300 N).
+
+    >>> state = solve_span(Span(w=698.094, EA=384.243e6, L=902.2, x=848.67, z=250.0))
+    >>> round(state.H), round(state.V)  # N
+    (736938, 535727)
     """
     if not isinstance(span, Span):
         raise InputError(f"{span!r} is not a solvers.Span", field="span", value=span)
@@ -164,15 +172,30 @@ def solve_span(span: Span, *, tolerance: float = TOLERANCE, throw: bool = True) 
     inputs = span.w, span.EA, span.L, span.x, span.z, span.seabed, span.friction, span.clearance
     *forces, regime, status, iterations, residual = solve(SCALAR, one, *inputs, tolerance)
     stiffness = np.array(forces[5:]).reshape(2, 2)
-    state = CatenaryState(span, *forces[:5], stiffness, REGIMES[regime], STATUSES[status], iterations, residual)
+    state = CatenaryState(span, *forces[:5], stiffness, REGIMES[regime], STATUSES[status], iterations, residual)  # type: ignore[call-arg]
     return state.or_raise(span) if throw else state
 
 
-def solve_spans(w, EA, L, x, z, seabed=True, friction=0.0, clearance=0.0, *, tolerance=TOLERANCE) -> CatenaryBatch:
+def solve_spans(
+    w: ArrayLike,
+    EA: ArrayLike,
+    L: ArrayLike,
+    x: ArrayLike,
+    z: ArrayLike,
+    seabed: ArrayLike = True,
+    friction: ArrayLike = 0.0,
+    clearance: ArrayLike = 0.0,
+    *,
+    tolerance: float = TOLERANCE,
+) -> CatenaryBatch:
     """Solve n spans; arguments as in Span, scalars or arrays (n,), broadcast. Row i equals solve_span bit for bit.
 
     A row with bad input or without solution gets its own status and NaN. Memory beyond inputs and results does not
     grow with n. Raises InputError for shapes that do not broadcast, more than one dimension, values that are not real.
+
+    >>> batch = solve_spans(w=698.094, EA=384.243e6, L=902.2, x=[840.0, 848.67], z=250.0)
+    >>> batch.H.round(-3).tolist(), batch.success.all().item()  # N
+    ([547000.0, 737000.0], True)
     """
     tolerance = _checked(tolerance)
     names = [field.name for field in fields(Span)]
@@ -186,10 +209,10 @@ def solve_spans(w, EA, L, x, z, seabed=True, friction=0.0, clearance=0.0, *, tol
         for first in range(0, n, BLOCK):
             block = [column[first : first + BLOCK] for column in columns]
             rows = np.flatnonzero(_valid(*block))
-            solved = solve(ARRAY, many, *(column[rows] for column in block), tolerance)
+            solved = solve(ARRAY, many, *(column[rows] for column in block), tolerance)  # type: ignore[call-arg]
             for place, values in zip(places, solved, strict=True):
                 place[first + rows] = values
-    return CatenaryBatch(*forces, stiffness.reshape(n, 2, 2), regime, status, iterations, residual)
+    return CatenaryBatch(*forces, stiffness.reshape(n, 2, 2), regime, status, iterations, residual)  # type: ignore[call-arg]
 
 
 def span_arrays(w, EA, L, x, z, seabed, friction, clearance, tolerance=TOLERANCE):

@@ -13,11 +13,14 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
 
 from .outcome import InputError
+from .types import Vector
 from .validation import as_array, positive_number, real_number, vector
 
 _SAME_DIRECTION = 1e-12  # share of the largest extent below which an extent is rounding: 1e4 eps
@@ -31,11 +34,18 @@ class Motion:
 
     frequency f in Hz; sine and cosine (K, 3) in m in x, y, z (cosine None: zero).
     Raises InputError naming the field, its value and its unit.
+
+    >>> Motion.harmonic(0.05, (5.0, 0.0, 0.0)).displacement(5.0).round(6).tolist()  # m, a quarter of the period
+    [5.0, 0.0, 0.0]
     """
 
     frequency: float
     sine: np.ndarray
-    cosine: np.ndarray | None = None
+    cosine: np.ndarray = None  # type: ignore[assignment]  # zeros once it is built
+
+    if TYPE_CHECKING:  # what may be given, beside what is kept
+
+        def __init__(self, frequency: float, sine: ArrayLike, cosine: ArrayLike | None = None) -> None: ...
 
     def __post_init__(self):
         object.__setattr__(self, "frequency", positive_number("frequency", self.frequency, "Hz"))
@@ -48,10 +58,10 @@ class Motion:
         object.__setattr__(self, "cosine", cosine)
 
     @classmethod
-    def harmonic(cls, frequency, amplitude, phase=(0.0, 0.0, 0.0)) -> Motion:
+    def harmonic(cls, frequency: float, amplitude: Vector, phase: Vector = (0.0, 0.0, 0.0)) -> Motion:
         """Return the motion amplitude sin(2 pi f t + phase): Hz, amplitude (3,) in m, phase (3,) in rad, in x, y, z."""
-        amplitude, phase = np.array(vector("amplitude", amplitude, "m")), np.array(vector("phase", phase, "rad"))
-        return cls(frequency, [amplitude * np.cos(phase)], [amplitude * np.sin(phase)])
+        size, angle = np.array(vector("amplitude", amplitude, "m")), np.array(vector("phase", phase, "rad"))
+        return cls(frequency, [size * np.cos(angle)], [size * np.sin(angle)])
 
     @property
     def period(self) -> float:
@@ -87,18 +97,18 @@ class Motion:
         """Coefficients (3, K) of the cosines and of the sines in the velocity, m/s."""
         return self._omega * self.sine.T, -self._omega * self.cosine.T
 
-    def displacement(self, t) -> np.ndarray:
+    def displacement(self, t: ArrayLike) -> np.ndarray:
         """Return the displacement, m: t in s, number -> (3,) or (S,) -> (3, S)."""
         angle = np.multiply.outer(self._omega, _times(t))
         return self.sine.T @ np.sin(angle) + self.cosine.T @ np.cos(angle)
 
-    def velocity(self, t) -> np.ndarray:
+    def velocity(self, t: ArrayLike) -> np.ndarray:
         """Return the velocity, m/s: t in s, number -> (3,) or (S,) -> (3, S)."""
         angle = np.multiply.outer(self._omega, _times(t))
         of_cosine, of_sine = self._rates
         return of_cosine @ np.cos(angle) + of_sine @ np.sin(angle)
 
-    def acceleration(self, t) -> np.ndarray:
+    def acceleration(self, t: ArrayLike) -> np.ndarray:
         """Return the acceleration, m/s^2: t in s, number -> (3,) or (S,) -> (3, S)."""
         angle = np.multiply.outer(self._omega, _times(t))
         of_cosine, of_sine = self._rates
@@ -110,10 +120,17 @@ class SampledMotion:
     """A C2 cubic spline through a series: time (n,) in s, increasing; samples (n, 3) in m in x, y, z.
 
     Two or more samples, not-a-knot ends; t outside the series is refused. Raises InputError naming what is wrong.
+
+    >>> SampledMotion([0, 1, 2, 3], [[0, 0, 0], [1, 0, 0], [4, 0, 0], [9, 0, 0]]).velocity(1.5).round(6).tolist()  # m/s
+    [3.0, 0.0, 0.0]
     """
 
     time: np.ndarray
     samples: np.ndarray
+
+    if TYPE_CHECKING:  # what may be given, beside what is kept
+
+        def __init__(self, time: ArrayLike, samples: ArrayLike) -> None: ...
 
     def __post_init__(self):
         series = _rows("samples", self.samples, 2)
@@ -151,17 +168,17 @@ class SampledMotion:
         i = np.clip(np.searchsorted(self.time, t.real, side="right") - 1, 0, len(self.time) - 2)
         return self._cubics[..., i], t - self.time[i]
 
-    def displacement(self, t) -> np.ndarray:
+    def displacement(self, t: ArrayLike) -> np.ndarray:
         """Return the displacement, m: t in s, number -> (3,) or (S,) -> (3, S); InputError outside the series."""
         (a, b, c, d), h = self._locate(t)
         return ((a * h + b) * h + c) * h + d
 
-    def velocity(self, t) -> np.ndarray:
+    def velocity(self, t: ArrayLike) -> np.ndarray:
         """Return the velocity, m/s: t in s, number -> (3,) or (S,) -> (3, S); InputError outside the series."""
         (a, b, c, _), h = self._locate(t)
         return (3 * a * h + 2 * b) * h + c
 
-    def acceleration(self, t) -> np.ndarray:
+    def acceleration(self, t: ArrayLike) -> np.ndarray:
         """Return the acceleration, m/s^2: t in s, number -> (3,) or (S,) -> (3, S); InputError outside the series."""
         (a, b, _, _), h = self._locate(t)
         return 6 * a * h + 2 * b
@@ -169,10 +186,14 @@ class SampledMotion:
 
 @dataclass(frozen=True, eq=False)
 class FunctionMotion:
-    """Motion by functions of one time in s: position t -> (3,) in m in x, y, z, and its rate t -> (3,) in m/s."""
+    """Motion by functions of one time in s: position t -> (3,) in m in x, y, z, and its rate t -> (3,) in m/s.
 
-    position: Callable[[float], np.ndarray]
-    rate: Callable[[float], np.ndarray]
+    >>> FunctionMotion(position=lambda t: (2.0 * t, 0, 0), rate=lambda t: (2.0, 0, 0)).displacement(1.5).tolist()  # m
+    [3.0, 0.0, 0.0]
+    """
+
+    position: Callable[[float], ArrayLike]
+    rate: Callable[[float], ArrayLike]
 
     def __post_init__(self):
         for name in ("position", "rate"):
@@ -184,11 +205,11 @@ class FunctionMotion:
         """Return x, y and z, (3, 3): a function may go anywhere."""
         return np.eye(3)
 
-    def displacement(self, t) -> np.ndarray:
+    def displacement(self, t: ArrayLike) -> np.ndarray:
         """Return the displacement, m: t in s, number -> (3,) or (S,) -> (3, S); InputError where it is not finite."""
         return _evaluate("position", self.position, t, "m")
 
-    def velocity(self, t) -> np.ndarray:
+    def velocity(self, t: ArrayLike) -> np.ndarray:
         """Return the velocity, m/s: t in s, number -> (3,) or (S,) -> (3, S); InputError where it is not finite."""
         return _evaluate("rate", self.rate, t, "m/s")
 
@@ -237,7 +258,7 @@ class Ramped:
     def acceleration(self, t) -> np.ndarray:
         """Return the acceleration, m/s^2: t in s, number -> (3,) or (S,) -> (3, S)."""
         q, q_t, q_tt = self._ramp(t)
-        r, v, a = self.motion.displacement(t), self.motion.velocity(t), self.motion.acceleration(t)
+        r, v, a = self.motion.displacement(t), self.motion.velocity(t), self.motion.acceleration(t)  # type: ignore[union-attr]
         return q_tt * r + 2 * q_t * v + q * a
 
 

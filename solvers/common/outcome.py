@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from enum import Enum
+from typing import Self
 
 
 class Status(Enum):
@@ -86,12 +87,16 @@ class ConvergenceError(RuntimeError):
 class Outcome:
     """Mixin of every result: expects the fields ``status``, ``iterations`` and ``residual_norm``."""
 
+    status: Status
+    iterations: int
+    residual_norm: float
+
     @property
     def success(self) -> bool:
         """True when the result can be used."""
         return self.status is Status.SUCCESS
 
-    def or_raise(self, given) -> Outcome:
+    def or_raise(self, given) -> Self:
         """Return this result if it is a success; raises ConvergenceError naming what was ``given`` otherwise."""
         if self.status is not Status.SUCCESS:
             raise ConvergenceError(

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, field
 
 from .outcome import InputError
+from .types import Vector
 from .validation import non_negative_number, positive_number, real_number, vector
 
 _LARGEST = 1e100  # m; squares of a diameter and products with it stay within double precision
@@ -18,12 +19,15 @@ class Environment:
     rho in kg/m^3, g in m/s^2, depth in m (None: no seabed); current: steady velocity of the water, (3,) in m/s;
     seabed_stiffness in N/m^2, per unit length of line and metre of penetration (None: rigid, for statics only).
     Raises InputError naming the field, its value and its unit.
+
+    >>> Environment(depth=320.0, current=(0.5, 0.0, 0.0)).rho  # kg/m^3
+    1025.0
     """
 
     rho: float = 1025.0
     g: float = 9.80665
     depth: float | None = None
-    current: tuple[float, float, float] = field(default=(0.0, 0.0, 0.0), kw_only=True)
+    current: Vector = field(default=(0.0, 0.0, 0.0), kw_only=True)
     seabed_stiffness: float | None = field(default=None, kw_only=True)
 
     def __post_init__(self):
@@ -58,6 +62,10 @@ class CableProperties:
     (tangential, on pi d l), added mass coefficient Ca, and damping: the Kelvin-Voigt time beta in s of
     T = EA (eps + beta d(eps)/dt). They act with diameter and mass_per_length, which statics does not need.
     Raises InputError naming the field, its value and its unit.
+
+    >>> chain = CableProperties(EA=384.243e6, diameter=0.09, mass_per_length=77.7066)
+    >>> round(chain.weight_in(Environment()), 2)  # N/m
+    698.09
     """
 
     EA: float
@@ -107,4 +115,4 @@ class CableProperties:
         """Return the submerged weight per unstretched length, N/m: as given, else g (m - rho pi d^2/4), MSQS (2.2)."""
         if self.submerged_weight is not None:
             return self.submerged_weight
-        return environment.g * (self.mass_per_length - environment.rho * self.area)
+        return environment.g * (self.mass_per_length - environment.rho * self.area)  # type: ignore[operator]

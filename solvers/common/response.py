@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .outcome import InputError
 from .validation import real_array
@@ -17,6 +19,14 @@ class Response:
 
     Forces are those of the line on what holds it, in N, public frame.
     """
+
+    system: Any  # a chain with ``tension``, ``positions`` and ``direction``
+    if TYPE_CHECKING:  # of the class of the result
+        y: Any
+        ydot: Any
+        last_period: Any
+        at: Any
+        rate_at: Any
 
     def field(self, name: str) -> np.ndarray:
         """Return one of ``system.fields`` at stored times, (N, K): u, v, w in m/s, phi, theta in rad, z in m."""
@@ -42,7 +52,7 @@ class Response:
         """Force on the anchor at the stored times, (3, K), N."""
         return self.tension[0] * self.system.direction(self.y[:, :1])[:, 0]
 
-    def fairlead_tension(self, t) -> np.ndarray:
+    def fairlead_tension(self, t: ArrayLike) -> np.ndarray:
         """Return the fairlead tension at times t in s, any shape, N; raises InputError outside the history."""
         try:
             t = real_array(t)

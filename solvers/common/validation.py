@@ -99,4 +99,5 @@ def vector(name: str, value, unit: str, what: str = "components") -> tuple[float
     listed = isinstance(value, (list, tuple)) or (isinstance(value, np.ndarray) and value.ndim == 1)
     if not listed or len(value) != 3 or any(isinstance(part, (list, tuple, np.ndarray)) for part in value):
         raise InputError(f"{value!r} must be three {what} [x, y, z] ({unit})", field=name, value=value, unit=unit)
-    return tuple(real_number(f"{name}[{i}]", v, unit) for i, v in enumerate(value))
+    x, y, z = (real_number(f"{name}[{i}]", v, unit) for i, v in enumerate(value))
+    return x, y, z

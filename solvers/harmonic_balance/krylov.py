@@ -35,7 +35,7 @@ class HarmonicKrylov:
             full = np.zeros((0, *balance.rest.T.shape))
             if drift is not None:
                 end = end[: len(end) - len(drift)]
-                full = np.moveaxis(self.slope.mean(axis=-1), 2, 1)
+                full = np.moveaxis(self.slope.mean(axis=-1), 2, 1)  # type: ignore[union-attr]
             self.still = BlockChain(start, np.moveaxis(cells, 3, 1), end, full)
             self.singular |= self.still.singular
         for k in range(1, basis.harmonics + 1):

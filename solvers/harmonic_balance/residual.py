@@ -135,7 +135,7 @@ class HarmonicResidual:
 
     def _sampled(self, rows, state):
         drift = self.system.drift(state[0], state[2]) if self.mean_constraints else None
-        return self.vector(*(part.value for part in rows), drift)
+        return self.vector(*(part.value for part in rows), drift)  # type: ignore[call-arg]
 
     def vector(self, start, cells, end, drift) -> np.ndarray:
         """Active coefficients of sampled rows (n_r, *, Nt) and of the drift as one vector."""
@@ -170,13 +170,13 @@ class HarmonicResidual:
             return F, None if factors.singular else factors.solve
         slope = self.slope(state)
         if self.n >= SINGLE_PRECISION_FROM:
-            factors = BlockChain(*self.jacobian(rows, slope, CELLS_AT_ONCE, np.float32))
+            factors = BlockChain(*self.jacobian(rows, slope, CELLS_AT_ONCE, np.float32))  # type: ignore[assignment]
             solve = lambda F: factors.solve(*self._split(F))
             step = solve(F)
             more = solve(F - self.product(rows, slope, step))
             if not factors.singular and abs(more).mean() <= MAX_REFINEMENT * abs(step).mean():
                 return F, lambda right: step + more if right is F else solve(right)
-        factors = BlockChain(*self.jacobian(rows, slope, CELLS_AT_ONCE, float))
+        factors = BlockChain(*self.jacobian(rows, slope, CELLS_AT_ONCE, float))  # type: ignore[assignment]
         return F, None if factors.singular else lambda F: factors.solve(*self._split(F))
 
     def slope(self, state):

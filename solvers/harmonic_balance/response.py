@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..common import diagnostics
 from ..common.outcome import Outcome, Status
@@ -70,10 +71,10 @@ class PeriodicResponse(Response, Outcome):
         """What a cable's response has lost: drift, compression between instants, too few harmonics, mean forces."""
         return tuple(diagnostics.check_response(self))
 
-    def at(self, t) -> np.ndarray:
+    def at(self, t: ArrayLike) -> np.ndarray:
         """State at times t (S,) in s, (n_f, N, S)."""
         return self.system.rest_state()[..., None] + self.z @ self.basis.functions(np.asarray(t, dtype=float))[0].T
 
-    def rate_at(self, t) -> np.ndarray:
+    def rate_at(self, t: ArrayLike) -> np.ndarray:
         """Rate of the state at times t (S,) in s, (n_f, N, S)."""
         return self.z @ self.basis.functions(np.asarray(t, dtype=float))[1].T

@@ -43,7 +43,7 @@ def solve_with_continuation(system, basis, z, tolerance, newton, mirror, iterati
     """Solve at the full amplitude from z, or from rest by steps in the amplitude of the driving."""
     if mirror is not None and not HarmonicResidual(system, basis, mirror, iterative).start_is_symmetric(z):
         mirror = None
-    last = []
+    last: list = []
 
     def solve(amplitude, guess):
         chain = system if amplitude == 1.0 else system.scaled(amplitude)
@@ -64,7 +64,7 @@ def _keep_last_solve(linearise):
     The residual must not keep it: the solving function knows the residual, and in such a circle the factors would
     outlive the solve until a collection of garbage.
     """
-    inverse = []
+    inverse: list = []
 
     def linearise_again(x):
         inverse.clear()  # the old factors go before the new ones come

@@ -18,6 +18,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass, replace
+from os import PathLike
 from pathlib import Path
 
 from ..common.outcome import InputError
@@ -55,12 +56,20 @@ class MapNetwork(Network):
     ignored: tuple[str, ...] = ()
 
 
-def read_map_file(path, *, depth=None, rho=Environment.rho, g=Environment.g) -> MapNetwork:
+def read_map_file(
+    path: str | PathLike[str], *, depth: float | None = None, rho: float = Environment.rho, g: float = Environment.g
+) -> MapNetwork:
     """Return the network of a MAP++ file, in water ``depth`` m deep (None: no seabed), rho kg/m^3, g m/s^2.
 
     Raises InputError naming file and line for what is missing, wrong or not supported.
+
+    >>> from importlib.resources import files
+    >>> from solvers.io import read_map_file
+    >>> len(read_map_file(files("reference_data") / "scenes" / "oc3_hywind.map", depth=320.0).elements)
+    3
     """
-    environment, types, angles = Environment(rho=rho, g=g, depth=depth), {}, []
+    environment, types = Environment(rho=rho, g=g, depth=depth), {}
+    angles: list[float] = []
     try:
         text = Path(path).read_text(encoding="latin-1")  # all but the unit m^3 is ASCII, and that comes in any encoding
     except (TypeError, ValueError):
@@ -129,7 +138,8 @@ class _Row(dict):
 
 
 def _sections(path, lines) -> dict[str, list[_Row]]:
-    rows, section, header = {}, None, 0
+    rows: dict[str, list[_Row]] = {}
+    section, header = None, 0
     for number, line in enumerate(lines, start=1):
         where, words = f"{path}:{number}", line.split()
         if line.lstrip().startswith("--"):

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from difflib import get_close_matches
+from os import PathLike
 
 from ..common.outcome import InputError
 from ..common.properties import CableProperties, Environment
@@ -40,8 +41,14 @@ class NamedNetwork(Network):
     node_names: tuple[str, ...] = ()
 
 
-def load_network(path) -> NamedNetwork:
-    """Read a network file. Raises InputError naming file, table, key and value of what is missing, unknown or wrong."""
+def load_network(path: str | PathLike[str]) -> NamedNetwork:
+    """Read a network file. Raises InputError naming file, table, key and value of what is missing, unknown or wrong.
+
+    >>> from importlib.resources import files
+    >>> from solvers.io import load_network
+    >>> len(load_network(files("reference_data") / "scenes" / "networks" / "three_bridles.toml").elements)
+    9
+    """
     return read_tables(path, _from_tables)
 
 

@@ -22,7 +22,9 @@ import math
 import tomllib
 from dataclasses import dataclass
 from difflib import get_close_matches
+from os import PathLike
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -30,6 +32,7 @@ from ..catenary.span import Span
 from ..common.motion import Motion
 from ..common.outcome import InputError
 from ..common.properties import CableProperties, Environment
+from ..common.types import Vector
 from ..common.validation import positive_number, real_number, vector
 
 _SECTION = ("diameter", "mass_per_length", "submerged_weight", "Cdn", "Cdb", "Cdt", "Ca", "damping")
@@ -54,13 +57,17 @@ class Scene:
     """One line with its environment: length in m, friction a tuple of coefficients, anchor and fairlead (3,) in m.
 
     motion: of the fairlead about that position, or None. Raises InputError naming the key, its value and its unit.
+
+    >>> section = CableProperties(EA=384.243e6, diameter=0.09, mass_per_length=77.7066)
+    >>> Scene("my line", section, 902.2, (0.0, 0.0, -320.0), (848.67, 0.0, -70.0)).spans()[0].z  # m
+    250.0
     """
 
     name: str
     cable: CableProperties
     length: float
-    anchor: tuple[float, float, float]
-    fairlead: tuple[float, float, float]
+    anchor: Vector
+    fairlead: Vector
     environment: Environment = Environment()  # noqa: RUF009 (frozen)
     friction: tuple[float, ...] = (0.0,)
     tolerance: float = 1e-6
@@ -68,8 +75,13 @@ class Scene:
     motion: Motion | None = None
 
     @classmethod
-    def load(cls, path) -> Scene:
-        """Read a scene file. Raises InputError naming file and key for anything missing, unknown or out of range."""
+    def load(cls, path: str | PathLike[str]) -> Scene:
+        """Read a scene file. Raises InputError naming file and key for anything missing, unknown or out of range.
+
+        >>> from importlib.resources import files
+        >>> Scene.load(files("reference_data") / "scenes" / "shallow_chain.toml").environment.depth  # m
+        30.0
+        """
         return read_tables(path, cls._from_tables)
 
     @classmethod
@@ -114,17 +126,17 @@ class Scene:
         if self.environment.seabed_stiffness is None:
             problem = "not given (N/m^2), and [motion] over a seabed takes it"
             raise InputError(problem, field="environment.seabed_stiffness", unit="N/m^2")
-        period = np.linspace(0.0, self.motion.period, 64 * self.motion.harmonics + 1)
-        lowest = self.fairlead[2] + self.motion.displacement(period)[2].min()
+        period = np.linspace(0.0, self.motion.period, 64 * self.motion.harmonics + 1)  # type: ignore[union-attr]
+        lowest = self.fairlead[2] + self.motion.displacement(period)[2].min()  # type: ignore[union-attr]
         if lowest < -depth:
             problem = f"takes the fairlead down to z = {lowest:g} m, below the seabed, {-depth:g} m"
-            raise InputError(problem, field="motion.amplitude", value=self.motion.sine.tolist(), unit="m")
+            raise InputError(problem, field="motion.amplitude", value=self.motion.sine.tolist(), unit="m")  # type: ignore[union-attr]
 
     def spans(self) -> tuple[Span, ...]:
         """Return the line as solvers.Span in its vertical plane, one for each friction coefficient."""
         (x0, y0, z0), (x1, y1, z1) = self.anchor, self.fairlead
         depth = self.environment.depth
-        shape = {
+        shape: dict[str, Any] = {
             "w": self.cable.weight_in(self.environment),
             "EA": self.cable.EA,
             "L": self.length,
@@ -207,4 +219,5 @@ def _rows(name: str, value, unit: str) -> np.ndarray:
 def _point(name: str, value) -> tuple[float, float, float]:
     if not isinstance(value, list) or len(value) != 3:
         raise InputError(f"{value!r} must be three coordinates [x, y, z] (m)", field=name, value=value, unit="m")
-    return tuple(real_number(f"{name}[{i}]", v, "m") for i, v in enumerate(value))
+    x, y, z = (real_number(f"{name}[{i}]", v, "m") for i, v in enumerate(value))
+    return x, y, z

@@ -194,7 +194,7 @@ FRAME = np.array([_frame(0, 0), _frame(1, 0) - _frame(0, 0), _frame(0, 1) - _fra
 def exact_forces(balance, geometry, rows=slice(None)):
     """(H, V, H_anchor, V_anchor) (4, k) of the elements, the call that gives their D (k, 4, 3), span iterations."""
     lines = balance.w, balance.EA, balance.L, geometry.l, geometry.rise, balance.rests, geometry.friction
-    w, EA, *lines = (column[rows] for column in (*lines, geometry.clearance))
+    w, EA, *lines = (column[rows] for column in (*lines, geometry.clearance))  # type: ignore[assignment]
     solved = one_by_one(w, EA, *lines) if w.size <= FEW and geometry.finite else span_arrays(w, EA, *lines)
     H, V, H_anchor, V_anchor, _, K, regime, _, iterations = solved
     Q = np.array([H, V, H_anchor, V_anchor])
@@ -219,7 +219,7 @@ def exact_derivatives(Q, K, regime, w, EA, friction):
         D[slack, 1, 2], D[slack, 3, 1] = K[3][slack], -w[slack] / (1 - V_anchor[slack] / EA[slack])
     sagging = regime == SAGGING
     if sagging.any():
-        D[sagging] = _sagging(*(k[sagging] for k in K), H[sagging], -V_anchor[sagging], w[sagging], EA[sagging])
+        D[sagging] = _sagging(*(k[sagging] for k in K), H[sagging], -V_anchor[sagging], w[sagging], EA[sagging])  # type: ignore[call-arg]
     return D
 
 
@@ -227,7 +227,7 @@ def one_by_one(*lines):
     """As ``span_arrays``, which for a few lines is slower."""
     with np.errstate(all="ignore"):
         rows = zip(*(column.tolist() for column in lines), strict=True)
-        columns = np.array([solve(SCALAR, one, *line, TOLERANCE) for line in rows]).T
+        columns = np.array([solve(SCALAR, one, *line, TOLERANCE) for line in rows]).T  # type: ignore[call-arg]
     return *columns[:5], columns[5:9], columns[9], columns[10], columns[11]
 
 

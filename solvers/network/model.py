@@ -5,6 +5,7 @@ Lengths in m, forces in N, z up; the seabed is at z = -environment.depth.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -15,6 +16,7 @@ import numpy as np
 from ..catenary.span import Span
 from ..common.outcome import InputError
 from ..common.properties import Environment
+from ..common.types import Vector
 from ..common.validation import non_negative_number, one_of, real_array, vector
 from .equations import Balance
 
@@ -29,13 +31,16 @@ class Node:
     r : (3,) position, m; of a free node the user's guess
     mass : point mass, kg, and volume : displaced volume, m^3, both >= 0
     force : (3,) external force, N
+
+    >>> Node("free", (0, 0, -65), force=(0, 0, 6.4e5)).mass
+    0.0
     """
 
     kind: str
-    r: tuple[float, float, float]
+    r: Vector
     mass: float = 0.0
     volume: float = 0.0
-    force: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    force: Vector = (0.0, 0.0, 0.0)
 
     def __post_init__(self):
         one_of("kind", self.kind, KINDS)
@@ -51,12 +56,15 @@ class Element:
 
     w < 0: buoyant; such a line never touches the seabed, and hangs as if there were none, below it too.
     friction : coefficient of the seabed where the anchor end lies on it (MSQS 2.15); a raised anchor end has none.
+
+    >>> Element(w=59.1, EA=2.34e8, L=300, ends=(1, 2)).friction
+    0.0
     """
 
     w: float
     EA: float
     L: float
-    ends: tuple[int, int]
+    ends: Sequence[int]
     friction: float = 0.0
 
     def __post_init__(self):
@@ -72,10 +80,15 @@ class Element:
 
 @dataclass(frozen=True)
 class Network:
-    """Nodes, elements and environment. Raises InputError naming the node or element, its value and its unit."""
+    """Nodes, elements and environment. Raises InputError naming the node or element, its value and its unit.
 
-    nodes: tuple[Node, ...]
-    elements: tuple[Element, ...]
+    >>> nodes = [Node("fixed", (0, 0, 0)), Node("free", (0, 0, -90))]
+    >>> len(Network(nodes, [Element(w=59.1, EA=2.34e8, L=100, ends=(1, 0))]).elements)
+    1
+    """
+
+    nodes: Sequence[Node]
+    elements: Sequence[Element]
     environment: Environment = field(default_factory=Environment)
 
     def __post_init__(self):
@@ -109,7 +122,7 @@ class Network:
 
     def _held(self) -> list[bool]:
         """Nodes that are tied to a fixed or coupled node; one that carries no element is not."""
-        neighbours = [[] for _ in self.nodes]
+        neighbours: list[list[int]] = [[] for _ in self.nodes]
         for first, last in (element.ends for element in self.elements):
             neighbours[first].append(last)
             neighbours[last].append(first)

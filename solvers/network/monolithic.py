@@ -70,7 +70,7 @@ class Monolith:
 
     def __init__(self, balance, units, count):
         self.balance, self.count = balance, count
-        self.force_unit, self.length_unit = UNITS[units] or (balance.typical_force, balance.typical_length)
+        self.force_unit, self.length_unit = UNITS[units] or (balance.typical_force, balance.typical_length)  # type: ignore[var-annotated]
 
     def at(self, r, H, V, before=None):
         """The iterate at positions r (n, 3), forces (e,); before: the kinds (e,) that they come from."""
@@ -159,7 +159,7 @@ class Iterate:
             K[:, 1, 1] = np.where(self.upright, 1 / d, K[:, 1, 1])
         if balance.any_massless:
             springs = np.flatnonzero(balance.massless & ~self.closed)
-            K[springs] = spring_stiffness(*self.elements.Q[:2, springs], balance.EA[springs], balance.L[springs])
+            K[springs] = spring_stiffness(*self.elements.Q[:2, springs], balance.EA[springs], balance.L[springs])  # type: ignore[call-arg]
         D[:, :2] = K @ G
         D[:, 2:] = x.anchor @ D[:, :2]
         D[:, 3, 1] += x.raised[:, 2]

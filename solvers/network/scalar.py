@@ -75,7 +75,7 @@ class Few:
             return None
 
     def _at(self, z):
-        X, F, gaps, lines, m = self.r.copy(), self.load.copy(), [], [], self.m
+        X, F, gaps, lines, m = self.r.copy(), self.load.copy(), [], [], self.m  # type: ignore[var-annotated]
         largest = gap_force = 0.0
         for k, value in zip(self.free, z, strict=False):
             X[k] = value

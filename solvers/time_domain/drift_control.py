@@ -59,7 +59,7 @@ class MeanDriftControl(PositionDriftControl):
         if t >= self.ends - 0.5 * h:
             self.update(self.sum / self.interval, self.interval)
             self.sum, self.ends = 0.0, self.ends + self.interval
-        return self.correction
+        return self.correction  # type: ignore[return-value]
 
 
 DRIFT_CONTROLS = {"position": PositionDriftControl, "mean": MeanDriftControl, None: None}

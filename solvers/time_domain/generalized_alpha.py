@@ -77,7 +77,7 @@ class Stepper:
         self.error, self._size = 0.0, np.zeros((len(system.fields), system.nodes))
         y, t = system.rest_state(), 0.0
         self.constraints = tuple(not rows(y, 0 * y, t).dydot.any() for rows in (system.start, system.end))
-        self.drift_control = DRIFT_CONTROLS[hold](system, dt) if hold and system.drift(y, t) is not None else None
+        self.drift_control = DRIFT_CONTROLS[hold](system, dt) if hold and system.drift(y, t) is not None else None  # type: ignore[misc]
         self._factorised_for = None
 
     def step(self, y, ydot, t, h, predicted):

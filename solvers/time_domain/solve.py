@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..common import diagnostics
 from ..common.outcome import InputError, Outcome, Status
@@ -56,11 +58,11 @@ class TimeHistory(Response, Outcome):
             raise InputError(problem, field="time", value=self.time, unit="s")
         return max(self.time[0], self.time[-1] - period), period
 
-    def at(self, t) -> np.ndarray:
+    def at(self, t: ArrayLike) -> np.ndarray:
         """State at times t (S,) in s, (n_f, N, S): cubic between the stored times. Raises InputError outside them."""
         return self._cubic(t, 0)
 
-    def rate_at(self, t) -> np.ndarray:
+    def rate_at(self, t: ArrayLike) -> np.ndarray:
         """Rate of the state at times t (S,) in s, (n_f, N, S)."""
         return self._cubic(t, 1)
 
@@ -71,7 +73,7 @@ class TimeHistory(Response, Outcome):
 
     def drift(self) -> np.ndarray:
         """Distance of the last node from its prescribed place at the stored times, (K,), m."""
-        return np.linalg.norm(self.ramped_system.drift(self.y, self.time), axis=0)
+        return np.linalg.norm(self.ramped_system.drift(self.y, self.time), axis=0)  # type: ignore[arg-type]
 
     def _cubic(self, t, order):
         """Hermite's cubic through y and ydot, or its first derivative."""
@@ -95,20 +97,20 @@ class TimeHistory(Response, Outcome):
 def solve_time_domain(
     system: ChainSystem,
     *,
-    dt,
-    periods=None,
-    duration=None,
-    rho_inf=0.5,
-    scheme=None,
-    tolerance=1e-10,
-    step_tolerance=None,
-    ramp=None,
-    start=None,
-    hold="position",
-    allow_invalid=False,
-    every=1,
-    progress=None,
-    throw=True,
+    dt: float,
+    periods: float | None = None,
+    duration: float | None = None,
+    rho_inf: float = 0.5,
+    scheme: Scheme | None = None,
+    tolerance: float = 1e-10,
+    step_tolerance: float | None = None,
+    ramp: float | None = None,
+    start: Sequence[ArrayLike | None] | None = None,
+    hold: str | None = "position",
+    allow_invalid: bool = False,
+    every: int = 1,
+    progress: Callable[[float], object] | None = None,
+    throw: bool = True,
 ) -> TimeHistory:
     """Integrate the chain from rest, or from ``start`` = (y, ydot or None), over ``periods`` or a ``duration`` in s.
 
@@ -129,6 +131,13 @@ def solve_time_domain(
     every: keep each n-th step, the first and the last. progress: called with the time reached in s after each step.
     Raises InputError for bad input, ConvergenceError when a step fails or a state is invalid (``throw=False``, and an
     invalid state that is allowed: the history up to there with its status).
+
+    >>> chain = CableProperties(EA=384.243e6, diameter=0.09, mass_per_length=77.7066, Cdn=1.6)
+    >>> surge = Motion.harmonic(0.05, (5.0, 0.0, 0.0))
+    >>> scene = Scene("my line", chain, 902.2, (0.0, 0.0, -320.0), (848.67, 0.0, -70.0), motion=surge)
+    >>> history = solve_time_domain(cable_system(scene, nodes=20), dt=0.5, periods=2)
+    >>> round(float(history.fairlead_tension(40.0)) / 1e6, 2)  # MN
+    1.28
     """
     end = _duration(system, periods, duration)
     dt, tolerance = positive_number("dt", dt, "s"), positive_number("tolerance", tolerance, "(mean change of a state)")
@@ -161,8 +170,8 @@ def solve_time_domain(
         return run.history(system, hold, ramp)
 
     history, tried = integrate(first_ramp), f"ramp = {first_ramp:g} s"
-    early = history.event is not None and first_ramp > 0 and history.event[0] <= 2 * system.period
-    reaches_full_motion = early and end >= 2 * system.period  # a whole period of it, after a ramp of one period
+    early = history.event is not None and first_ramp > 0 and history.event[0] <= 2 * system.period  # type: ignore[operator]
+    reaches_full_motion = early and end >= 2 * system.period  # type: ignore[operator]  # a period of it, after the ramp
     if ramp is None and reaches_full_motion and not allow_invalid:
         longer = integrate(system.period)
         tried += f", then {system.period:g} s"

@@ -78,7 +78,7 @@ def _external(module, name, count):
     if "int64" in str(module.__pyx_capi__[name]):
         raise ImportError("scipy: this build has 64-bit integers in BLAS; one with 32 bits, as on PyPI, is needed")
     address = get_cython_function_address(module.__name__, name)
-    if numba.config.DISABLE_JIT:
+    if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
         return ctypes.CFUNCTYPE(None, *[ctypes.c_size_t] * count)(address)
     llvmlite.binding.add_symbol("scipy_" + name, address)
     return types.ExternalFunction("scipy_" + name, types.void(*[types.uintp] * count))
