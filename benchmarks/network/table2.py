@@ -10,9 +10,9 @@ from functools import cache, partial
 import numpy as np
 
 from solvers import solve_network
-from solvers.network.equations import Balance
+from solvers.network.equations import NetworkEquations
 from solvers.network.jacobian import DIFFERENCE, analytic_jacobian, difference_jacobian
-from solvers.network.monolithic import Monolith
+from solvers.network.monolithic import MonolithicSystem
 from solvers.network.nested import Count
 
 from ..run import harness
@@ -80,7 +80,7 @@ def condition_number(w: float, units: str) -> float:
     """Of the analytic monolithic Jacobian at the solution."""
     network = two_lines(w)
     state = solve_network(network)
-    iterate = Monolith(Balance(network), units, Count()).at(state.r, state.H, state.V)
+    iterate = MonolithicSystem(NetworkEquations(network), units, Count()).evaluate(state.r, state.H, state.V)
     return float(np.linalg.cond(analytic_jacobian(iterate)))
 
 
@@ -96,7 +96,7 @@ def example(w: float) -> list[dict]:
     places = np.array([node.r for node in network.nodes])
     norms = {}
     for units in UNITS:
-        start = Monolith(Balance(network), units, Count()).at(places, *map(np.array, forces))
+        start = MonolithicSystem(NetworkEquations(network), units, Count()).evaluate(places, *map(np.array, forces))
         exact = analytic_jacobian(start)
         apart = np.linalg.norm(difference_jacobian(start) - exact, 2)
         norms[units] = {"difference": apart, "relative": apart / np.linalg.norm(exact, 2)}

@@ -7,11 +7,11 @@ import numpy as np
 from ..common.outcome import InputError
 from ..common.validation import real_array
 
-STRAIGHT = 1e-9  # of the tension: a piece lighter than that is straight, its square is below rounding
+STRAIGHT = 1e-9  # a piece lighter than this part of its tension is straight: the square is below rounding
 
 
 def profile(state, s):
-    """(x, z, tension) at unstretched arc length s (...), m, from the anchor; see CatenaryState.profile."""
+    """Return (x, z, tension) at unstretched arc length s (...), m, from the anchor; see ``CatenaryState.profile``."""
     span = state.span
     try:
         s = real_array(s)
@@ -27,17 +27,17 @@ def profile(state, s):
         # the piece that hangs from a raised anchor, the piece at rest, the piece up to the fairlead
         lifted = -state.V_anchor / span.w
         first = np.minimum(s, lifted)
-        rest = np.clip(s - lifted, 0, state.grounded_length)
+        lying = np.clip(s - lifted, 0, state.grounded_length)
         last = np.maximum(state.V / span.w - (span.L - s), 0)
         x1, z1, T1 = _hanging(span, state.H_anchor, state.V_anchor, first)
-        x2, T2 = _resting(span, state, rest)
+        x2, T2 = _resting(span, state, lying)
         x3, z3, T3 = _hanging(span, state.H, 0.0, last)
     tension = np.where(s < lifted, T1, np.where(last > 0, T3, T2))
     return x1 + x2 + x3, z1 + z3, tension
 
 
 def _hanging(span, H, V0, s):
-    """(x, z, T) at s along a free line that starts with the force (H, V0); (2.1) with differences resolved:
+    """Return (x, z, T) at s along a free line that starts with the force (H, V0), by (2.1) without cancellation:
 
     sqrt(H^2 + a^2) - sqrt(H^2 + b^2) = (a - b)(a + b)/(Ta + Tb), and for a, b of one sign
     asinh(a/H) - asinh(b/H) = asinh((a - b)(a + b)/(a Tb + b Ta)). Forces are taken in units of the largest.
@@ -53,12 +53,12 @@ def _hanging(span, H, V0, s):
     one_sign = np.arcsinh(rise * (a + b) / np.where(a * b > 0, a * Tb + b * Ta, 1.0))
     spread = np.where(a * b > 0, one_sign, np.arcsinh(a / H) - np.arcsinh(b / H))
     straight = np.abs(rise) <= STRAIGHT * np.minimum(Ta, Tb)
-    slope = H * np.where(straight, 2 / total, spread / np.where(straight, 1.0, rise))
-    return s * (slope + H * (unit / span.EA)), z, unit * Ta
+    dx_ds = H * np.where(straight, 2 / total, spread / np.where(straight, 1.0, rise))
+    return s * (dx_ds + H * (unit / span.EA)), z, unit * Ta
 
 
 def _resting(span, state, s):
-    """(x, T) at s along the part on the seabed, from its anchor side: (2.16), (2.19)."""
+    """Return (x, T) at s along the part on the seabed, from its anchor side: (2.16), (2.19)."""
     grounded = state.grounded_length
     if state.H == 0:  # slack: spread evenly over what is left of x
         return s / grounded * span.x, 0 * s
@@ -66,6 +66,6 @@ def _resting(span, state, s):
         return s + state.H * s / span.EA, state.H + 0 * s
     drag = span.friction * span.w
     x0 = max(grounded - state.H / drag, 0.0)  # tension starts here, or at the anchor with H_anchor
-    moved = np.maximum(s - x0, 0)
-    stretch = (state.H_anchor * moved + drag * moved * moved / 2) / span.EA
+    pulled = np.maximum(s - x0, 0)
+    stretch = (state.H_anchor * pulled + drag * pulled * pulled / 2) / span.EA
     return s + stretch, np.maximum(state.H - drag * (grounded - s), 0.0)

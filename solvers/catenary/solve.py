@@ -1,33 +1,17 @@
-"""From inputs to forces: the regime of each span, its kernel, the units; one text for floats and for arrays."""
+"""From the inputs of spans to their forces: units, regime, iteration; one text for floats and for arrays."""
 
 from __future__ import annotations
 
 import math
-from enum import Enum
 
 import numpy as np
 
 from ..common.outcome import Status
 from ..numerics.elementary import ARRAY, SCALAR
 from ..numerics.newton import monotone_root, monotone_roots
-from . import regimes
-from .regimes import LARGEST, LIGHTEST, LOWEST, MASSLESS, NARROWEST, STIFFEST
+from . import regimes, suspended
+from .regimes import LARGEST, LIGHTEST, LOWEST, MASSLESS, SAGGING, STIFFEST
 
-
-class Regime(Enum):
-    """Which closed form holds."""
-
-    SUSPENDED = "suspended between its ends"
-    STEEP = "suspended, stretched along its whole length and steep"
-    GROUNDED = "resting on the seabed from the anchor on"
-    SAGGING = "resting on the seabed between two raised ends"
-    SLACK = "hanging straight down to the seabed, without horizontal force"
-    LYING = "stretched along the seabed"
-    VERTICAL = "vertical, or folded over without horizontal force"
-    MASSLESS = "a straight spring"
-
-
-REGIMES = tuple(Regime)
 STATUSES = (
     Status.SUCCESS,
     Status.INVALID_INPUT,
@@ -35,33 +19,42 @@ STATUSES = (
     Status.FRICTION_UNDETERMINED,
     Status.NOT_FINITE,
 )
-_SUSPENDED, _STEEP, _GROUNDED, _SAGGING, _SLACK, _LYING, _VERTICAL, _MASSLESS = range(len(REGIMES))
 SUCCESS, INVALID_INPUT, NOT_CONVERGED, FRICTION_UNDETERMINED, NOT_FINITE = range(len(STATUSES))
 
 
-def solve(f, run, w, EA, L, x, z, seabed, CB, clearance, tolerance):
-    """(H, V, H_anchor, V_anchor, grounded_length, K11, K12, K21, K22, regime, status, iterations, residual)."""
-    up, l, h, e, CB, c, massless, beyond, weight = _scaled(f, w, EA, L, x, z, seabed, CB, clearance)
-    columns = l, h, e, CB, c
-    regime = _classify(f, *columns, seabed, massless)
-    solved = run(regime, columns, tolerance)
-    touching = seabed & (c > 0) & (regime <= _STEEP) & (regimes.lowest_point(f, solved[:5], e) > c)
-    if f.any(touching):
-        regime = f.where(touching, _SAGGING, regime)
-        solved = run(regime, columns, tolerance, solved, touching)
+def solve(f, dispatch, w, EA, L, x, z, seabed, CB, clearance, tolerance):
+    """Return the forces, stiffness, regime, status, iterations and residual of spans, as numbers or arrays (n,).
+
+    (H, V, H_anchor, V_anchor, grounded_length, K11, K12, K21, K22, regime, status, iterations, residual), N and m;
+    regime and status are indices into REGIMES and STATUSES.
+    f, dispatch : SCALAR and ``solve_one`` for floats, ARRAY and ``solve_batch`` for arrays
+    """
+    up, *columns, massless, beyond, weight = _nondimensional(f, w, EA, L, x, z, seabed, CB, clearance)
+    _, _, e, CB, c = columns
+    regime = regimes.classify(f, *columns, seabed, massless)  # type: ignore[call-arg]
+    solved = dispatch(regime, columns, tolerance)
+    sags = seabed & regimes.sags_to_seabed(f, regime, solved[:5], e, c)
+    if f.any(sags):
+        regime = f.where(sags, SAGGING, regime)
+        solved = dispatch(regime, columns, tolerance, solved, sags)
     H, V, H_anchor, V_anchor, grounded, K11, K12, K21, K22, iterations, residual, converged = solved
-    unit = f.where(regime == _MASSLESS, EA, weight)
+    unit = f.where(regime == MASSLESS, EA, weight)
     status = f.where(converged, SUCCESS, NOT_CONVERGED)
     status = f.where(beyond | (abs(H * unit) + abs(V * unit) == math.inf) | (K11 != K11), NOT_FINITE, status)
-    status = f.where((regime == _SAGGING) & (CB > 0), FRICTION_UNDETERMINED, status)
+    status = f.where((regime == SAGGING) & (CB > 0), FRICTION_UNDETERMINED, status)
     force = unit * f.where(status == SUCCESS, 1.0, math.nan)
-    lift, stiff, turn = up * force, force / L, up * force / L
-    forces = force * H, lift * V, force * H_anchor, lift * V_anchor, f.where(status == SUCCESS, L * grounded, math.nan)
-    return *forces, stiff * K11, turn * K12, turn * K21, stiff * K22, regime, status, iterations, residual
+    vertical, stiff, coupling = up * force, force / L, up * force / L
+    grounded = f.where(status == SUCCESS, L * grounded, math.nan)
+    forces = force * H, vertical * V, force * H_anchor, vertical * V_anchor, grounded
+    stiffness = stiff * K11, coupling * K12, coupling * K21, stiff * K22
+    return *forces, *stiffness, regime, status, iterations, residual
 
 
-def _scaled(f, w, EA, L, x, z, seabed, CB, clearance):
-    """Sign of the weight, the span in units of L and w L, and whether it is massless or beyond the range of doubles."""
+def _nondimensional(f, w, EA, L, x, z, seabed, CB, clearance):
+    """Return (sign of the weight, l, h, e, CB, c, massless, beyond, weight), the span in units of L and w L.
+
+    beyond : whether the span leaves the range of doubles
+    """
     up = f.where(w < 0, -1.0, 1.0)  # a buoyant line is the mirror image of a heavy one
     weight = up * w * L
     l, c, e = x / L, f.where(clearance > LOWEST * L, clearance / L, 0.0), f.maximum(weight / EA, STIFFEST)
@@ -72,30 +65,13 @@ def _scaled(f, w, EA, L, x, z, seabed, CB, clearance):
     return up, l, h, e, CB, c, massless, beyond, weight
 
 
-def _classify(f, l, h, e, CB, c, seabed, massless):
-    """Regime of each span; a line over a raised anchor is taken as suspended until its lowest point is known."""
-    chord = f.sqrt(l * l + h * h)
-    over = f.where(seabed, h + c, 0.0)
-    slack = seabed & (1 - regimes.hanging_length(f, over, e) - regimes.hanging_length(f, c, e) >= l)
-    # just touching: V = wL, so H = (1 - k^2)/2k from (2.23b) with k = h - e/2, and l from (2.23a)
-    k = h - e / 2
-    H = f.where(k > 0, (1 - k * k) / f.where(k > 0, 2 * k, 1.0), 1.0)
-    rests = (k <= 0) | ((k < 1) & (l <= H * (f.arcsinh(1 / f.where(k < 1, H, 1.0)) + e)))
-    regime = f.where(regimes.spare_height(abs(h), e) < 0, _STEEP, _SUSPENDED)
-    regime = f.where((e < MASSLESS) & (chord > 1), _MASSLESS, regime)
-    regime = f.where(seabed & (c == 0) & rests, f.where(h > LOWEST, _GROUNDED, _LYING), regime)
-    regime = f.where(l < NARROWEST * (1 + abs(h)), _VERTICAL, regime)
-    regime = f.where((e <= STIFFEST) & (chord > 1), _MASSLESS, regime)
-    return f.where(massless, _MASSLESS, f.where(slack, _SLACK, regime))
-
-
-def one(regime, columns, tolerance, *_):
-    """Solve one span of the given regime."""
+def solve_one(regime, columns, tolerance, *_):
+    """Return the results of one span of the given regime."""
     return _KERNELS[regime](SCALAR, monotone_root, *columns, tolerance)  # type: ignore[call-arg]
 
 
-def many(regime, columns, tolerance, solved=None, only=True):
-    """Regime by regime: gather the rows, solve them, put the results in place."""
+def solve_batch(regime, columns, tolerance, solved=None, only=True):
+    """Return arrays (n,) of results, solved regime by regime; ``only`` the rows that replace those of ``solved``."""
     if solved is None:
         solved = [np.empty(regime.size) for _ in range(9)]
         solved += [np.empty(regime.size, dtype=int), np.empty(regime.size), np.empty(regime.size, dtype=bool)]
@@ -108,50 +84,50 @@ def many(regime, columns, tolerance, solved=None, only=True):
     return solved
 
 
-def _result(state, iterations=0, residual=0.0, converged=True):
+def _results(state, iterations=0, residual=0.0, converged=True):
     forces, stiffness = state
     return *forces, *stiffness, iterations, residual, converged
 
 
 def _suspended(f, root, l, h, e, CB, c, tolerance):
-    start, upper = regimes.suspended_start(f, l, abs(h), e)
-    y, *count = root(regimes.suspended_residual, start, upper, (l, abs(h), e), tolerance)
-    return _result(regimes.suspended_state(f, y, l, h, e), *count)
+    start, upper = suspended.suspended_start(f, l, abs(h), e)
+    y, *count = root(suspended.suspended_residual, start, upper, (l, abs(h), e), tolerance)
+    return _results(suspended.suspended_state(f, y, l, h, e), *count)
 
 
 def _steep(f, root, l, h, e, CB, c, tolerance):
-    start, upper = regimes.steep_start(f, l, abs(h), e)
-    t, *count = root(regimes.steep_residual, start, upper, (l, abs(h), e), tolerance)
-    return _result(regimes.steep_state(f, t, l, h, e), *count)
+    start, upper = suspended.steep_start(f, l, abs(h), e)
+    t, *count = root(suspended.steep_residual, start, upper, (l, abs(h), e), tolerance)
+    return _results(suspended.steep_state(f, t, l, h, e), *count)
 
 
 def _grounded(f, root, l, h, e, CB, c, tolerance):
     start, upper = regimes.grounded_start(f, l, h, e, CB)
     p, *count = root(regimes.grounded_residual, start, upper, (l, h, e, CB), tolerance)
-    return _result(regimes.grounded_state(f, p, l, h, e, CB), *count)
+    return _results(regimes.grounded_state(f, p, l, h, e, CB), *count)
 
 
 def _sagging(f, root, l, h, e, CB, c, tolerance):
-    high, low, none = f.maximum(h + c, c), f.minimum(h + c, c), 0 * CB
-    start, upper = regimes.grounded_start(f, l, high, e, none, low)
-    p, *count = root(regimes.grounded_residual, start, upper, (l, high, e, none, low), tolerance)
-    return _result(regimes.grounded_state(f, p, l, high, e, none, low, h < 0), *count)
+    high, low, no_friction = f.maximum(h + c, c), f.minimum(h + c, c), 0 * CB
+    start, upper = regimes.grounded_start(f, l, high, e, no_friction, low)
+    p, *count = root(regimes.grounded_residual, start, upper, (l, high, e, no_friction, low), tolerance)
+    return _results(regimes.grounded_state(f, p, l, high, e, no_friction, low, h < 0), *count)
 
 
 def _slack(f, root, l, h, e, CB, c, tolerance):
-    return _result(regimes.slack_state(f, h, e, c))
+    return _results(regimes.slack_state(f, h, e, c))
 
 
 def _lying(f, root, l, h, e, CB, c, tolerance):
-    return _result(regimes.lying_state(f, l, e, CB))
+    return _results(regimes.lying_state(f, l, e, CB))
 
 
 def _vertical(f, root, l, h, e, CB, c, tolerance):
-    return _result(regimes.vertical_state(f, h, e))
+    return _results(regimes.vertical_state(f, h, e))
 
 
 def _massless(f, root, l, h, e, CB, c, tolerance):
-    return _result(regimes.massless_state(f, l, h))
+    return _results(regimes.massless_state(f, l, h))
 
 
 _KERNELS = (_suspended, _steep, _grounded, _sagging, _slack, _lying, _vertical, _massless)

@@ -1,8 +1,7 @@
 """The elastic catenary of one mooring line, every regime: MSQS section 2 (Masciola, Jonkman, Robertson), eqs. 2.1-2.24.
 
 ``Span`` states the problem, ``solve_span`` solves it, ``solve_spans`` solves arrays of them. The equations are in
-``catenary_regimes``, the choice among them in ``catenary_solve``. Lengths in m, forces in N; x horizontal and z up,
-from the anchor to the fairlead.
+``regimes`` and ``suspended``. Lengths in m, forces in N; x horizontal and z up, from the anchor to the fairlead.
 """
 
 from __future__ import annotations
@@ -17,9 +16,10 @@ from ..common.outcome import InputError, Outcome, Status
 from ..common.validation import as_array, flags, real_number
 from ..numerics.elementary import ARRAY, SCALAR
 from .profile import profile
-from .solve import INVALID_INPUT, REGIMES, STATUSES, Regime, many, one, solve
+from .regimes import REGIMES, Regime
+from .solve import INVALID_INPUT, STATUSES, solve, solve_batch, solve_one
 
-TOLERANCE = 4 * np.finfo(float).eps  # of the relative residual; two roundings are lost in the closed forms
+TOLERANCE = 4 * np.finfo(float).eps  # of the relative residual; the closed forms lose two roundings
 BLOCK = 8192  # rows solved together: the working set stays in the cache, whatever the number of lines
 
 
@@ -87,7 +87,7 @@ class CatenaryState(Outcome):
     H, V : components of the tension at the fairlead, N; V > 0 where the line hangs below it
     H_anchor, V_anchor : the same at the anchor, N; V_anchor < 0 where the line sags below it
     grounded_length : unstretched length on the seabed, m
-    stiffness : (2, 2), d(H, V)/d(x, z) with the anchor held, N/m
+    stiffness : (2, 2), d(H, V)/d(x, z) with the anchor fixed, N/m
     regime : Regime
     status, iterations, residual_norm : Status; function evaluations; error of x over max(x, L) at the last iterate
         (suspended: over x)
@@ -111,11 +111,11 @@ class CatenaryState(Outcome):
         return math.hypot(self.H, self.V)
 
     def profile(self, s: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Position and tension at unstretched arc length ``s`` from the anchor: (2.1), (2.5), (2.20), (2.22), (2.24).
+        """Return (x, z, tension) at unstretched arc length ``s`` from the anchor: (2.1), (2.5), (2.20), (2.22), (2.24).
 
-        s : array (...), m, in [0, L]. Returns (x, z, tension), arrays of the same shape, m, m, N.
-        Where the tension is zero the line's place is not determined: a slack line is spread evenly over the seabed
-        between its vertical ends, a weightless one straight between them.
+        s : array (...), m, in [0, L]. Returns arrays of the same shape, m, m, N.
+        Where the tension is zero the line's position is not determined: a slack line is spread evenly over the
+        seabed between its vertical ends, a weightless one straight between them.
         Raises InputError if s leaves [0, L], ConvergenceError if the span was not solved.
         """
         self.or_raise(self.span)
@@ -154,7 +154,7 @@ class CatenaryBatch:
 
 
 def solve_span(span: Span, *, tolerance: float = TOLERANCE, throw: bool = True) -> CatenaryState:
-    """Solve one span from no guess.
+    """Return the solution of one span; no guess is needed.
 
     tolerance : of residual_norm (default: round-off). Raises ConvergenceError unless throw is False, in which case the
     state carries the status and NaN. Every valid span has a solution; the ways to fail are friction under a line that
@@ -167,10 +167,10 @@ def solve_span(span: Span, *, tolerance: float = TOLERANCE, throw: bool = True) 
     """
     if not isinstance(span, Span):
         raise InputError(f"{span!r} is not a solvers.Span", field="span", value=span)
-    tolerance = _checked(tolerance)
+    tolerance = _bounded_tolerance(tolerance)
     flags(throw=throw)
     inputs = span.w, span.EA, span.L, span.x, span.z, span.seabed, span.friction, span.clearance
-    *forces, regime, status, iterations, residual = solve(SCALAR, one, *inputs, tolerance)
+    *forces, regime, status, iterations, residual = solve(SCALAR, solve_one, *inputs, tolerance)
     stiffness = np.array(forces[5:]).reshape(2, 2)
     state = CatenaryState(span, *forces[:5], stiffness, REGIMES[regime], STATUSES[status], iterations, residual)  # type: ignore[call-arg]
     return state.or_raise(span) if throw else state
@@ -188,7 +188,9 @@ def solve_spans(
     *,
     tolerance: float = TOLERANCE,
 ) -> CatenaryBatch:
-    """Solve n spans; arguments as in Span, scalars or arrays (n,), broadcast. Row i equals solve_span bit for bit.
+    """Return the solutions of n spans, row i bit for bit that of ``solve_span``.
+
+    Arguments as in Span, scalars or arrays (n,), broadcast.
 
     A row with bad input or without solution gets its own status and NaN. Memory beyond inputs and results does not
     grow with n. Raises InputError for shapes that do not broadcast, more than one dimension, values that are not real.
@@ -197,36 +199,37 @@ def solve_spans(
     >>> batch.H.round(-3).tolist(), batch.success.all().item()  # N
     ([547000.0, 737000.0], True)
     """
-    tolerance = _checked(tolerance)
+    tolerance = _bounded_tolerance(tolerance)
     names = [field.name for field in fields(Span)]
     columns = _columns(dict(zip(names, (w, EA, L, x, z, seabed, friction, clearance), strict=True)))
     n = columns[0].size
     forces, stiffness = np.full((5, n), np.nan), np.full((n, 4), np.nan)
     regime, status = np.zeros(n, dtype=np.int8), np.full(n, INVALID_INPUT, dtype=np.int8)
     iterations, residual = np.zeros(n, dtype=np.int16), np.full(n, np.nan)
-    places = [*forces, *stiffness.T, regime, status, iterations, residual]
+    columns_out = [*forces, *stiffness.T, regime, status, iterations, residual]
     with np.errstate(all="ignore"):  # both sides of every np.where are computed, the unused one may overflow
         for first in range(0, n, BLOCK):
             block = [column[first : first + BLOCK] for column in columns]
-            rows = np.flatnonzero(_valid(*block))
-            solved = solve(ARRAY, many, *(column[rows] for column in block), tolerance)  # type: ignore[call-arg]
-            for place, values in zip(places, solved, strict=True):
-                place[first + rows] = values
+            rows = np.flatnonzero(_valid_rows(*block))
+            solved = solve(ARRAY, solve_batch, *(column[rows] for column in block), tolerance)  # type: ignore[call-arg]
+            for column, values in zip(columns_out, solved, strict=True):
+                column[first + rows] = values
     return CatenaryBatch(*forces, stiffness.reshape(n, 2, 2), regime, status, iterations, residual)  # type: ignore[call-arg]
 
 
 def span_arrays(w, EA, L, x, z, seabed, friction, clearance, tolerance=TOLERANCE):
-    """solve_spans without its checks, for a caller that has made them: arrays (n,), one block.
+    """Return the results of spans whose input a caller has checked: arrays (n,), one block.
 
-    Returns H, V, H_anchor, V_anchor, grounded_length, (K11, K12, K21, K22), regime, status
-    (indices into REGIMES and STATUSES), iterations.
+    H, V, H_anchor, V_anchor, grounded_length, (K11, K12, K21, K22), regime, status (indices into REGIMES and STATUSES),
+    iterations
     """
     with np.errstate(all="ignore"):
-        solved = solve(ARRAY, many, w, EA, L, x, z, seabed, friction, clearance, tolerance)
+        solved = solve(ARRAY, solve_batch, w, EA, L, x, z, seabed, friction, clearance, tolerance)
     return *solved[:5], solved[5:9], solved[9], solved[10], solved[11]
 
 
-def _checked(tolerance) -> float:
+def _bounded_tolerance(tolerance) -> float:
+    """Return the tolerance, no smaller than TOLERANCE; raises InputError outside (0, 1)."""
     value = real_number("tolerance", tolerance, "dimensionless")
     if not 0 < value < 1:
         problem = f"{tolerance!r} (dimensionless) must lie in (0, 1)"
@@ -235,7 +238,7 @@ def _checked(tolerance) -> float:
 
 
 def _columns(arguments) -> list[np.ndarray]:
-    """The arguments as float (seabed: bool) arrays of one shape (n,)."""
+    """Return the arguments as float (seabed: bool) arrays of one shape (n,)."""
     columns = {}
     for name, value in arguments.items():
         if np.ma.is_masked(value):
@@ -258,8 +261,8 @@ def _columns(arguments) -> list[np.ndarray]:
         raise InputError(f"the shapes of the arguments do not broadcast to one (n,): {shapes}") from None
 
 
-def _valid(w, EA, L, x, z, seabed, friction, clearance):
-    """The rules of Span, row by row."""
+def _valid_rows(w, EA, L, x, z, seabed, friction, clearance):
+    """Return whether each row obeys the rules of Span, (n,) bool."""
     finite = np.logical_and.reduce([np.isfinite(v) for v in (w, EA, L, x, z, friction, clearance)])
     signs = (L > 0) & (EA > 0) & (x >= 0) & (friction >= 0) & (clearance >= 0)
     return finite & signs & np.where(seabed, (w >= 0) & (z >= -clearance), clearance == 0)

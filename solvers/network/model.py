@@ -1,4 +1,4 @@
-"""What a network is: nodes and the elements between them (MSQS sections 3.1, 3.2), validated when built.
+"""Nodes, the elements between them, and the network of both (MSQS sections 3.1, 3.2), validated when built.
 
 Lengths in m, forces in N, z up; the seabed is at z = -environment.depth.
 """
@@ -18,7 +18,7 @@ from ..common.outcome import InputError
 from ..common.properties import Environment
 from ..common.types import Vector
 from ..common.validation import non_negative_number, one_of, real_array, vector
-from .equations import Balance
+from .equations import NetworkEquations
 
 KINDS = ("fixed", "free", "coupled")
 
@@ -93,7 +93,7 @@ class Network:
 
     def __post_init__(self):
         for name, kind in (("nodes", Node), ("elements", Element)):
-            object.__setattr__(self, name, _all_of(name, getattr(self, name), kind))
+            object.__setattr__(self, name, _tuple_of(name, getattr(self, name), kind))
         if not isinstance(self.environment, Environment):
             problem = f"{self.environment!r} is not a solvers.Environment"
             raise InputError(problem, field="environment", value=self.environment)
@@ -113,34 +113,34 @@ class Network:
             if depth is not None and node.r[2] < -depth:
                 problem = f"z = {node.r[2]:g} m lies below the seabed at {-depth:g} m"
                 raise node_error(i, problem, field="r", value=node.r, unit="m")
-        held, carrying = self._held(), {end for element in self.elements for end in element.ends}
+        supported, used = self._supported_nodes(), {end for element in self.elements for end in element.ends}
         for i in range(n):
-            if i not in carrying:
+            if i not in used:
                 raise node_error(i, "carries no element")
-            if not held[i]:
+            if not supported[i]:
                 raise node_error(i, "no chain of elements ties it to a fixed or coupled node")
 
-    def _held(self) -> list[bool]:
-        """Nodes that are tied to a fixed or coupled node; one that carries no element is not."""
-        neighbours: list[list[int]] = [[] for _ in self.nodes]
+    def _supported_nodes(self) -> list[bool]:
+        """Return whether each node is tied to a fixed or coupled one by elements; one without elements is not."""
+        neighbours = [[] for _ in self.nodes]  # type: ignore[var-annotated]
         for first, last in (element.ends for element in self.elements):
             neighbours[first].append(last)
             neighbours[last].append(first)
-        reached = [node.kind != "free" and bool(neighbours[i]) for i, node in enumerate(self.nodes)]
-        front = [i for i, yes in enumerate(reached) if yes]
+        supported = [node.kind != "free" and bool(neighbours[i]) for i, node in enumerate(self.nodes)]
+        front = [i for i, yes in enumerate(supported) if yes]
         while front:
             for other in neighbours[front.pop()]:
-                if not reached[other]:
-                    reached[other] = True
+                if not supported[other]:
+                    supported[other] = True
                     front.append(other)
-        return reached
+        return supported
 
     def moved(self, positions) -> Network:
-        """The same network, its coupled nodes at positions (c, 3), m, in their order: the inputs u of section 1.3.
+        """Return the same network with its coupled nodes at positions (c, 3), m, in their order: u of section 1.3.
 
-        Raises InputError for another shape, for what is not finite, and for a place below the seabed.
+        Raises InputError for another shape, for what is not finite, and for a position below the seabed.
         """
-        coupled = np.flatnonzero(self.balance.coupled)
+        coupled = np.flatnonzero(self.equations.coupled)
         try:
             positions = real_array(positions)
         except (TypeError, ValueError):
@@ -149,31 +149,31 @@ class Network:
             raise InputError(f"positions: shape {positions.shape} must be ({coupled.size}, 3), one row a coupled node")
         if not np.isfinite(positions).all():
             raise InputError(f"positions: {positions.tolist()} m must be finite")
-        if (positions[:, 2] < self.balance.floor).any():
+        if (positions[:, 2] < self.equations.seabed).any():
             raise InputError(
-                f"positions: z = {positions[:, 2].min():g} m lies below the seabed at {self.balance.floor:g} m"
+                f"positions: z = {positions[:, 2].min():g} m lies below the seabed at {self.equations.seabed:g} m"
             )
         nodes, moved = list(self.nodes), copy(self)
         for i, r in zip(coupled.tolist(), positions.tolist(), strict=True):
             nodes[i] = copy(nodes[i])
             object.__setattr__(nodes[i], "r", tuple(r))
         object.__setattr__(moved, "nodes", tuple(nodes))
-        moved.__dict__["balance"] = self.balance.moved(positions)  # the assembly pattern is found once
+        moved.__dict__["equations"] = self.equations.with_coupled_nodes_at(positions)  # keeps the sparsity
         return moved
 
     @cached_property
-    def balance(self) -> Balance:
-        """The equations, assembled when first needed."""
-        return Balance(self)
+    def equations(self) -> NetworkEquations:
+        """The equations, set up when first needed."""
+        return NetworkEquations(self)
 
 
-def _all_of(name: str, given, kind: type) -> tuple:
-    """What is given as a tuple; raises InputError naming the first that is not of the kind."""
+def _tuple_of(name: str, given, kind: type) -> tuple:
+    """Return what is given as a tuple; raises InputError naming the first item that is not of the kind."""
     try:
         given = tuple(given)
     except TypeError:
         raise InputError(f"{given!r} must be a list of solvers.{kind.__name__}", field=name, value=given) from None
-    for i, one in enumerate(given):
-        if not isinstance(one, kind):
-            raise InputError(f"{one!r} is not a solvers.{kind.__name__}", field=f"{name}[{i}]", value=one)
+    for i, item in enumerate(given):
+        if not isinstance(item, kind):
+            raise InputError(f"{item!r} is not a solvers.{kind.__name__}", field=f"{name}[{i}]", value=item)
     return given

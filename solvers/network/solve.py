@@ -1,8 +1,8 @@
 """Networks of cables between nodes: the multisegmented quasi-static model, MSQS sections 3 to 5.
 
-``Network`` (``network_model``) states the problem; ``solve_network`` finds the positions of its free nodes and the
-forces of its elements: nested (exact spans inside a force balance, ``network_nested``) or monolithic (positions and
-forces together, ``network_monolithic``). Lengths in m, forces in N, z up; the seabed is at z = -environment.depth.
+``Network`` (``model``) states the problem; ``solve_network`` returns the positions of its free nodes and the forces of
+its elements: nested (exact spans inside a force balance, ``nested``) or monolithic (positions and forces together,
+``monolithic``). Lengths in m, forces in N, z up; the seabed is at z = -environment.depth.
 """
 
 from __future__ import annotations
@@ -16,20 +16,12 @@ from numpy.typing import ArrayLike
 from ..common.outcome import InputError, Outcome, Status
 from ..common.types import Vector
 from ..common.validation import flags, one_of, real_array, real_number, vector
-from .equations import Balance
+from .equations import NetworkEquations
 from .model import Network
-from .monolithic import solve as monolithic
-from .nested import (
-    EPS,
-    SHORT,
-    Count,
-    coupled_stiffness,
-    evaluate,
-    largest_force,
-    nested,
-    robust_start,
-)
-from .rounding import within_rounding
+from .monolithic import solve as solve_monolithic
+from .nested import EPS, Count, coupled_stiffness, evaluate, largest_force, solve_nested
+from .rounding import refine_within_rounding
+from .start import MAX_CONTACT_ELEMENTS, robust_start
 
 
 @dataclass(frozen=True)
@@ -57,16 +49,16 @@ class NetworkState(Outcome):
     inner_iterations: int
     operations: float
     residual_norm: float
-    balance: Balance = field(repr=False, compare=False)
+    equations: NetworkEquations = field(repr=False, compare=False)
 
     @cached_property
     def stiffness(self) -> np.ndarray:
         """(3c, 3c) d(-reaction)/dr of the c coupled nodes, the free nodes following, N/m."""
-        resting = self.balance.free & (self.r[:, 2] <= self.balance.floor) & (self.reaction[:, 2] < 0)
-        return coupled_stiffness(self.balance, self.r, resting)
+        resting = self.equations.free & (self.r[:, 2] <= self.equations.seabed) & (self.reaction[:, 2] < 0)
+        return coupled_stiffness(self.equations, self.r, resting)
 
     def body_stiffness(self, reference: Vector) -> np.ndarray:
-        """(6, 6) stiffness of a rigid body that carries the coupled nodes, about ``reference`` (3,), m.
+        """Return the stiffness (6, 6) of a rigid body that carries the coupled nodes, about ``reference`` (3,), m.
 
         -d(force, moment)/d(translation, rotation), N/m, N, N m, the moment about the moved reference point; unsymmetric
         where the moment is not zero. Raises InputError for a reference that is not three finite numbers.
@@ -74,20 +66,19 @@ class NetworkState(Outcome):
         arms = self.r[self.coupled] - vector("reference", reference, "m", "numbers")
         forces = -self.stiffness
         motion = np.vstack([np.hstack([np.eye(3), -_cross(arm)]) for arm in arms])
-        to_body = np.vstack([np.hstack([np.eye(3), -_cross(arm)]) for arm in arms]).T
-        K = -to_body @ forces @ motion
+        K = -motion.T @ forces @ motion
         for arm, force in zip(arms, self.reaction[self.coupled], strict=True):
             K[3:, 3:] -= _cross(force) @ _cross(arm)
         return K
 
 
 def _cross(a) -> np.ndarray:
-    """Matrix of a x."""
+    """Return the matrix (3, 3) of the cross product a x."""
     return np.array([[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]])
 
 
-PROMISED = 1e-9  # of the largest force: no more is left of a balance that is called solved, unless asked for
-NO_FORCE = 1e-300  # N
+DEFAULT_TOLERANCE = 1e-9  # of the largest force
+MIN_FORCE = 1e-300  # N, keeps a divisor from zero
 METHODS = {
     "method": ("monolithic", "nested"),
     "jacobian": ("analytic", "finite-difference"),
@@ -105,19 +96,19 @@ def solve_network(
     units: str = "scaled",
     start: ArrayLike | None = None,
     fallback: bool = True,
-    tolerance: float = PROMISED,
+    tolerance: float = DEFAULT_TOLERANCE,
     throw: bool = True,
 ) -> NetworkState:
-    """Equilibrium of a network.
+    """Return the equilibrium of a network.
 
     method : "monolithic" (3.3, all of r, H, V at once) or "nested" (3.2, exact spans inside the force balance)
     jacobian : "analytic", or "finite-difference" as in the conventional method
     globalisation : "line-search" or "trust-region", and units "scaled", "N" or "kN" of the forces: monolithic only
     start : None (no guess needed), "nodes" (the free nodes' own r), a NetworkState, or arrays (r (n, 3), H, V (e,))
     fallback : when the method stops short, go on from there by the monolithic one, then from no guess
-    tolerance : of residual_norm; forces that positions as doubles do not tell so far are those of positions less than a
-        rounding away
-    Raises InputError for unknown options, ConvergenceError when no equilibrium was found unless throw is False.
+    tolerance : of residual_norm; where double-precision positions do not resolve forces so far, the forces are those of
+        positions less than a rounding away
+    Raises InputError for unknown options, ConvergenceError where no equilibrium is reached unless throw is False.
 
     >>> ends = [Node("fixed", (0, 0, 0)), Node("fixed", (100, 0, 0)), Node("free", (50, 0, -20), force=(0, 0, -1e3))]
     >>> lines = [Element(w=10.0, EA=1e6, L=60.0, ends=(i, 2)) for i in (0, 1)]
@@ -134,53 +125,55 @@ def solve_network(
     if not 0 < real_number("tolerance", tolerance, "dimensionless") < 1:
         problem = f"{tolerance!r} (dimensionless) must lie in (0, 1)"
         raise InputError(problem, field="tolerance", value=tolerance, unit="(dimensionless)")
-    balance, count = network.balance, Count()
-    first = _start(balance, start, count)
-    if balance.size == 0:
+    equations, count = network.equations, Count()
+    first = _start_values(equations, start, count)
+    if equations.size == 0:
         count.function_evaluations = 1
-        state = _state(balance, first[0], count, tolerance)
+        state = _state(equations, first[0], count, tolerance)
     elif method == "monolithic":
-        last, solved = monolithic(balance, *first, count, units, jacobian, globalisation, tolerance)  # type: ignore[call-arg]
-        state = _state(balance, last.r, count, tolerance, last.elements if solved else None)
+        last, solved = solve_monolithic(equations, *first, count, units, jacobian, globalisation, tolerance)  # type: ignore[call-arg]
+        state = _state(equations, last.r, count, tolerance, last.elements if solved else None)
     else:
-        r, _ = nested(balance, first[0], jacobian, tolerance, count)
-        state = _state(balance, r, count, tolerance)
-    if fallback and balance.size and not state.residual_norm <= tolerance:
-        state = _settled(balance, state, count, tolerance)
+        r, _ = solve_nested(equations, first[0], jacobian, tolerance, count)
+        state = _state(equations, r, count, tolerance)
+    if fallback and equations.size and not state.residual_norm <= tolerance:
+        state = _fallback(equations, state, count, tolerance)
     return state.or_raise(f"{len(network.elements)} elements, {len(network.nodes)} nodes, {method}") if throw else state
 
 
-def _settled(balance, best, count, tolerance) -> NetworkState:
-    """The best that the monolithic method finds from where a method stopped, then from each way of leading to a start:
-    from where the nested method goes from there, and from the start itself.
+def _fallback(equations, best, count, tolerance) -> NetworkState:
+    """Return the best state that the monolithic method reaches from several starts, until one is solved.
+
+    From where a method stopped; then from each robust start, with and without contact: after the nested method from
+    there, and from the start itself.
     """
-    ways = (True, False) if balance.w.size <= SHORT else (False, True)
-    best = _led(balance, best, best, count, tolerance)
-    for contact in ways if balance.any_rests else ways[:1]:
+    contacts = (True, False) if equations.w.size <= MAX_CONTACT_ELEMENTS else (False, True)
+    best = _improve(equations, best, best, count, tolerance)
+    for contact in contacts if equations.any_can_rest else contacts[:1]:
         if best.residual_norm <= tolerance:
             break
-        start = _state(balance, robust_start(balance, count, contact), count, tolerance)
-        r, _ = nested(balance, start.r, "analytic", tolerance, count)
-        best = _led(balance, best, _state(balance, r, count, tolerance), count, tolerance)
-        best = best if best.residual_norm <= tolerance else _led(balance, best, start, count, tolerance)
+        start = _state(equations, robust_start(equations, count, contact), count, tolerance)
+        r, _ = solve_nested(equations, start.r, "analytic", tolerance, count)
+        best = _improve(equations, best, _state(equations, r, count, tolerance), count, tolerance)
+        best = best if best.residual_norm <= tolerance else _improve(equations, best, start, count, tolerance)
     return replace(best, **vars(count))
 
 
-def _led(balance, best, state, count, tolerance) -> NetworkState:
-    """The better of the best so far and where the monolithic method leads from a state, going on once if it stops."""
+def _improve(equations, best, state, count, tolerance) -> NetworkState:
+    """Return the better of ``best`` and what the monolithic method reaches from ``state``, restarted once."""
     for _ in range(2):
         if state.residual_norm <= tolerance:
             break
-        last, solved = monolithic(balance, state.r, state.H, state.V, count, tolerance=tolerance)
-        state = _state(balance, last.r, count, tolerance, last.elements if solved else None)
+        last, solved = solve_monolithic(equations, state.r, state.H, state.V, count, tolerance=tolerance)
+        state = _state(equations, last.r, count, tolerance, last.elements if solved else None)
     return state if not best.residual_norm <= state.residual_norm else best
 
 
-def _start(balance, start, count):
-    """(r, H, V) to start from; H and V of exact spans where they are not given."""
-    r, H, V = balance.position.copy(), None, None
+def _start_values(equations, start, count):
+    """Return (r, H, V) to start from; H and V of exact spans where they are not given."""
+    r, H, V = equations.position.copy(), None, None
     if start is None:
-        r = robust_start(balance, count, balance.w.size <= SHORT) if balance.size else r
+        r = robust_start(equations, count, equations.w.size <= MAX_CONTACT_ELEMENTS) if equations.size else r
     elif not (isinstance(start, str) and start == "nodes"):
         parts = (start.r, start.H, start.V) if isinstance(start, NetworkState) else start
         try:
@@ -188,49 +181,49 @@ def _start(balance, start, count):
         except (TypeError, ValueError):
             problem = "must be None, 'nodes', a NetworkState or arrays (r, H, V)"
             raise InputError(problem, field="start", value=start) from None
-        shapes, wanted = (given.shape, H.shape, V.shape), (r.shape, balance.w.shape, balance.w.shape)
+        shapes, wanted = (given.shape, H.shape, V.shape), (r.shape, equations.w.shape, equations.w.shape)
         if shapes != wanted or not np.isfinite(given).all():
             problem = f"shapes {shapes} of (r, H, V) must be {wanted}, positions finite"
             raise InputError(problem, field="start", value=start)
-        r[balance.free] = given[balance.free]
-    r = balance.on_floor(r)
-    if H is None and balance.size:
-        elements, _ = evaluate(balance, r, count)
+        r[equations.free] = given[equations.free]
+    r = equations.lift_to_seabed(r)
+    if H is None and equations.size:
+        elements, _ = evaluate(equations, r, count)
         H, V = elements.H, elements.V
     return r, H, V
 
 
-def _state(balance, r, count, tolerance, elements=None) -> NetworkState:
-    """The result, with the forces of the monolithic unknowns if they are given, else of exact spans at r.
+def _state(equations, r, count, tolerance, elements=None) -> NetworkState:
+    """Return the result, with the forces of the monolithic unknowns if they are given, else of exact spans at r.
 
-    Exact spans of very stiff lines cannot tell the force from positions rounded to doubles; the unknowns can, and so
-    can a motion of less than that rounding.
+    Positions rounded to doubles do not resolve the forces of exact spans of very stiff lines; the unknowns do, and so
+    does a motion of less than that rounding.
     """
-    found = elements or balance.spans(r)
-    reaction, residual = _left(balance, r, found)
-    if elements is None and not residual <= tolerance:
-        refined = within_rounding(balance, r, tolerance, count)
+    elements, is_exact = elements or equations.solve_elements(r), elements is None
+    reaction, residual = _reactions_and_residual(equations, r, elements)
+    if is_exact and not residual <= tolerance:
+        refined = refine_within_rounding(equations, r, tolerance, count)
         if refined is not None:
-            r, found = refined
-            reaction, residual = _left(balance, r, found)
+            r, elements = refined
+            reaction, residual = _reactions_and_residual(equations, r, elements)
     return NetworkState(
         r=r,
-        **{name: getattr(found, name) for name in ("H", "V", "H_anchor", "V_anchor")},
+        **{name: getattr(elements, name) for name in ("H", "V", "H_anchor", "V_anchor")},
         reaction=reaction,
-        coupled=balance.coupled,
+        coupled=equations.coupled,
         status=Status.SUCCESS if residual <= tolerance else Status.NOT_CONVERGED,
         residual_norm=residual,
-        balance=balance,
+        equations=equations,
         **vars(count),
     )
 
 
-def _left(balance, r, elements):
-    """(n, 3) what the elements leave to supports and seabed, N; the largest unbalanced force over the largest force.
+def _reactions_and_residual(equations, r, elements):
+    """Return the reactions (n, 3), N, and the largest unbalanced force over the largest force.
 
     Where lines lie or hang slack without a force, a rounding of the heaviest one's weight is the force to compare with.
     """
-    force = balance.unbalanced(elements)
-    unbalanced = np.where(balance.moving(r, force), force, 0.0)
-    largest = max(largest_force(elements), EPS * balance.heaviest, NO_FORCE)
+    force = equations.unbalanced_force(elements)
+    unbalanced = np.where(equations.moving_coordinates(r, force), force, 0.0)
+    largest = max(largest_force(elements), EPS * equations.largest_weight, MIN_FORCE)
     return force - unbalanced, float(np.abs(unbalanced).max()) / largest

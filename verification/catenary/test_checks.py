@@ -1,4 +1,4 @@
-"""Can every check turn red? Planted mistakes, each with the checks that must find it.
+"""Can every check turn red? Planted mistakes, each with the checks that must turn red on it.
 
 A check that no defect can turn red is not a check. The mistakes are slips that a programmer makes: a factor, a sign, a
 forgotten branch, a naive difference. They are planted in functions of the solver itself.
@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import pytest
 
-from solvers.catenary import solve as catenary_solve
+from solvers.catenary import regimes
 from solvers.numerics.elementary import SCALAR
 
 from ..cases.spans import SpanCase
@@ -78,32 +78,34 @@ SLIPS = [
         "forces",
         "grounded",
     ),
-    slip(Fault("catenary.regimes", "_cosh_excess", "y2 / 28", "y2 / 26"), "newton steps", "implicit stiffness"),
-    slip(Fault("catenary.regimes", "_suspended_angle", "e / 2 / s * c", "e / s * c"), "forces", "newton steps"),
+    slip(Fault("catenary.regimes", "cosh_excess", "y2 / 28", "y2 / 26"), "newton steps", "implicit stiffness"),
+    slip(Fault("catenary.suspended", "_suspended_angle", "e / 2 / s * c", "e / s * c"), "forces", "newton steps"),
     slip(
         Fault(
-            "catenary.regimes",
+            "catenary.suspended",
             "_suspended_step",
-            "(_cosh_excess(f, y, s, c) + e / 2 * c) / (y + e / 2)",
-            "(_cosh_excess(f, y, s, c) + e / 2 * c) / (y + e)",
+            "(cosh_excess(f, y, s, c) + e / 2 * c) / (y + e / 2)",
+            "(cosh_excess(f, y, s, c) + e / 2 * c) / (y + e)",
         ),
         "newton steps",
         "evaluations",
     ),
     slip(
-        Fault("catenary.regimes", "_suspended_step", "f.sqrt(one_minus_v * (1 + v))", "f.sqrt(one_minus_v * (1 - v))"),
+        Fault(
+            "catenary.suspended", "_suspended_step", "f.sqrt(one_minus_v * (1 + v))", "f.sqrt(one_minus_v * (1 - v))"
+        ),
         "forces",
     ),
-    slip(Fault("catenary.regimes", "suspended_state", "f.where(h.real < 0, -1.0, 1.0)", "1.0"), "swapped ends"),
-    slip(Fault("catenary.regimes", "_suspended_state", "mean - 0.5", "mean + 0.5"), "anchors"),
+    slip(Fault("catenary.suspended", "suspended_state", "f.where(h.real < 0, -1.0, 1.0)", "1.0"), "swapped ends"),
+    slip(Fault("catenary.suspended", "_suspended_state", "mean - 0.5", "mean + 0.5"), "anchors"),
     slip(
-        Fault("catenary.regimes", "_suspended_state", "up * 2", "-up * 2"),
+        Fault("catenary.suspended", "_suspended_state", "up * 2", "-up * 2"),
         "stiffness",
         "implicit stiffness",
         "differences",
     ),
-    slip(Fault("catenary.regimes", "_steep_angle", "t / (1 + t / y_max)", "t / (1 + 2 * t / y_max)"), "forces"),
-    slip(Fault("catenary.regimes", "steep_residual", "step * (t / y)", "step"), "newton steps"),
+    slip(Fault("catenary.suspended", "_steep_angle", "t / (1 + t / y_max)", "t / (1 + 2 * t / y_max)"), "forces"),
+    slip(Fault("catenary.suspended", "steep_residual", "step * (t / y)", "step"), "newton steps"),
     slip(
         Fault(
             "catenary.regimes",
@@ -175,8 +177,8 @@ SLIPS = [
     slip(Fault("catenary.regimes", "vertical_state", "1 / (spread + e)", "1 / spread"), "stiffness"),
     slip(Fault("catenary.regimes", "vertical_state", "height / (2 + e)", "height / 2"), "forces"),
     slip(Fault("catenary.regimes", "massless_state", "along - across", "along + across"), "stiffness", "differences"),
-    slip(Fault("catenary.solve", "_scaled", "up * z / L", "z / L"), "forces"),
-    slip(Fault("catenary.solve", "_classify", "h - e / 2", "h"), "forces"),
+    slip(Fault("catenary.solve", "_nondimensional", "up * z / L", "z / L"), "forces"),
+    slip(Fault("catenary.regimes", "rests_from_anchor", "h - e / 2", "h"), "forces"),
     slip(Fault("numerics.newton", "_advance", "1 + step", "1 + 0.9 * step"), "evaluations"),
     slip(
         Fault(
@@ -209,7 +211,7 @@ SLIPS = [
 
 
 def red(check: str) -> str:
-    """What a check finds, or the exception it ends in; empty where it is content."""
+    """Return the first sentences of a check, or the exception it ends in; empty where it passes."""
     try:
         return "\n".join(CHECKS[check]()[:3])
     except (ArithmeticError, ValueError, RuntimeError, RuntimeWarning) as error:
@@ -218,7 +220,7 @@ def red(check: str) -> str:
 
 @pytest.mark.parametrize("check", CHECKS)
 def test_checks_are_content_with_the_solver(check):
-    """Every check passes on the solver as it is, so that what it finds below is the planted mistake."""
+    """Every check passes on the solver as it is, so that what it reports below is the planted mistake."""
     assert not red(check)
 
 
@@ -237,7 +239,7 @@ def test_every_check_is_shown_to_turn_red():
 
 def test_a_threshold_far_too_large_is_found(monkeypatch):
     """Lines of ordinary weight taken for weightless springs: the forces show it."""
-    monkeypatch.setattr(catenary_solve, "MASSLESS", 1e-3)
+    monkeypatch.setattr(regimes, "MASSLESS_STRAIN", 1e-3)
     assert red("forces") and red("stiffness")
 
 

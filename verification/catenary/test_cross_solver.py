@@ -26,7 +26,7 @@ def batch_of(cases):
 
 
 def scalar_row(case):
-    """(results, stiffness, status) of solve_span; a refused or failed line as the batch should report it."""
+    """Return (results, stiffness, status) of solve_span; of a refused line what the batch should report."""
     try:
         state = solve_span(Span(**case.inputs()), throw=False)
     except InputError:
@@ -51,7 +51,7 @@ def batch_misses(cases, batch) -> list[str]:
 
 # ---------------------------------------------------------------- batch and scalar
 def test_batch_equals_scalar_on_the_reference_table():
-    """Every result, iteration count and status of every reference row is the same from both, to the last bit."""
+    """Both give every result, iteration count and status of every reference row, to the last bit."""
     cases = [case for case, _ in span_references()]
     misses = batch_misses(cases, batch_of(cases))
     assert not misses, "\n".join(misses)
@@ -79,15 +79,15 @@ def test_rows_do_not_know_their_neighbours():
         SpanCase("undetermined", "sagging", 1.0, 1e3, 1.0, 0.9, 0.1, True, 0.5, 0.01),
         SpanCase("huge", "lying", 1.0, 1e308, 1.0, 1e10, 0.0),
     ]
-    for place in range(len(bad) + 1):
-        cases = [*bad[:place], line, *bad[place:]]
+    for row in range(len(bad) + 1):
+        cases = [*bad[:row], line, *bad[row:]]
         batch = batch_of(cases)
-        assert batch.success.tolist() == [i == place for i in range(len(cases))]
+        assert batch.success.tolist() == [i == row for i in range(len(cases))]
         for name in ("H", "V", "H_anchor", "V_anchor", "grounded_length"):
             column = getattr(batch, name)
-            assert column[place] == getattr(solve_span(Span(**OC3)), name)
-            assert np.isnan(np.delete(column, place)).all()
-        assert np.isnan(np.delete(batch.stiffness, place, axis=0)).all()
+            assert column[row] == getattr(solve_span(Span(**OC3)), name)
+            assert np.isnan(np.delete(column, row)).all()
+        assert np.isnan(np.delete(batch.stiffness, row, axis=0)).all()
 
 
 def test_arguments_broadcast():
@@ -144,36 +144,36 @@ def test_shooting_reaches_the_same_force(name):
     """Shooting on dx/ds, dz/ds, dH/ds, dV/ds, which knows neither regimes nor closed forms, finds the same force."""
     span = SHOT[name]
     state = solve_span(span)
-    # start 3 % away in both components, so that the answer is not merely handed back
+    # start 3 % away in both components, so that the start is not the solution
     start = np.array([state.H, state.V]) * [1.03, 0.98]
-    found = root(shooting_miss, start, args=(span,), tol=1e-12, options={"xtol": 1e-12})
-    assert np.max(np.abs(found.fun)) < 1e-9 * span.L, found.message
-    assert math.dist(found.x, start) > 0.01 * state.tension
-    assert math.dist(found.x, (state.H, state.V)) <= SHOOTING * state.tension
+    shot = root(shooting_miss, start, args=(span,), tol=1e-12, options={"xtol": 1e-12})
+    assert np.max(np.abs(shot.fun)) < 1e-9 * span.L, shot.message
+    assert math.dist(shot.x, start) > 0.01 * state.tension
+    assert math.dist(shot.x, (state.H, state.V)) <= SHOOTING * state.tension
 
 
 def shooting_miss(force, span):
-    """Where a line with the force (H, V) at the fairlead ends, walked from there, less where its anchor is, m."""
+    """Return where a line with the force (H, V) at the fairlead ends, less where its anchor is, (2,), m."""
 
-    def slope(_, y):
+    def derivative(_, y):
         H, V = y[2:]
         T = math.hypot(H, V)
         return H / T + H / span.EA, V / T + V / span.EA, 0.0, span.w
 
-    def lands(_, y):
+    def touchdown(_, y):
         return y[3]
 
-    lands.terminal = True
+    touchdown.terminal = True
     H, V = force
     free = solve_ivp(
-        slope, (0.0, -span.L), (span.x, span.z, H, V), rtol=1e-11, atol=1e-11 * span.L, method="DOP853",
-        events=lands if span.seabed else None,
+        derivative, (0.0, -span.L), (span.x, span.z, H, V), rtol=1e-11, atol=1e-11 * span.L, method="DOP853",
+        events=touchdown if span.seabed else None,
     )  # fmt: skip
     x, z, H, _ = free.y[:, -1]
-    rest = span.L + free.t[-1]
-    if rest > 1e-9 * span.L:  # on the seabed: the tension falls by CB w until there is none
-        pulled = min(rest, H / (span.friction * span.w)) if span.friction else rest
-        x -= rest + (H - span.friction * span.w * pulled / 2) * pulled / span.EA
+    grounded = span.L + free.t[-1]
+    if grounded > 1e-9 * span.L:  # on the seabed: the tension falls by CB w until there is none
+        pulled = min(grounded, H / (span.friction * span.w)) if span.friction else grounded
+        x -= grounded + (H - span.friction * span.w * pulled / 2) * pulled / span.EA
     return np.array([x, z])
 
 

@@ -29,13 +29,13 @@ RANDOM_LINES = {False: 500, True: 5000}
 
 
 def allowed(truth: SpanTruth, units: float = WORST_ERROR) -> float:
-    """Relative error of the force that may remain."""
+    """Return the relative error of the force that may remain."""
     return units * truth.limit if math.isfinite(truth.condition) else SQUARE_ROOT
 
 
-# ---------------------------------------------------------------- checks: each returns sentences on what is wrong
+# ---------------------------------------------------------------- checks: each returns a sentence for every error
 def force_misses(rows, solver) -> tuple[list[str], list[tuple[float, str]]]:
-    """(a sentence for every bad row, (error in limits, name) of every row answered)."""
+    """Return a sentence for every bad row, and (error in limits, name) of every row answered."""
     misses, errors = [], []
     for case, truth in rows:
         answer = solver(case)
@@ -84,7 +84,7 @@ def grounded_misses(rows) -> list[str]:
 
 
 def sensitivity(case, truth) -> float:
-    """Sum over the inputs p of |p| max(|dH/dp|, |dV/dp|), N, worked from the stiffness alone.
+    """Return the sum over the inputs p of |p| max(|dH/dp|, |dV/dp|), N, from the stiffness alone.
 
     For lines without friction and clearance, which are inputs of their own.
     By dimension analysis: H and V are homogeneous of degree one in (w, EA) and of degree zero in (L, x, z, 1/w), and a
@@ -101,20 +101,20 @@ def sensitivity(case, truth) -> float:
 
 
 def stiffness_condition(case, truth) -> float:
-    """How much relative errors of the inputs change the least tension of the line: the stiffness follows from it."""
+    """Return how much relative errors of the inputs change the least tension, which the stiffness follows from."""
     least = least_tension(truth)
     return sensitivity(case, truth) / least if least else 0.0
 
 
 def least_tension(truth: SpanTruth) -> float:
-    """Least tension between the ends of a line: H where it is level somewhere, else that of the lower end, N."""
+    """Return the least tension of a line, N: H where it is level somewhere, else that of the lower end."""
     if truth.grounded_length > 0 or truth.V * truth.V_anchor < 0:
         return truth.H
     return min(math.hypot(truth.H, truth.V), math.hypot(truth.H_anchor, truth.V_anchor))
 
 
 def stiffness_misses(rows) -> list[str]:
-    """Every entry, relative to the largest: its own rounding could not be told from the rounding of that one."""
+    """Every entry, relative to the largest one, whose rounding it shares."""
     misses = []
     for case, truth in rows:
         got, wanted = solve_span(Span(**case.inputs())).stiffness, np.array(truth.stiffness)
@@ -139,7 +139,7 @@ def iteration_misses(rows) -> list[str]:
 
 
 def report(record_property, errors, title):
-    """Put the worst and the median error on screen and into the JUnit file."""
+    """Print the worst and the median error and record them in the JUnit file; returns the median."""
     worst, name = max((error, name) for error, name in errors if not math.isnan(error))
     middle = median(error for error, _ in errors)
     record_property("worst_case", name)
@@ -205,7 +205,7 @@ def test_random_lines(solver, chunk, deep, record_property):
 
 
 def exact_near(case: SpanCase) -> SpanTruth:
-    """Truth of a case; the solver's force only tells the oracle where to begin."""
+    """Return the exact solution of a case; the solver's force is only where the oracle starts."""
     state = solve_span(Span(**case.inputs()), throw=False)
     return exact_span(case, (state.H, state.V) if state.success and state.H > 0 else None)
 
@@ -218,7 +218,7 @@ HALF = settings(  # of the examples of the run, for either family; shrinking at 
 @HALF
 @given(suspended_cases())
 def test_any_free_line_agrees_with_50_digits(case):
-    """Hypothesis finds no line without seabed whose force is further than 100 condition limits from the truth."""
+    """The force of any line without seabed is within 100 condition limits of the exact one."""
     misses, _ = force_misses([(case, exact_near(case))], PROBLEMS["span"].solvers["catenary"])
     assert not misses, misses[0]
 
@@ -226,7 +226,7 @@ def test_any_free_line_agrees_with_50_digits(case):
 @HALF
 @given(seabed_cases())
 def test_any_line_over_a_seabed_agrees_with_50_digits(case):
-    """Nor any line over a seabed, with friction or with a raised anchor."""
+    """So is that of any line over a seabed, with friction or with a raised anchor."""
     misses, _ = force_misses([(case, exact_near(case))], PROBLEMS["span"].solvers["catenary"])
     assert not misses, misses[0]
 

@@ -19,7 +19,7 @@ from ..tools.strategies import powers, seabed_cases, suspended_cases
 from .test_exact import sensitivity, stiffness_condition
 
 ROUNDINGS = 200  # condition limits: two solves of a hundred each
-PLACE = 1e-11  # of L: the profile is the forward map of forces that are right to 100 eps kappa, kappa about 100 here
+POSITION = 1e-11  # of L: the profile is the forward map of forces that are right to 100 eps kappa, kappa about 100 here
 DIGITS = 6e-3  # the table gives the condition to three digits
 MANY = settings(max_examples=300)  # cheap examples; the count is independent of the run's length
 
@@ -37,13 +37,13 @@ LINES = [Span(**case.inputs()) for case in NAMED] + [
 
 
 def kappa(span: Span, state=None) -> float:
-    """Condition of the force, from the solver's stiffness by dimension analysis (``stiffness_condition``)."""
+    """Return the condition of the force, from the solver's stiffness by dimension analysis."""
     state = state or solve_span(span)
     return stiffness_condition(span, state) if math.hypot(state.H, state.V) else 0.0
 
 
 def assert_same_force(a, b, limits, scale=None):
-    """(H, V) pairs agree to ``limits`` roundings of the larger tension."""
+    """Raise AssertionError unless (H, V) pairs agree to ``limits`` roundings of the larger tension."""
     scale = scale or max(math.hypot(*a), math.hypot(*b))
     difference = max(abs(p - q) for p, q in zip(a, b, strict=True))
     assert difference <= limits * EPS * scale, f"{a} and {b} differ by {difference / scale / EPS:.3g} eps"
@@ -54,32 +54,32 @@ TAUT = [span for span in LINES if span.w != 0 and solve_span(span).H > 0]  # tho
 HANGING = [span for span in LINES if span.w != 0 and span.x > 0 and not (span.z == 0 and span.seabed)]
 
 
-@pytest.mark.parametrize("share", [0.1, 0.25, 0.5, 0.9])  # of the part that hangs from the fairlead
+@pytest.mark.parametrize("part", [0.1, 0.25, 0.5, 0.9])  # of the length that hangs from the fairlead
 @pytest.mark.parametrize("span", HANGING)
-def test_a_line_equals_two_joined_parts(span, share):
+def test_a_line_equals_two_joined_parts(span, part):
     """Cut at any point that hangs and solved as two lines, both parts carry the forces of the whole."""
     state = solve_span(span)
     touchdown = span.L - state.V / span.w if state.grounded_length else 0.0
-    cut = touchdown + share * (span.L - touchdown)
+    cut = touchdown + part * (span.L - touchdown)
     x, z, _ = (float(value) for value in state.profile(cut))
     V = state.V - span.w * (span.L - cut)
     lower = replace(span, L=cut, x=x, z=z)
     upper = Span(span.w, span.EA, span.L - cut, span.x - x, span.z - z, seabed=False)
     below, above = solve_span(lower), solve_span(upper)
     scale = max(state.tension, math.hypot(state.H_anchor, state.V_anchor))
-    for part, got, wanted in (
+    for piece, got, wanted in (
         (lower, (below.H, below.V), (state.H, V)),
         (lower, (below.H_anchor, below.V_anchor), (state.H_anchor, state.V_anchor)),
         (upper, (above.H, above.V), (state.H, state.V)),
         (upper, (above.H_anchor, above.V_anchor), (state.H, V)),
     ):
-        # a part is given by positions to eps of the whole line, which counts like an error of its own length
-        assert_same_force(got, wanted, ROUNDINGS * (1 + kappa(part) + kappa(span)) * span.L / part.L, scale)
+        # a piece is given by positions to eps of the whole line, which counts like an error of its own length
+        assert_same_force(got, wanted, ROUNDINGS * (1 + kappa(piece) + kappa(span)) * span.L / piece.L, scale)
 
 
 # ---------------------------------------------------------------- swapped ends and mirrors
 def swap_misses(cases) -> list[str]:
-    """Lines without seabed that differ from themselves walked from the other end in any bit of force or stiffness."""
+    """Lines without seabed whose forces or stiffness change by a bit when their ends are swapped."""
     misses = []
     for case in cases:
         if case.seabed:
@@ -95,13 +95,13 @@ def swap_misses(cases) -> list[str]:
 @MANY
 @given(suspended_cases())
 def test_swapped_ends_without_seabed(case):
-    """Walked from the other end, a free line has the same forces at the same ends, bit for bit."""
+    """With its ends swapped, a free line has the same forces at the same ends, bit for bit."""
     misses = swap_misses([case])
     assert not misses, misses[0]
 
 
 def test_swapped_ends_of_the_reference_lines():
-    """So have the reference lines without seabed: nearly vertical, folded, over-stretched, weightless."""
+    """The same for the reference lines without seabed: nearly vertical, folded, over-stretched, weightless."""
     misses = swap_misses([case for case, _ in span_references()])
     assert not misses, "\n".join(misses)
 
@@ -109,7 +109,7 @@ def test_swapped_ends_of_the_reference_lines():
 @MANY
 @given(seabed_cases())
 def test_swapped_ends_over_a_seabed(case):
-    """With both ends above a frictionless seabed, anchor and fairlead can change their names."""
+    """With both ends above a frictionless seabed, anchor and fairlead can be swapped."""
     span = Span(**case.inputs())
     assume(span.friction == 0 and span.clearance > 0 and span.z + span.clearance > 1e-9 * span.L)
     state = solve_span(span)
@@ -136,7 +136,7 @@ def test_a_buoyant_line_is_the_mirror_image(case):
     s = span.L * np.array([0.0, 0.2, 0.7, 1.0])
     (x, z, T), (xm, zm, Tm) = state.profile(s), mirror.profile(s)
     for got, wanted in ((xm, x), (zm, -z), (Tm, T)):
-        assert np.allclose(got, wanted, rtol=PLACE, atol=PLACE * span.L)
+        assert np.allclose(got, wanted, rtol=POSITION, atol=POSITION * span.L)
 
 
 # ---------------------------------------------------------------- dimension analysis
@@ -253,22 +253,22 @@ def test_profile_ends_at_the_ends(span):
     state = solve_span(span)
     x, z, T = state.profile([0.0, span.L])
     assert (x[0], z[0]) == (0.0, 0.0)
-    assert (x[1], z[1]) == pytest.approx((span.x, span.z), abs=PLACE * span.L)
-    scale = PLACE * (state.tension + abs(span.w) * span.L)
+    assert (x[1], z[1]) == pytest.approx((span.x, span.z), abs=POSITION * span.L)
+    scale = POSITION * (state.tension + abs(span.w) * span.L)
     assert T == pytest.approx([math.hypot(state.H_anchor, state.V_anchor), state.tension], abs=scale)
 
 
 @pytest.mark.parametrize("span", LINES)
 def test_profile_equals_the_50_digit_profile(span):
-    """Place and tension at points inside the line are those of the oracle's quadrature."""
+    """Position and tension at points inside the line are those of the oracle's quadrature."""
     state = solve_span(span)
     inputs = {name: getattr(span, name) for name in Span.__slots__}
     exact = catenary_mp.solve(**inputs, start=(state.H, state.V) if state.H else None)
-    s = [share * span.L for share in (0.01, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99)]
+    s = [part * span.L for part in (0.01, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99)]
     wanted = np.array([[float(v) for v in catenary_mp.profile(point, **inputs, solution=exact)] for point in s])
     x, z, T = state.profile(s)
     for got, right, unit in ((x, wanted[:, 0], span.L), (z, wanted[:, 1], span.L), (T, wanted[:, 2], state.tension)):
-        assert np.max(np.abs(got - right)) <= PLACE * (unit or abs(span.w) * span.L)
+        assert np.max(np.abs(got - right)) <= POSITION * (unit or abs(span.w) * span.L)
 
 
 @pytest.mark.parametrize("span", [span for span in LINES if span.w != 0])  # a weightless line has one tension
@@ -279,11 +279,11 @@ def test_profile_keeps_the_balance_of_forces(span):
     landed = lifted + state.grounded_length
     s = np.linspace(0, span.L, 41)
     _, _, T = state.profile(s)
-    rests = (s >= lifted) & (s < landed)
+    lies = (s >= lifted) & (s < landed)
     V = np.where(s >= landed, state.V - span.w * (span.L - s), state.V_anchor + span.w * s)
     drag = span.friction * span.w * (landed - s)
-    wanted = np.where(rests, np.maximum(state.H - drag, 0.0), np.hypot(state.H, V))
-    assert np.max(np.abs(T - wanted)) <= PLACE * (state.tension + abs(span.w) * span.L)
+    wanted = np.where(lies, np.maximum(state.H - drag, 0.0), np.hypot(state.H, V))
+    assert np.max(np.abs(T - wanted)) <= POSITION * (state.tension + abs(span.w) * span.L)
 
 
 @pytest.mark.parametrize("span", TAUT)
@@ -293,13 +293,13 @@ def test_profile_follows_its_tension(span):
     step = 1e-4 * span.L
     s = np.linspace(0.013, 0.987, 37) * span.L
     (xa, za, _), (xb, zb, _), (_, _, T) = state.profile(s - step), state.profile(s + step), state.profile(s)
-    rests = np.abs((zb - za) / step) < 1e-12
-    slope_x, slope_z = (xb - xa) / (2 * step), (zb - za) / (2 * step)
-    H = np.where(rests, T, state.H)
+    lies = np.abs((zb - za) / step) < 1e-12
+    dx_ds, dz_ds = (xb - xa) / (2 * step), (zb - za) / (2 * step)
+    H = np.where(lies, T, state.H)
     # the chord of an arc misses its tangent by (step w/H)^2/6 of its length: 1e-6 for the slackest of these lines
     bound = 1e-9 + (step * span.w / state.H) ** 2
-    assert np.max(np.abs(slope_x - H / np.where(T > 0, T, 1.0) * (1 + T / span.EA))[T > 0]) <= bound
-    assert np.max(np.abs(np.hypot(slope_x, slope_z) - 1 - T / span.EA)) <= bound
+    assert np.max(np.abs(dx_ds - H / np.where(T > 0, T, 1.0) * (1 + T / span.EA))[T > 0]) <= bound
+    assert np.max(np.abs(np.hypot(dx_ds, dz_ds) - 1 - T / span.EA)) <= bound
 
 
 @pytest.mark.parametrize("span", LINES)
@@ -308,8 +308,8 @@ def test_the_whole_line_is_in_equilibrium(span):
     state = solve_span(span)
     scale = state.tension + abs(span.w) * span.L
     assert abs(state.V - state.V_anchor - span.w * (span.L - state.grounded_length)) <= 100 * EPS * scale
-    rubbed = min(span.friction * span.w * state.grounded_length, state.H)
-    assert abs(state.H - state.H_anchor - rubbed) <= 100 * EPS * scale
+    friction = min(span.friction * span.w * state.grounded_length, state.H)
+    assert abs(state.H - state.H_anchor - friction) <= 100 * EPS * scale
     assert state.H >= state.H_anchor >= 0
     assert 0 <= state.grounded_length <= span.L
 

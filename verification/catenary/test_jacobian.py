@@ -18,12 +18,12 @@ from ..tools.jacobians import ITERATED, newton_step_error, ordinary_kernels, sti
 # reach is the small difference of 1 and what hangs (nearly slack), a few eps elsewhere.
 STEP_ERROR, STEP_MEDIAN = 1e6 * EPS, 20 * EPS
 STIFFNESS_ERROR, STIFFNESS_MEDIAN = 1e4 * EPS, 20 * EPS
-FROM_THE_ROOT = (0.5, 0.9, 1.1, 2.0)  # the unknown over the root: a step is judged where it does something
+FROM_THE_ROOT = (0.5, 0.9, 1.1, 2.0)  # the unknown over the root: a step is compared where it is not small
 DIFFERENCE_STEP = 1e-6  # of L; central differences lose eps kappa/1e-6 to rounding, about as much to curvature
 DIFFERENCE_ERROR = 1e-5
 
 
-# ---------------------------------------------------------------- checks: each returns sentences on what is wrong
+# ---------------------------------------------------------------- checks: each returns a sentence for every error
 def newton_step_misses(kernels) -> list[str]:
     """Newton steps of the residuals against complex step."""
     misses = []
@@ -54,20 +54,20 @@ def difference_misses(spans) -> list[str]:
 
 
 def central_stiffness(span: Span) -> np.ndarray:
-    """(2, 2), central differences of (H, V) for a fairlead moved by DIFFERENCE_STEP L, N/m."""
+    """Return central differences (2, 2) of (H, V) for a fairlead displaced by DIFFERENCE_STEP L, N/m."""
     columns = []
     for direction in ((1, 0), (0, 1)):
         ends = []
         for sign in (1, -1):
             dx, dz = (sign * DIFFERENCE_STEP * span.L * part for part in direction)
-            state = solve_span(moved(span, dx, dz))
+            state = solve_span(displaced(span, dx, dz))
             ends.append(np.array([state.H, state.V]))
         columns.append((ends[0] - ends[1]) / (2 * DIFFERENCE_STEP * span.L))
     return np.column_stack(columns)
 
 
-def moved(span: Span, dx: float, dz: float) -> Span:
-    """The same line with its fairlead moved, m."""
+def displaced(span: Span, dx: float, dz: float) -> Span:
+    """Return the line with its fairlead displaced by (dx, dz), m."""
     return Span(span.w, span.EA, span.L, span.x + dx, span.z + dz, span.seabed, span.friction, span.clearance)
 
 
@@ -84,13 +84,13 @@ def test_newton_steps_agree_with_complex_step(regime):
 
 
 def test_kernels_cover_friction_pulled_and_not():
-    """The Newton steps of a line whose anchor is pulled, of one that friction holds, and of none are all examined."""
-    found = Counter()
+    """There are kernels where tension reaches the anchor, where friction takes it all, and without friction."""
+    counts = Counter()
     for kernel in ordinary_kernels():
         if kernel.regime is Regime.GROUNDED:
             H_anchor = solve_span(Span(1.0, 1 / kernel.e, 1.0, kernel.l, kernel.h, friction=kernel.CB)).H_anchor
-            found["none" if kernel.CB == 0 else "pulled" if H_anchor > 0 else "held"] += 1
-    assert min(found["none"], found["pulled"], found["held"]) > 10, found
+            counts["none" if kernel.CB == 0 else "pulled" if H_anchor > 0 else "fixed"] += 1
+    assert min(counts["none"], counts["pulled"], counts["fixed"]) > 10, counts
 
 
 # ---------------------------------------------------------------- second layer: the stiffness of each regime
@@ -105,7 +105,7 @@ def test_stiffness_agrees_with_complex_step(regime):
 
 # ---------------------------------------------------------------- third layer: the assembled solver
 def difference_spans() -> list[Span]:
-    """Lines of every regime that a central difference can judge: named, buoyant, raised, slack, lying, vertical."""
+    """Return lines of every regime for central differences: named, buoyant, raised, slack, lying, vertical."""
     return [Span(**case.inputs()) for case in NAMED if case.name != "chord-equal-to-length"] + [
         Span(-30.0, 1e6, 100.0, 70.0, 40.0, seabed=False),
         Span(30.0, 1e6, 100.0, 70.0, -40.0, seabed=False),
@@ -128,8 +128,8 @@ def test_sideways_stiffness_at_the_edges():
     """Where only one side exists (x = 0, or z = 0 on the seabed), K11 is the slope into the admissible side."""
     step = 1e-7
     for span in (Span(1.0, 100.0, 10.0, 0.0, 12.0, seabed=False), Span(1.0, 100.0, 10.0, 10.4, 0.0, friction=0.2)):
-        slope = (solve_span(moved(span, step, 0.0)).H - solve_span(span).H) / step
-        assert solve_span(span).stiffness[0, 0] == pytest.approx(slope, rel=1e-5)
+        wanted = (solve_span(displaced(span, step, 0.0)).H - solve_span(span).H) / step
+        assert solve_span(span).stiffness[0, 0] == pytest.approx(wanted, rel=1e-5)
 
 
 def test_stiffness_is_symmetric_without_friction():
@@ -159,7 +159,7 @@ def test_stiffness_is_positive_definite_without_friction():
 
 @pytest.mark.parametrize(("friction", "pulled"), [(0.5, True), (5.0, False)])
 def test_friction_breaks_the_symmetry(friction, pulled):
-    """With friction K12 < K21: the compliances differ by the friction term of d(2.23a)/dV alone, pulled or held."""
+    """With friction K12 < K21: the compliances differ by the friction term of d(2.23a)/dV alone."""
     state = solve_span(Span(1.0, 50.0, 1.0, 0.95, 0.2, friction=friction))
     assert (state.H_anchor > 0) is pulled
     K = state.stiffness

@@ -21,7 +21,7 @@ TOUCHING = Span(1.0, 100.0, 1.0, 0.5, 0.4)
 
 
 def force(span: Span) -> np.ndarray:
-    """(H, V) at the fairlead, N."""
+    """Return (H, V) at the fairlead, N."""
     state = solve_span(span)
     return np.array([state.H, state.V])
 
@@ -46,19 +46,19 @@ def test_an_inextensible_grounded_line(EA):
 
 
 def test_large_friction_holds_the_anchor():
-    """friction -> infinity: no tension reaches the anchor, and the line behaves as if held at its touchdown."""
+    """friction -> infinity: no tension reaches the anchor, and the line behaves as if fixed at its touchdown."""
     span = Span(**OC3, friction=1e3)
     forces = [force(replace(span, friction=10.0**n)) for n in (3, 6, 9, 12)]
     assert solve_span(span).H_anchor == 0
     gaps = [math.dist(f, forces[-1]) for f in forces[:-1]]
     assert gaps[0] > gaps[1] > gaps[2]
     assert gaps[1] == pytest.approx(gaps[0] / 1000, rel=1e-2)  # the stretched length is H/(CB w)
-    held = Span(OC3["w"], OC3["EA"], forces[-1][1] / OC3["w"], *held_ends(forces[-1]))
-    assert force(held) == pytest.approx(forces[-1], rel=CLOSE)
+    hanging = Span(OC3["w"], OC3["EA"], forces[-1][1] / OC3["w"], *hanging_ends(forces[-1]))
+    assert force(hanging) == pytest.approx(forces[-1], rel=CLOSE)
 
 
-def held_ends(F):
-    """(x, z) of the hanging part of the OC3 line when everything else stays where it lies, m."""
+def hanging_ends(F):
+    """Return (x, z) of the hanging part of the OC3 line when everything else stays where it lies, m."""
     return OC3["x"] - (OC3["L"] - F[1] / OC3["w"]), OC3["z"]
 
 
@@ -126,7 +126,7 @@ def test_a_light_slack_line_pulls_in_proportion_to_its_weight():
 
 # ---------------------------------------------------------------- boundaries between regimes
 def boundary_of(span: Span, field: str, low: float, high: float) -> float:
-    """Value of ``field`` in (low, high) where the regime of the line changes: bisection to the last bit."""
+    """Return the value of ``field`` in (low, high) where the regime changes, by bisection to the last bit."""
     first = solve_span(replace(span, **{field: low})).regime
     assert solve_span(replace(span, **{field: high})).regime is not first
     while True:
@@ -226,10 +226,10 @@ def test_friction_is_continuous_where_tension_leaves_the_anchor():
     for _ in range(100):
         middle = math.sqrt(low * high)
         low, high = (middle, high) if excess(middle) > 0 else (low, middle)
-    held, pulled = (solve_span(replace(span, friction=low * (1 + sign * NUDGE))) for sign in (1, -1))
-    assert held.H_anchor == 0 < pulled.H_anchor
-    assert (held.H, held.V) == pytest.approx((pulled.H, pulled.V), rel=1e-7)
-    assert np.allclose(held.stiffness, pulled.stiffness, rtol=1e-6)
+    fixed, pulled = (solve_span(replace(span, friction=low * (1 + sign * NUDGE))) for sign in (1, -1))
+    assert fixed.H_anchor == 0 < pulled.H_anchor
+    assert (fixed.H, fixed.V) == pytest.approx((pulled.H, pulled.V), rel=1e-7)
+    assert np.allclose(fixed.stiffness, pulled.stiffness, rtol=1e-6)
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.3, 50.0])
@@ -242,7 +242,7 @@ def test_lifting_a_lying_line(friction):
         assert state.regime is Regime.GROUNDED
         rise = math.sqrt(2 * lying.H * z / (1 + lying.H / 100.0))  # (2.23b) for V << H
         assert state.V == pytest.approx(rise, rel=10 * math.sqrt(z) * (1 + friction))
-        # the lifted length V/w no longer rubs: H changes by about CB V
+        # no friction acts on the lifted length V/w: H changes by about CB V
         assert state.H == pytest.approx(lying.H, abs=2 * friction * rise + 100 * z + 100 * EPS * lying.H)
 
 

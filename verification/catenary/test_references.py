@@ -84,7 +84,7 @@ def source(name):
 
 
 def inputs_of(row):
-    """Keyword arguments of the oracle: doubles and one flag."""
+    """Return the keyword arguments of the oracle: doubles and one flag."""
     return {name: row[name] == "True" if name == "seabed" else float(row[name]) for name in INPUTS}
 
 
@@ -93,7 +93,7 @@ def state_of(row):
 
 
 def regime_of(p, s):
-    """Regime implied by the numbers of the row."""
+    """Return the regime that the numbers of the row imply."""
     if p["w"] == 0:
         return "weightless-taut" if s["H"] or s["V"] else "weightless-slack"
     if s["H"] == 0:
@@ -105,7 +105,7 @@ def regime_of(p, s):
     return "grounded" if s["H_anchor"] else "grounded-anchor-slack"
 
 
-# --- the checks: each yields sentences on what is wrong --------------------------------------------------------------
+# --- the checks: each yields a sentence for every error --------------------------------------------------------------
 
 
 def close(name, got, wanted, scale, tolerance=EXACT):
@@ -216,9 +216,9 @@ def stiffness_probe(p, s, regime):
 
 
 def elastic_stiffness(p, s):
-    """Change the force along and across the line, move the end by the forward map, and let K give the force back.
+    """K times the motion of the end, by the forward map, is the change of force along and across the line.
 
-    The rounding of K (30 digits) times the movement is allowed for: near taut it hides what K does across the line.
+    The rounding of K (30 digits) times the motion is allowed for: of a nearly taut line it is larger than K across.
     """
     line = {name: p[name] for name in ("w", "EA", "L", "seabed", "friction", "clearance")}
     (H, V), K = (s["H"], s["V"]), mp.matrix([[s["K11"], s["K12"]], [s["K21"], s["K22"]]])
@@ -228,8 +228,8 @@ def elastic_stiffness(p, s):
         old = excursion(H, V, **line)
         for name, dH, dV in (("along", size * H / T, size * V / T), ("across", -size * V / T, size * H / T)):
             new = excursion(H + dH, V + dV, **line)
-            moved = mp.matrix([new[0] - old[0], new[1] - old[1]])
-            returned, tolerance = K * moved, STIFFNESS_ERROR * size + EXACT * largest * mp.norm(moved)
+            motion = mp.matrix([new[0] - old[0], new[1] - old[1]])
+            returned, tolerance = K * motion, STIFFNESS_ERROR * size + EXACT * largest * mp.norm(motion)
             yield from close(f"H returned by K, change {name}", returned[0], dH, tolerance, 1)
             yield from close(f"V returned by K, change {name}", returned[1], dV, tolerance, 1)
 
@@ -262,7 +262,7 @@ CHECKS = (end_point, energy, balance, contact, double_quadrature, stiffness_prob
 
 
 def refusals(check, p, s, regime):
-    """What a check finds; a state that the forward map does not admit is a finding, too."""
+    """Return the sentences of a check, or of the error of a state that the forward map refuses."""
     try:
         return list(check(p, s, regime))
     except (ValueError, ZeroDivisionError) as error:
@@ -270,29 +270,29 @@ def refusals(check, p, s, regime):
 
 
 def faults(row):
-    """Everything that the checks find wrong with one row of the spans set."""
+    """Return a sentence for every error in one row of the spans set."""
     with mp.workdps(WORKING_DIGITS):
         p, s = inputs_of(row), state_of(row)
         regime = regime_of(p, s)
-        found = [
+        sentences = [
             f"{row['name']} ({check.__name__}): {line}" for check in CHECKS for line in refusals(check, p, s, regime)
         ]
-    found += [
+    sentences += [
         f"{row['name']}: {name} does not round-trip"
         for name in INPUTS
         if name != "seabed" and repr(float(row[name])) != row[name]
     ]
-    return found
+    return sentences
 
 
 def table_faults(rows):
-    """What is wrong with the set as a whole."""
+    """Return a sentence for every error of the set as a whole."""
     names, labels = Counter(row["name"] for row in rows), Counter(row["regime"] for row in rows)
-    found = [f"{name} appears {n} times" for name, n in names.items() if n > 1]
-    found += [
+    sentences = [f"{name} appears {n} times" for name, n in names.items() if n > 1]
+    sentences += [
         f"{label}: {labels[label]} rows, at least {n} wanted" for label, n in LEAST_ROWS.items() if labels[label] < n
     ]
-    return found + [f"unknown label {label}" for label in labels if label not in LEAST_ROWS]
+    return sentences + [f"unknown label {label}" for label in labels if label not in LEAST_ROWS]
 
 
 # --- the computed set -------------------------------------------------------------------------------------------------
@@ -304,8 +304,8 @@ def spans():
 
 
 def test_every_span_closes(spans):
-    found = [line for row in spans for line in faults(row)]
-    assert not found, "\n".join(found[:20])
+    sentences = [line for row in spans for line in faults(row)]
+    assert not sentences, "\n".join(sentences[:20])
 
 
 def test_table_is_complete(spans):
@@ -332,7 +332,7 @@ def test_all_is_recomputed_to_the_digit(request):
 
 
 def digit_changed(text, position):
-    """The text with one decimal digit after the point raised by one (9 becomes 0)."""
+    """Return the text with one decimal digit after the point raised by one (9 becomes 0)."""
     k = text.index(".") + position
     return text[:k] + str((int(text[k]) + 1) % 10) + text[k + 1 :]
 
@@ -398,7 +398,7 @@ def test_the_contact_check_turns_red(spans):
 
 
 def openfast_misses(row, half_unit, pi):
-    """Printed columns that the oracle does not reproduce within half a unit."""
+    """Return the printed columns that the oracle does not reproduce within half a unit, with their errors."""
     v = {name: float(text) for name, text in row.items() if name != "name"}
     w = v["g"] * (v["mass_density"] - v["rho"] * pi * v["diameter"] ** 2 / 4)
     x = math.hypot(v["x_fairlead"] - v["x_anchor"], v["y_fairlead"] - v["y_anchor"])
@@ -427,7 +427,7 @@ def test_openfast_comparison_can_fail():
 
 
 def msqs_misses(rows, half_unit, w, swapped):
-    """Printed positions that the forward map of the printed forces misses by more than the printed digits allow.
+    """Return printed positions that the forward map of the printed forces misses by more than the printed digits allow.
 
     The rounding of H and V is carried through the map by evaluating it at the corners of their intervals.
     """
@@ -501,7 +501,7 @@ def test_provenance_is_stated(name):
 
 
 def test_times_of_other_codes_say_of_what():
-    """Every row is of a set and a code that the source describes, its version told, a positive time, and there once."""
+    """Every row is of a set and a code with version that the source describes, a positive time, and there once."""
     about, rows = source("other_codes"), table("other_codes")
     assert len({(row["name"], row["quantity"]) for row in rows}) == len(rows)
     assert {row["name"] for row in rows} == about["sets"].keys()

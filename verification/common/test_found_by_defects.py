@@ -124,12 +124,12 @@ def test_operations_are_those_of_5_6():
 @pytest.mark.parametrize(("start", "gained"), [(1.39, 0.0021), (1.2, 0.26), (0.5, 0.95)])
 def test_the_trust_region_shrinks_where_its_model_fails(start, gained, monkeypatch):
     """arctan x = 0: radius halved below a quarter of the promised gain, kept up to three quarters, then grown."""
-    monkeypatch.setattr(network_jacobian, "jacobian_of", lambda now, jacobian: np.array([[1 / (1 + now.x**2)]]))
-    monkeypatch.setattr(network_jacobian, "_as_step", lambda now, p: p[0])
-    monolith = SimpleNamespace(count=Count())
+    monkeypatch.setattr(network_jacobian, "scaled_jacobian", lambda now, jacobian: np.array([[1 / (1 + now.x**2)]]))
+    monkeypatch.setattr(network_jacobian, "split_step", lambda now, p: p[0])
+    network = SimpleNamespace(count=Count())
 
     def at(x):
-        return SimpleNamespace(x=x, residual=np.arctan([x]), monolith=monolith, after=lambda length, dx: at(x + dx))
+        return SimpleNamespace(x=x, residual=np.arctan([x]), system=network, take_step=lambda _, dx: at(x + dx))
 
     new, radius = network_jacobian.trust_region_step(at(start), "analytic", None)
     step = math.atan(start) * (1 + start**2)

@@ -102,7 +102,15 @@ _PERIODIC = (
 )
 _FILES = {
     **dict.fromkeys(
-        ("catenary.span", "catenary.profile", "catenary.regimes", "catenary.solve", "numerics.elementary"), _SPAN
+        (
+            "catenary.span",
+            "catenary.profile",
+            "catenary.regimes",
+            "catenary.suspended",
+            "catenary.solve",
+            "numerics.elementary",
+        ),
+        _SPAN,
     ),
     **dict.fromkeys(
         (
@@ -112,6 +120,7 @@ _FILES = {
             "network.jacobian",
             "network.model",
             "network.nested",
+            "network.start",
             "network.monolithic",
             "network.rounding",
             "io.network_scene",

@@ -92,7 +92,7 @@ DEFECTS = (
     # ------------------------------------------------------------ newton (systems)
     Defect(
         "old correction again",
-        Fault("numerics.newton", "damped_newton", "x + taken[-1]", "x + full", where="[full]"),
+        Fault("numerics.newton", "_ErrorOriented._broyden_step", "x + self.taken[-1]", "x + self.taken[0]"),
         "stale",
         "a step with a kept Jacobian repeats the last correction",
         _TRIGONOMETRIC,
@@ -106,7 +106,7 @@ DEFECTS = (
     ),
     Defect(
         "damping that accepts everything",
-        Fault("numerics.newton", "damped_newton", "(1 - relaxation / 4) * error", "np.inf"),
+        Fault("numerics.newton", "is_contraction", "(1 - length / 4) * full", "np.inf"),
         "tolerance",
         "every step of the damped Newton method is taken in full",
         "common/test_found_by_defects.py::test_damping_finds_what_full_steps_do_not",

@@ -96,7 +96,7 @@ DEFECTS = (
         "buoyancy and weight exchanged",
         Fault(
             "network.equations",
-            "Balance.__init__",
+            "NetworkEquations.__init__",
             "environment.rho * node.volume - node.mass",
             "node.mass - environment.rho * node.volume",
         ),
@@ -108,7 +108,7 @@ DEFECTS = (
         "mass without gravity",
         Fault(
             "network.equations",
-            "Balance.__init__",
+            "NetworkEquations.__init__",
             "[(environment.rho * node.volume - node.mass) * environment.g for node in network.nodes]",
             "[(environment.rho * node.volume - node.mass) for node in network.nodes]",
         ),
@@ -118,14 +118,20 @@ DEFECTS = (
     ),
     Defect(
         "friction forgotten at the anchor",
-        Fault("network.equations", "Balance.unbalanced", "H_anchor * direction", "H * direction", where="H.size"),
+        Fault(
+            "network.equations",
+            "NetworkEquations.unbalanced_force",
+            "H_anchor * direction",
+            "H * direction",
+            where="H.size",
+        ),
         "symbol",
         "the anchor end of an element pulls with the force of its fairlead",
         f"{_DERIVATIVES} -k tangent",
     ),
     Defect(
         "pull of the fairlead outwards",
-        Fault("network.equations", "Balance.unbalanced", "-H * direction, -V", "-H * direction, V"),
+        Fault("network.equations", "NetworkEquations.unbalanced_force", "-H * direction, -V", "-H * direction, V"),
         "sign",
         "the vertical force of the upper end acts upwards on its node",
         _CLOSED,
@@ -148,8 +154,8 @@ DEFECTS = (
         Fault(
             "network.equations",
             "Elements.tangents",
-            "self.H / g.reach, self.H_anchor / g.reach",
-            "0 * g.reach, 0 * g.reach",
+            "self.H / g.divisor, self.H_anchor / g.divisor",
+            "0 * g.divisor, 0 * g.divisor",
         ),
         "term",
         "stiffness across the plane of a line, H/l, is left out",
@@ -157,7 +163,7 @@ DEFECTS = (
     ),
     Defect(
         "raised end hangs from a fixed height",
-        Fault("network.equations", "_sagging", "softness + a * a * K11", "softness"),
+        Fault("network.equations", "_sagging_derivatives", "end_stiffness + a * a * K11", "end_stiffness"),
         "term",
         "part of the tangent of a line that rests between two raised ends",
         f"{_DERIVATIVES} -k tangent",
@@ -173,7 +179,7 @@ DEFECTS = (
         "entries one unknown further",
         Fault(
             "network.equations",
-            "Balance.pattern",
+            "NetworkEquations.build_sparsity",
             "self.columns * self.size + self.rows",
             "self.columns * self.size + self.rows[::-1]",
         ),
@@ -183,7 +189,7 @@ DEFECTS = (
     ),
     Defect(
         "pressed nodes lifted",
-        Fault("network.equations", "Balance.moving", "force[:, 2] <= 0", "force[:, 2] >= 0"),
+        Fault("network.equations", "NetworkEquations.moving_coordinates", "force[:, 2] <= 0", "force[:, 2] >= 0"),
         "sign",
         "joints on the seabed that are pressed down count as free to move",
         _JOINT,
@@ -204,7 +210,7 @@ DEFECTS = (
         "moved network that moves its original",
         Fault(
             "network.equations",
-            "Balance.moved",
+            "NetworkEquations.with_coupled_nodes_at",
             "other.position = self.position.copy()",
             "other.position = self.position",
         ),
@@ -215,21 +221,33 @@ DEFECTS = (
     # ------------------------------------------------------------ network_few
     Defect(
         "step past the smallest force",
-        Fault("network.scalar", "Few.after", "map(max, z[m::2], [LEAST * H for H in point.z[m::2]])", "z[m::2]"),
+        Fault(
+            "network.scalar",
+            "ScalarEquations.take_step",
+            "map(max, z[m::2], [MIN_H_FRACTION * H for H in point.z[m::2]])",
+            "z[m::2]",
+        ),
         "term",
         "a step may leave H negative, and the iteration ends there",
         "network/test_solve.py::test_floats_take_the_steps_of_arrays",
     ),
     Defect(
         "lines pull their nodes apart, in floats",
-        Fault("network.scalar", "Few._at", "((a, H, V_anchor), (f, -H, -V))", "((a, -H, V_anchor), (f, H, -V))"),
+        Fault(
+            "network.scalar",
+            "ScalarEquations._evaluate",
+            "((a, H, V_anchor), (f, -H, -V))",
+            "((a, -H, V_anchor), (f, H, -V))",
+        ),
         "sign",
         "the horizontal forces of few lines act outwards",
         f"{_DERIVATIVES} -k floats",
     ),
     Defect(
         "rubbing lines taken for smooth ones",
-        Fault("network.scalar", "_law", "touching and (clearance > 0 or friction > 0)", "touching and clearance > 0"),
+        Fault(
+            "network.scalar", "_excursion", "touching and (clearance > 0 or friction > 0)", "touching and clearance > 0"
+        ),
         "regime",
         "few lines with friction of the seabed are solved without it",
         f"{_DERIVATIVES} -k floats",
@@ -291,14 +309,19 @@ DEFECTS = (
     ),
     Defect(
         "islands are held",
-        Fault("network.model", "Network._held", "return reached", ("return [True] * len(reached)\nreturn reached")),
+        Fault(
+            "network.model",
+            "Network._supported_nodes",
+            "return supported",
+            ("return [True] * len(supported)\nreturn supported"),
+        ),
         "input",
         "parts of a network that nothing ties down are accepted",
         _REFUSED,
     ),
     Defect(
         "equations of the old place",
-        Fault("network.model", "Network.moved", "self.balance.moved(positions)", "self.balance"),
+        Fault("network.model", "Network.moved", "self.equations.with_coupled_nodes_at(positions)", "self.equations"),
         "stale",
         "a network moved with its vessel keeps the places of before in its equations",
         "network/test_solve.py::test_warm_start_of_a_moved_body",
@@ -329,7 +352,7 @@ DEFECTS = (
         "satisfied with a percent",
         Fault(
             "network.monolithic",
-            "_converged",
+            "is_balanced",
             "tolerance * largest_force(now.elements)",
             "1e-2 * largest_force(now.elements)",
         ),
@@ -350,8 +373,8 @@ DEFECTS = (
         Fault(
             "network.nested",
             "coupled_stiffness",
-            "dense(K[held][:, follow]) @ inner",
-            "0 * dense(K[held][:, follow]) @ inner",
+            "to_dense(K[coupled][:, free]) @ motion",
+            "0 * to_dense(K[coupled][:, free]) @ motion",
         ),
         "term",
         "stiffness of the coupled nodes with the free ones held",
@@ -374,7 +397,7 @@ DEFECTS = (
     Defect(
         "start in the network's own array",
         Fault(
-            "network.nested",
+            "network.start",
             "force_density",
             "r, free = balance.position.copy(), np.flatnonzero(balance.free)",
             "r, free = balance.position, np.flatnonzero(balance.free)",
@@ -385,14 +408,18 @@ DEFECTS = (
     ),
     Defect(
         "balanced to a percent",
-        Fault("network.nested", "nested", "tolerance * largest_force(elements)", "1e-2 * largest_force(elements)"),
+        Fault(
+            "network.nested", "solve_nested", "tolerance * largest_force(elements)", "1e-2 * largest_force(elements)"
+        ),
         "tolerance",
         "the nested method stops at one per cent, and the monolithic one has to mend it",
         "common/test_found_by_defects.py::test_each_method_reaches_its_tolerance_by_itself",
     ),
     Defect(
         "difference backwards",
-        Fault("network.nested", "Differences.tangent", "base - force[free].ravel()", "force[free].ravel() - base"),
+        Fault(
+            "network.nested", "DifferenceTangent.tangent", "base - force[free].ravel()", "force[free].ravel() - base"
+        ),
         "sign",
         "the tangent from differences has the sign of dF/dr, not of -dF/dr",
         "common/test_found_by_defects.py::test_each_method_reaches_its_tolerance_by_itself",
@@ -409,9 +436,9 @@ DEFECTS = (
         "slack for taut",
         Fault(
             "network.rounding",
-            "within_rounding",
-            "np.where(lengthens[:, None, None], taut, slack)",
-            "np.where(lengthens[:, None, None], slack, taut)",
+            "refine_within_rounding",
+            "np.where(lengthens[:, None, None], stretched, as_is)",
+            "np.where(lengthens[:, None, None], as_is, stretched)",
         ),
         "regime",
         "a line that its motion lengthens keeps the slope of a slack one",
@@ -419,21 +446,21 @@ DEFECTS = (
     ),
     Defect(
         "one side for all",
-        Fault("network.rounding", "", "SIDES = 8", "SIDES = 1"),
+        Fault("network.rounding", "", "MAX_STIFFNESS_CHOICES = 8", "MAX_STIFFNESS_CHOICES = 1"),
         "regime",
         "no line takes the slope of the side that it moves to",
         _ROUNDING,
     ),
     Defect(
         "any step is a rounding",
-        Fault("network.rounding", "within_rounding", "rounded.all() and balanced", "balanced"),
+        Fault("network.rounding", "refine_within_rounding", "within.all() and balanced", "balanced"),
         "tolerance",
         "what a step foresees is not held against exact spans where it leads",
         _ROUNDING,
     ),
     Defect(
         "forces of the old places",
-        Fault("network.rounding", "within_rounding", "Q + (here.D @ motion)[:, :, 0].T", "Q"),
+        Fault("network.rounding", "refine_within_rounding", "Q + (here.D @ motion)[:, :, 0].T", "Q"),
         "term",
         "the forces that the step adds are left out",
         _ROUNDING,
@@ -442,9 +469,9 @@ DEFECTS = (
         "a thousand roundings are one",
         Fault(
             "network.rounding",
-            "within_rounding",
-            "g.rounding * np.abs(taut).max(axis=2).T",
-            "1e3 * g.rounding * np.abs(taut).max(axis=2).T",
+            "refine_within_rounding",
+            "g.rounding * np.abs(stretched).max(axis=2).T",
+            "1e3 * g.rounding * np.abs(stretched).max(axis=2).T",
         ),
         "tolerance",
         "foreseen forces are accepted that exact lines do not have",
@@ -454,9 +481,9 @@ DEFECTS = (
         "tolerance of the foreseen forces",
         Fault(
             "network.rounding",
-            "within_rounding",
-            "bound = tolerance * largest_force(found)",
-            "bound = 1e3 * tolerance * largest_force(found)",
+            "refine_within_rounding",
+            "bound = tolerance * largest_force(elements)",
+            "bound = 1e3 * tolerance * largest_force(elements)",
         ),
         "tolerance",
         "a step within rounding is held to a thousand times the tolerance",
@@ -464,14 +491,16 @@ DEFECTS = (
     ),
     Defect(
         "anything may be explained by rounding",
-        Fault("network.rounding", "within_rounding", "attainable(balance)", "1e3 * attainable(balance)"),
+        Fault(
+            "network.rounding", "refine_within_rounding", "rounding_floor(equations)", "1e3 * rounding_floor(equations)"
+        ),
         "tolerance",
         "positions that are far from balanced are mended as if rounding had put them there",
         _EXPLAINED,
     ),
     Defect(
         "unbalanced within rounding",
-        Fault("network.rounding", "within_rounding", "rounded.all() and balanced", "rounded.all()"),
+        Fault("network.rounding", "refine_within_rounding", "within.all() and balanced", "within.all()"),
         "tolerance",
         "what is left of the force balance after the step is not looked at",
         _PUSHED,
@@ -479,14 +508,16 @@ DEFECTS = (
     # ------------------------------------------------------------ network
     Defect(
         "reaction that acts on the support",
-        Fault("network.solve", "_left", "force - unbalanced", "unbalanced - force"),
+        Fault("network.solve", "_reactions_and_residual", "force - unbalanced", "unbalanced - force"),
         "sign",
         "reactions with the other sign",
         _REACTIONS,
     ),
     Defect(
         "vertical forces of the other line",
-        Fault("network.solve", "_state", "getattr(found, name)", 'getattr(found, name)[:: -1 if name == "V" else 1]'),
+        Fault(
+            "network.solve", "_state", "getattr(elements, name)", 'getattr(elements, name)[:: -1 if name == "V" else 1]'
+        ),
         "misprint",
         "(5.4): V1 and V2 exchanged",
         _CLOSED,
@@ -642,7 +673,7 @@ DEFECTS = (
     # ------------------------------------------------------------ declared blind spot
     Defect(
         "softer first stage",
-        Fault("network.nested", "", "1.0, 1e-3", "2.0, 1e-3"),
+        Fault("network.start", "", "1.0, 1e-3", "2.0, 1e-3"),
         "factor",
         "the first stage of the continuation that leads to a start",
         f"{_CLOSED} {_AGREE} -k 'closed or bridle or friction'",

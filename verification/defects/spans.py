@@ -17,14 +17,14 @@ DEFECTS = (
     # ------------------------------------------------------------ catenary_regimes
     Defect(
         "stretch counted twice in the height",
-        Fault("catenary.regimes", "_suspended_angle", "e / 2 / s * c", "e / s * c"),
+        Fault("catenary.suspended", "_suspended_angle", "e / 2 / s * c", "e / s * c"),
         "factor",
         "(2.4b) with w L/EA for its half: the vertical stretch of a suspended line is twice too large",
         _PARALLEL,
     ),
     Defect(
         "no stretch in the reach",
-        Fault("catenary.regimes", "_suspended_state", "2 * y + e", "2 * y"),
+        Fault("catenary.suspended", "_suspended_state", "2 * y + e", "2 * y"),
         "term",
         "(2.4a) without H L/EA",
         _PARALLEL,
@@ -32,10 +32,10 @@ DEFECTS = (
     Defect(
         "Newton step without its first part",
         Fault(
-            "catenary.regimes",
+            "catenary.suspended",
             "_suspended_step",
-            "falling + (_cosh_excess(f, y, s, c) + e / 2 * c) / (y + e / 2) * (y / s)",
-            "(_cosh_excess(f, y, s, c) + e / 2 * c) / (y + e / 2) * (y / s)",
+            "from_height + (cosh_excess(f, y, s, c) + e / 2 * c) / (y + e / 2) * (y / s)",
+            "(cosh_excess(f, y, s, c) + e / 2 * c) / (y + e / 2) * (y / s)",
         ),
         "derivative",
         "d log l/d log y of a suspended line leaves out how sqrt(1 - v^2) falls",
@@ -43,21 +43,21 @@ DEFECTS = (
     ),
     Defect(
         "series of y cosh y - sinh y",
-        Fault("catenary.regimes", "_cosh_excess", "y2 / 28", "y2 / 20"),
+        Fault("catenary.regimes", "cosh_excess", "y2 / 28", "y2 / 20"),
         "factor",
         "a coefficient of the series near y = 0: stiffness and steps of taut lines lose digits",
         _STEPS,
     ),
     Defect(
         "coupling stiffness does not change sign",
-        Fault("catenary.regimes", "_suspended_state", "up * 2", "2"),
+        Fault("catenary.suspended", "_suspended_state", "up * 2", "2"),
         "sign",
         "K12 of a line that hangs down from its anchor has the sign of one that rises",
         _CENTRAL,
     ),
     Defect(
         "determinant counts the stretch twice",
-        Fault("catenary.regimes", "_suspended_state", "C11 + X - e * over_q", "C11 + X"),
+        Fault("catenary.suspended", "_suspended_state", "C11 + X - e * over_q", "C11 + X"),
         "term",
         "the determinant of the compliance keeps a term that is in both of its factors",
         _IMPLICIT,
@@ -65,8 +65,8 @@ DEFECTS = (
     Defect(
         "steepest line twice as steep",
         Fault(
-            "catenary.regimes",
-            "_steepest",
+            "catenary.suspended",
+            "_largest_y",
             "f.log1p(e / -spare_height(height, e)) / 2",
             "f.log1p(e / -spare_height(height, e))",
         ),
@@ -180,7 +180,7 @@ DEFECTS = (
     # ------------------------------------------------------------ catenary_solve
     Defect(
         "buoyant line not turned over",
-        Fault("catenary.solve", "_scaled", "up * z / L", "z / L"),
+        Fault("catenary.solve", "_nondimensional", "up * z / L", "z / L"),
         "sign",
         "a buoyant line is the mirror image of a heavy one, its height left as it was",
         "catenary/test_invariants.py::test_a_buoyant_line_is_the_mirror_image",
@@ -194,21 +194,21 @@ DEFECTS = (
     ),
     Defect(
         "touchdown of an inextensible line",
-        Fault("catenary.solve", "_classify", "h - e / 2", "h"),
+        Fault("catenary.regimes", "rests_from_anchor", "h - e / 2", "h"),
         "regime",
         "whether the line just touches is decided without its stretch",
         "catenary/test_limits.py::test_touchdown_has_the_weight_of_the_line",
     ),
     Defect(
         "no line rests between raised ends",
-        Fault("catenary.solve", "solve", "seabed & (c > 0)", "seabed & (c > 1)"),
+        Fault("catenary.regimes", "sags_to_seabed", "c > 0", "c > 1"),
         "regime",
         "lines over a seabed with a raised anchor hang through it",
         "catenary/test_limits.py::test_forces_are_continuous_across_a_boundary",
     ),
     Defect(
         "undetermined friction answered",
-        Fault("catenary.solve", "solve", "(regime == _SAGGING) & (CB > 0)", "(regime == _SAGGING) & (CB > 1e9)"),
+        Fault("catenary.solve", "solve", "(regime == SAGGING) & (CB > 0)", "(regime == SAGGING) & (CB > 1e9)"),
         "regime",
         "friction under a line between two raised ends is a number instead of a status",
         "common/test_failures.py::test_undetermined_friction_is_an_error",
@@ -249,7 +249,7 @@ DEFECTS = (
     ),
     Defect(
         "clearance without a seabed let through",
-        Fault("catenary.span", "_valid", "clearance == 0", "clearance >= 0"),
+        Fault("catenary.span", "_valid_rows", "clearance == 0", "clearance >= 0"),
         "input",
         "the batch takes what the single line refuses",
         "common/test_failures.py::test_bad_rows_are_refused_as_span_refuses_them",
@@ -359,7 +359,7 @@ DEFECTS = (
     # ------------------------------------------------------------ declared blind spots
     Defect(
         "start of slack lines",
-        Fault("catenary.regimes", "suspended_start", "6 * slack + slack * slack", "6 * slack"),
+        Fault("catenary.suspended", "suspended_start", "6 * slack + slack * slack", "6 * slack"),
         "factor",
         "the start of the iteration for slack suspended lines",
         "catenary/test_exact.py catenary/test_invariants.py::test_profile_ends_at_the_ends "

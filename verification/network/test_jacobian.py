@@ -10,13 +10,12 @@ import scipy.sparse as sparse
 
 from solvers import solve_network
 from solvers.catenary.excursion import excursion
-from solvers.network import equations as network_balance
-from solvers.network import jacobian as network_jacobian
-from solvers.network import scalar as network_few
-from solvers.network.equations import Balance
-from solvers.network.jacobian import _dogleg
-from solvers.network.monolithic import Monolith
+from solvers.network import equations as network_equations
+from solvers.network.equations import NetworkEquations
+from solvers.network.jacobian import _dogleg, analytic_jacobian, dense_step, difference_jacobian
+from solvers.network.monolithic import MonolithicSystem
 from solvers.network.nested import Count
+from solvers.network.scalar import ScalarEquations
 
 from ..cases.networks import (
     NAMED,
@@ -50,7 +49,7 @@ STEP = 1e-7  # of the step: shift 1e-9 of the softest stiffness, condition 1e4
 
 
 # ---------------------------------------------------------------- blocks of an element
-# H, V, w, EA, L, rests, friction, clearance: suspended, steep, buoyant, grounded in both regimes of friction, raised
+# H, V, w, EA, L, can_rest, friction, clearance: suspended, steep, buoyant, grounded in both regimes of friction, raised
 FORCES = {
     "suspended": (5e4, 8e4, 100.0, 1e7, 500.0, False, 0.0, 0.0),
     "suspended over a seabed": (5e4, 6e4, 100.0, 1e7, 500.0, True, 0.3, 0.0),
@@ -66,29 +65,29 @@ FORCES = {
 }
 
 
-def excursion_at(H, V, w, EA, L, rests, friction, clearance):
-    """Excursion of one element; if one of H, V and the clearance is complex, all are."""
+def excursion_at(H, V, w, EA, L, can_rest, friction, clearance):
+    """Return the Excursion of one element; if one of H, V and the clearance is complex, all are."""
     number = np.result_type(H, V, clearance, float)
     H, V, clearance = (np.array([v], dtype=number) for v in (H, V, clearance))
-    w, EA, L, rests, friction = (np.array([v]) for v in (w, EA, L, rests, friction))
-    return excursion(H, V, w, EA, L, rests, friction, clearance)
+    w, EA, L, can_rest, friction = (np.array([v]) for v in (w, EA, L, can_rest, friction))
+    return excursion(H, V, w, EA, L, can_rest, friction, clearance)
 
 
 def block_misses() -> list[str]:
-    """C, anchor and raised of ``excursion`` against complex step in H, V and the clearance."""
+    """C, anchor and by_clearance of ``excursion`` against complex step in H, V and the clearance."""
     misses = []
     for name, inputs in FORCES.items():
         at = excursion_at(*inputs)
         got = {0: (at.C[0, :, 0], at.anchor[0, :, 0]), 1: (at.C[0, :, 1], at.anchor[0, :, 1])}
         for column, (C, anchor) in got.items():
-            moved = _complex_step(inputs, column)
-            misses += _block_miss(f"{name}: C, column {column}", C, (moved.l, moved.h), at.C)
-            misses += _block_miss(
-                f"{name}: anchor, column {column}", anchor, (moved.H_anchor, moved.V_anchor), at.anchor
-            )
+            shifted = _complex_step(inputs, column)
+            misses += _block_miss(f"{name}: C, column {column}", C, (shifted.l, shifted.h), at.C)
+            changed = shifted.H_anchor, shifted.V_anchor
+            misses += _block_miss(f"{name}: anchor, column {column}", anchor, changed, at.anchor)
         if inputs[7] > 0:
-            moved = _complex_step(inputs, 7)
-            misses += _block_miss(f"{name}: raised", at.raised[0], (moved.l, moved.h, moved.V_anchor), at.raised)
+            shifted = _complex_step(inputs, 7)
+            changed = shifted.l, shifted.h, shifted.V_anchor
+            misses += _block_miss(f"{name}: by_clearance", at.by_clearance[0], changed, at.by_clearance)
     return misses
 
 
@@ -98,25 +97,26 @@ def _complex_step(inputs, i):
     return excursion_at(*changed)
 
 
-def _block_miss(name, got, moved, block):
-    i = 7 if name.endswith("raised") else int(name[-1])
+def _block_miss(name, got, changed, block):
+    i = 7 if name.endswith("by_clearance") else int(name[-1])
     step = COMPLEX_STEP * abs(FORCES[name.split(":")[0]][i])
-    wanted = np.array([np.imag(np.atleast_1d(value))[0] / step for value in moved])
+    wanted = np.array([np.imag(np.atleast_1d(value))[0] / step for value in changed])
     error = np.abs(got - wanted).max() / (np.abs(block).max() or 1.0)
     return [] if error <= BLOCK else [f"{name}: got {got}, wanted {wanted}, off by {error:.3g} of the largest"]
 
 
 # ---------------------------------------------------------------- the assembled tangent of the force balance
 def tangent_misses() -> list[str]:
-    """Balance.tangent against central differences of Balance.unbalanced, away from equilibrium and from the floor."""
+    """NetworkEquations.tangent against central differences of the forces, away from equilibrium and the seabed."""
     misses, rng = [], np.random.default_rng(5)
     for case in (bridle(), bridle_system(0.4), two_line(TWO_LINE_W_PRINTED, 1.0), chain(5), spring_net(), _raised()):
-        balance = Balance(network_of(case))
-        r = solved(case).r + np.where(balance.free[:, None], rng.normal(size=(len(case.nodes), 3)), 0)
-        _every_node(balance, case)
-        got = balance.tangent(balance.spans(r))
+        equations = NetworkEquations(network_of(case))
+        r = solved(case).r + np.where(equations.free[:, None], rng.normal(size=(len(case.nodes), 3)), 0)
+        _every_node(equations, case)
+        got = equations.tangent(equations.solve_elements(r))
         got = got.toarray() if sparse.issparse(got) else got
-        wanted = -_central(lambda r, balance=balance: balance.unbalanced(balance.spans(r)).ravel(), r)
+        force = lambda r, eq=equations: eq.unbalanced_force(eq.solve_elements(r)).ravel()
+        wanted = -_central(force, r)
         rows = _smooth_coordinates(case)
         error = np.abs(got - wanted)[:, rows].max() / np.abs(wanted[:, rows]).max()
         if not error <= DIFFERENCE:
@@ -125,7 +125,7 @@ def tangent_misses() -> list[str]:
 
 
 def _raised():
-    """Two slack bights over the floor between raised ends, one end higher: their middles lie on the seabed."""
+    """Return two slack bights over the seabed between raised ends, one higher: their middles lie on the seabed."""
     nodes = (
         NodeCase("coupled", (0.0, 0.0, -30.0)),
         NodeCase("free", (90.0, 20.0, -15.0), volume=1.0),
@@ -135,9 +135,9 @@ def _raised():
     return NetworkCase("raised bights", nodes, lines, EnvironmentCase(depth=50.0))
 
 
-def _every_node(balance, case):
-    """Give every node unknowns, fixed ones too."""
-    balance.pattern(np.full(len(case.nodes), True))
+def _every_node(equations, case):
+    """Make the coordinates of every node unknown, of fixed ones too."""
+    equations.build_sparsity(np.full(len(case.nodes), True))
 
 
 def _smooth_coordinates(case):
@@ -152,18 +152,18 @@ def _central(function, r, step=DIFFERENCE_STEP):
         ahead, behind = r.copy(), r.copy()
         ahead.flat[i] += step
         behind.flat[i] -= step
-        with np.errstate(invalid="ignore"):  # rows of other formulae are computed and not picked
+        with np.errstate(invalid="ignore"):  # formulae are computed for all rows, also where they do not hold
             columns.append(_difference(function, ahead, behind) / (2 * step))
     return np.column_stack(columns)
 
 
 def _difference(function, ahead, behind):
-    """nan where one side lies below the seabed, in a coordinate that is not judged."""
+    """Difference of both sides; nan where one is below the seabed, in a coordinate that is not compared."""
     return function(ahead) - function(behind)
 
 
 def pattern_misses() -> list[str]:
-    """Nodes are coupled where an element joins them: the pattern against a picture drawn by hand, dense and sparse."""
+    """Nodes are coupled where an element joins them: sparsity against a drawing by hand, dense and sparse tangents."""
     drawn = """
         x.x..
         .xx..
@@ -174,38 +174,39 @@ def pattern_misses() -> list[str]:
     nodes = tuple(NodeCase("free", (50.0 * i, 10.0 * i * i, -5.0 * i)) for i in range(5))
     lines = tuple(ElementCase(10.0, 1e6, 60.0, ends) for ends in ((0, 2), (1, 2), (2, 3), (4, 3)))
     case = NetworkCase("picture", (*nodes, NodeCase("fixed", (0, 0, 50.0))), (*lines, ElementCase(1, 1e6, 60, (5, 0))))
-    balance = Balance(network_of(case))
+    equations = NetworkEquations(network_of(case))
     entries = np.zeros((5, 5), dtype=bool)
-    entries[balance.rows // 3, balance.columns // 3] = True
+    entries[equations.rows // 3, equations.columns // 3] = True
     misses = [] if (entries == picture).all() else [f"pattern {entries.astype(int).tolist()}"]
-    elements = balance.spans(balance.position)
-    dense = balance.tangent(elements)
-    previous, network_balance.DENSE = network_balance.DENSE, 0
-    balance.pattern(balance.free)
+    elements = equations.solve_elements(equations.position)
+    dense = equations.tangent(elements)
+    previous, network_equations.MAX_DENSE = network_equations.MAX_DENSE, 0
+    equations.build_sparsity(equations.free)
     try:
-        error = np.abs(balance.tangent(elements).toarray() - dense).max() / np.abs(dense).max()
+        error = np.abs(equations.tangent(elements).toarray() - dense).max() / np.abs(dense).max()
     finally:
-        network_balance.DENSE = previous
+        network_equations.MAX_DENSE = previous
     return misses if error <= ROUNDING else [*misses, f"sparse and dense differ by {error:.3g}"]
 
 
 # ---------------------------------------------------------------- the monolithic Jacobian
 def iterates():
-    """Iterates of the monolithic method off equilibrium: the paper's start, and named networks shaken."""
-    rng, out = np.random.default_rng(3), []
+    """Return (name, Iterate) off equilibrium: named networks with random changes, and the paper's start."""
+    rng, result = np.random.default_rng(3), []
     for case in (two_line(), two_line(TWO_LINE_W_PRINTED, 1.0), bridle(), bridle_system(), chain(4), spring_net()):
-        balance, state = Balance(network_of(case)), solved(case)
-        r = state.r + np.where(balance.free[:, None], 0.1 * rng.normal(size=state.r.shape), 0.0)
-        shaken = [1 + 0.02 * rng.normal(size=f.size) for f in (state.H, state.V)]
+        equations, state = NetworkEquations(network_of(case)), solved(case)
+        r = state.r + np.where(equations.free[:, None], 0.1 * rng.normal(size=state.r.shape), 0.0)
+        factors = [1 + 0.02 * rng.normal(size=f.size) for f in (state.H, state.V)]
         for units in ("scaled", "kN"):
-            out.append((f"{case.name}, {units}", _at(balance, units, r, state.H * shaken[0], state.V * shaken[1])))
+            now = _at(equations, units, r, state.H * factors[0], state.V * factors[1])
+            result.append((f"{case.name}, {units}", now))
     start = [np.array(part) for part in PAPER_START]
-    return [*out, ("paper's start", _at(Balance(network_of(two_line())), "N", *start))]
+    return [*result, ("paper's start", _at(NetworkEquations(network_of(two_line())), "N", *start))]
 
 
-def _at(balance, units, r, H, V):
-    with np.errstate(all="ignore"):  # as solve does: rows of other formulae are computed and not picked
-        return Monolith(balance, units, Count()).at(r, H, V)
+def _at(equations, units, r, H, V):
+    with np.errstate(all="ignore"):  # as solve does: formulae are computed for all rows, also where they do not hold
+        return MonolithicSystem(equations, units, Count()).evaluate(r, H, V)
 
 
 def jacobian_misses() -> list[str]:
@@ -216,7 +217,7 @@ def jacobian_misses() -> list[str]:
     misses = []
     for name, now in iterates():
         with np.errstate(all="ignore"):  # as in ``_at``
-            got, forward = network_jacobian.analytic_jacobian(now), network_jacobian.difference_jacobian(now)
+            got, forward = analytic_jacobian(now), difference_jacobian(now)
             wanted = _central_jacobian(now)
         scale = np.maximum(np.abs(wanted).max(axis=1, keepdims=True), np.abs(wanted).max(axis=0, keepdims=True))
         for what, matrix, allowed in (("analytic", got, DIFFERENCE), ("differences", forward, FORWARD)):
@@ -227,8 +228,8 @@ def jacobian_misses() -> list[str]:
 
 
 def _central_jacobian(now):
-    """Central differences of the residual at fixed moving coordinates and open elements."""
-    n, unknown, m = np.count_nonzero(now.moving), now.unknown, now.monolith
+    """Central differences of the residual in the moving coordinates and the unknown forces of ``now``."""
+    n, unknown, m = np.count_nonzero(now.moving), now.unknown, now.system
     forces = np.column_stack([now.elements.H, now.elements.V])[unknown]
     units = np.concatenate([np.full(n, m.length_unit), np.full(forces.size, m.force_unit)])
     steps = np.concatenate([np.full(n, 1e-4), 1e-5 * (np.abs(forces) + np.abs(forces).mean())])
@@ -237,8 +238,8 @@ def _central_jacobian(now):
         r, q = now.r.copy(), np.column_stack([now.elements.H, now.elements.V])
         r[now.moving] += change[:n]
         q[unknown] += change[n:]
-        moved = m.at(r, *q.T)
-        return np.concatenate([moved.force[now.moving] / m.force_unit, moved.gap[unknown] / m.length_unit])
+        shifted = m.evaluate(r, *q.T)
+        return np.concatenate([shifted.force[now.moving] / m.force_unit, shifted.gap[unknown] / m.length_unit])
 
     columns = [(residual(step) - residual(-step)) / (2 * step[i]) * units[i] for i, step in enumerate(np.diag(steps))]
     return np.column_stack(columns)
@@ -249,7 +250,7 @@ def hand_misses() -> list[str]:
     case = two_line(TWO_LINE_W_PRINTED, 1.0)
     r, H, V = (np.array(part) for part in PAPER_START)
     V = np.array([1.9e5, 3.0e5])  # line 1 grounded, all of (2.23), (4.16)
-    now = _at(Balance(network_of(case)), "N", r, H, V)
+    now = _at(NetworkEquations(network_of(case)), "N", r, H, V)
     wanted = np.zeros((7, 7))
     for i, line in enumerate(case.elements):
         reach = r[2] - r[i]
@@ -260,7 +261,7 @@ def hand_misses() -> list[str]:
         wanted[0, 3 + 2 * i], wanted[1, 3 + 2 * i], wanted[2, 4 + 2 * i] = -c, -s, -1.0
         wanted[3 + 2 * i, :2], wanted[4 + 2 * i, 2] = (-c, -s), -1.0
         wanted[3 + 2 * i : 5 + 2 * i, 3 + 2 * i : 5 + 2 * i] = _paper_C(line, H[i], V[i])
-    got = network_jacobian.analytic_jacobian(now)
+    got = analytic_jacobian(now)
     error = np.abs(got - wanted).max() / np.abs(wanted).max()
     return [] if error <= ROUNDING else [f"two-line: off by {error:.3g}: {got.tolist()}, wanted {wanted.tolist()}"]
 
@@ -284,7 +285,7 @@ def step_misses() -> list[str]:
     """The Newton step by the Schur complement against that of the dense Jacobian."""
     misses = []
     for name, now in iterates():
-        schur, dense = now.newton_step(), network_jacobian.dense_step(now, "analytic")
+        schur, dense = now.newton_step(), dense_step(now, "analytic")
         for what, got, wanted in zip(("dr", "dH", "dV"), schur, dense, strict=True):
             error = np.abs(got - wanted).max(initial=0.0) / max(np.abs(wanted).max(), 1e-300)
             if not error <= STEP:
@@ -293,21 +294,21 @@ def step_misses() -> list[str]:
 
 
 def float_misses() -> list[str]:
-    """The equations of few lines in plain floats against those in arrays; and none where they do not hold.
+    """Scalar equations of small networks against those in arrays; None where the scalar ones do not hold.
 
     Residual and Jacobian, over the largest entry: two ways to round the same formulae.
     """
     misses = []
     for name, now in iterates():
-        m = now.monolith
-        few = network_few.Few(m.balance, now.r, (m.force_unit, m.length_unit))
-        point = few.at([*now.r[now.moving].tolist(), *now.elements.Q[:2].T.ravel().tolist()])
-        rubs = now.geometry.friction * (now.elements.V_anchor == 0)
-        known = now.plain and not m.balance.any_massless and not rubs.any()
-        if (point is None) == known:
-            misses.append(f"{name}: {'refused' if known else 'taken for what floats know'}")
+        m = now.system
+        scalar = ScalarEquations(m.equations, now.r, (m.force_unit, m.length_unit))
+        point = scalar.evaluate([*now.r[now.moving].tolist(), *now.elements.Q[:2].T.ravel().tolist()])
+        friction_acts = now.geometry.friction * (now.elements.V_anchor == 0)
+        valid = now.all_general and not m.equations.any_massless and not friction_acts.any()
+        if (point is None) == valid:
+            misses.append(f"{name}: {'refused' if valid else 'accepted'} by the scalar equations")
         if point is not None:
-            pairs = (point.Z, now.residual), (few.jacobian(point), network_jacobian.analytic_jacobian(now))
+            pairs = (point.Z, now.residual), (scalar.jacobian(point), analytic_jacobian(now))
             for what, (got, wanted) in zip(("residual", "Jacobian"), pairs, strict=True):
                 error = np.abs(np.subtract(got, wanted)).max() / np.abs(wanted).max()
                 if not error <= ROUNDING:
@@ -450,21 +451,21 @@ def test_network_derivatives(check):
     "case", [chain_wire_chain(), hanging_mass(), _raised(), spring_net()], ids=lambda case: case.name
 )
 def test_floats_leave_other_lines_and_resting_nodes_to_arrays(case):
-    balance, state = Balance(network_of(case)), solved(case)
-    few = network_few.Few(balance, state.r, (1.0, 1.0))
-    z = [*state.r[balance.free].ravel().tolist(), *np.array([state.H, state.V]).T.ravel().tolist()]
-    assert few.at(z) is None
+    equations, state = NetworkEquations(network_of(case)), solved(case)
+    scalar = ScalarEquations(equations, state.r, (1.0, 1.0))
+    z = [*state.r[equations.free].ravel().tolist(), *np.array([state.H, state.V]).T.ravel().tolist()]
+    assert scalar.evaluate(z) is None
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, 1e-320, 1e200])
 def test_floats_leave_what_they_cannot_carry_to_arrays(value):
-    balance, (r, H, V) = Balance(network_of(two_line())), (np.array(part) for part in PAPER_START)
-    few = network_few.Few(balance, r, (1.0, 1.0))
+    equations, (r, H, V) = NetworkEquations(network_of(two_line())), (np.array(part) for part in PAPER_START)
+    scalar = ScalarEquations(equations, r, (1.0, 1.0))
     start = [*r[2].tolist(), *np.array([H, V]).T.ravel().tolist()]
-    assert few.at(start) is not None
+    assert scalar.evaluate(start) is not None
     for i in range(len(start)):
-        point = few.at([*start[:i], value, *start[i + 1 :]])
-        assert point is None or np.isfinite([*point.Z, *np.ravel(few.jacobian(point)), point.gap_force]).all()
+        point = scalar.evaluate([*start[:i], value, *start[i + 1 :]])
+        assert point is None or np.isfinite([*point.Z, *np.ravel(scalar.jacobian(point)), point.gap_force]).all()
 
 
 def test_every_regime_is_among_the_blocks():
@@ -496,5 +497,5 @@ def test_the_dogleg_lies_on_its_path():
     assert np.array_equal(_dogleg(newton, cauchy, 6.0), newton)
     assert _dogleg(newton, cauchy, 0.25) == pytest.approx(0.25 * cauchy)
     step = _dogleg(newton, cauchy, 2.0)
-    share = (step - cauchy) / (newton - cauchy)
-    assert np.linalg.norm(step) == pytest.approx(2.0) and share[0] == pytest.approx(share[1]) and 0 < share[0] < 1
+    part = (step - cauchy) / (newton - cauchy)
+    assert np.linalg.norm(step) == pytest.approx(2.0) and part[0] == pytest.approx(part[1]) and 0 < part[0] < 1

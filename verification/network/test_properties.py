@@ -1,4 +1,4 @@
-"""Do networks drawn by Hypothesis hold what holds for every network? Balance, two methods, invariances, symmetry.
+"""Do networks drawn by Hypothesis have the properties of every network? Balance, methods, invariances, symmetry.
 
 Forces on the nodes are summed here, from ``solve_span`` of each element between the nodes as the solver left them.
 """
@@ -20,39 +20,37 @@ from ..cases.networks import NetworkCase, hanging_mass, two_line
 from ..reference import EPS, exact_network, tension_error
 from ..tools.strategies import networks, powers
 
-BALANCE = 1e-9  # of the largest force: the promise for every network
-PLACES = 16  # eps by which the places of both ends, their difference and the length of an element are rounded
-RESOLVED = 0.7  # of the examples: those where rounded positions carry forces to BALANCE, or the promise would be empty
-JUDGED = (
-    0.2  # of the examples, at least: those whose forces are compared, mostly 0.5 to 0.7; the rest have a loose node
-)
-SPREAD = 1e8  # largest over least stiffness of the free nodes: beyond, a difference quotient cannot tell a loose node
-FEW = settings(max_examples=settings().max_examples // 20)  # some 60 ms each, one set for each way to draw it again
+BALANCE = 1e-9  # of the largest force: the default tolerance
+POSITION_EPS = 16  # eps by which positions of both ends, their difference and the length of an element are rounded
+RESOLVED = 0.7  # of the examples, at least: those where rounded positions resolve forces to BALANCE
+COMPARED = 0.2  # of the examples, at least: those without a loose node, mostly 0.5 to 0.7
+SPREAD = 1e8  # largest over least stiffness of the free nodes, beyond which a difference quotient shows no loose node
+FEW = settings(max_examples=settings().max_examples // 20)  # some 60 ms each, one set for each transformation
 MORE = settings(max_examples=settings().max_examples // 12)  # two or three such sets
 
 
 # ---------------------------------------------------------------- forces, summed by hand
 class End(NamedTuple):
-    """Force (3,) on a node by one element, N, as it is at the node's place, and as the network's state has it."""
+    """Force (3,) on a node by one element, N: of the exact span between the nodes, and of the network's state."""
 
     node: int
     exact: np.ndarray
-    stated: np.ndarray
+    state: np.ndarray
 
 
 def network_of(case: NetworkCase) -> Network:
-    """solvers.Network of a case."""
+    """Return the solvers.Network of a case."""
     nodes = tuple(Node(**vars(node)) for node in case.nodes)
     return Network(nodes, tuple(Element(**vars(line)) for line in case.elements), Environment(**vars(case.environment)))
 
 
 def solved(case: NetworkCase, **options):
-    """Its state from no guess; raises where there is none."""
+    """Return the state of a case from no guess; raises where there is none."""
     return solve_network(network_of(case), **options)
 
 
 def span_of(case, line, r):
-    """(solve_span, horizontal unit vector (2,)) of a line between the nodes at r (n, 3)."""
+    """Return the solved span and horizontal unit vector (2,) of a line between the nodes at r (n, 3)."""
     reach = r[line.ends[1]] - r[line.ends[0]]
     l = math.sqrt(reach[0] ** 2 + reach[1] ** 2)
     depth, clearance = case.environment.depth, 0.0
@@ -64,84 +62,83 @@ def span_of(case, line, r):
 
 
 def rounding_of(case, r) -> float:
-    """How far rounding may move the ends of a line against each other, m."""
-    return PLACES * EPS * (np.abs(r).max() + max(line.L for line in case.elements))
+    """Return how far rounding may move the ends of a line against each other, m."""
+    return POSITION_EPS * EPS * (np.abs(r).max() + max(line.L for line in case.elements))
 
 
 def stiffest(case, r) -> float:
-    """Largest entry of the stiffnesses of all lines between the nodes at r (n, 3), N/m.
+    """Return the largest entry of the stiffnesses of all lines between the nodes at r (n, 3), N/m.
 
-    Their ends also drawn apart by the rounding of their places, where a line that is just slack is taut.
+    Their ends are also drawn apart by the rounding of their positions, where a line that is just slack is taut.
     """
-    found = 0.0
+    largest_entry = 0.0
     for line in case.elements:
-        moved, reach = r.copy(), r[line.ends[1]] - r[line.ends[0]]
-        moved[line.ends[1]] += reach / (np.linalg.norm(reach) or 1.0) * rounding_of(case, r)
+        stretched, reach = r.copy(), r[line.ends[1]] - r[line.ends[0]]
+        stretched[line.ends[1]] += reach / (np.linalg.norm(reach) or 1.0) * rounding_of(case, r)
         if case.environment.depth is not None:
-            moved[:, 2] = np.maximum(moved[:, 2], -case.environment.depth)
-        for K in (span_of(case, line, places)[0].stiffness for places in (r, moved)):
-            found = max(found, np.abs(K[np.isfinite(K)]).max(initial=0.0))  # infinite: the end lies on the seabed
-    return found
+            stretched[:, 2] = np.maximum(stretched[:, 2], -case.environment.depth)
+        for K in (span_of(case, line, positions)[0].stiffness for positions in (r, stretched)):
+            finite = K[np.isfinite(K)]  # infinite: the end lies on the seabed
+            largest_entry = max(largest_entry, np.abs(finite).max(initial=0.0))
+    return largest_entry
 
 
 def ends_of(case, state):
-    """Both ends of every element, and the largest force that rounding the places of the nodes changes, N."""
+    """Return both ends of every element, and by how much rounding the positions changes a force at most, N."""
     ends = []
     rounding = rounding_of(case, state.r) * stiffest(case, state.r)
     for e, line in enumerate(case.elements):
         span, along = span_of(case, line, state.r)
         anchor, fairlead = line.ends
         for node, sign, names in ((anchor, 1.0, ("H_anchor", "V_anchor")), (fairlead, -1.0, ("H", "V"))):
-            exact, stated = ([getattr(span, n) for n in names], [getattr(state, n)[e] for n in names])
-            ends.append(End(node, *(sign * np.array([*(h * along), v]) for h, v in (exact, stated))))
+            exact, of_state = ([getattr(span, n) for n in names], [getattr(state, n)[e] for n in names])
+            ends.append(End(node, *(sign * np.array([*(h * along), v]) for h, v in (exact, of_state))))
     return ends, rounding
 
 
 def loads_of(case) -> np.ndarray:
-    """(n, 3) all that acts at the nodes besides the lines, N."""
+    """Return all that acts at the nodes besides the lines, (n, 3), N."""
     env = case.environment
     lift = [[0.0, 0.0, (env.rho * node.volume - node.mass) * env.g] for node in case.nodes]
     return np.array([node.force for node in case.nodes]) + lift
 
 
 def unsupported(case, r, force) -> np.ndarray:
-    """(n, 3) what of the sums of force neither a support nor the seabed takes up."""
-    left = np.where([[node.kind == "free"] for node in case.nodes], force, 0.0)
+    """Return what of the sums of force (n, 3) neither a support nor the seabed takes up, N."""
+    unbalanced = np.where([[node.kind == "free"] for node in case.nodes], force, 0.0)
     if case.environment.depth is not None:
         pressed = (r[:, 2] <= -case.environment.depth) & (force[:, 2] <= 0)
-        left[pressed, 2] = 0.0
-    return left
+        unbalanced[pressed, 2] = 0.0
+    return unbalanced
 
 
 def largest(ends, loads) -> float:
-    """Largest horizontal or vertical force in the network, N; 1 where there is none at all."""
-    forces = np.array([*loads, *(end.stated for end in ends)])
+    """Return the largest horizontal or vertical force in the network, N; 1 where there is none at all."""
+    forces = np.array([*loads, *(end.state for end in ends)])
     return float(max(np.hypot(*forces.T[:2]).max(), np.abs(forces[:, 2]).max())) or 1.0
 
 
 def balance_misses(case, state) -> tuple[list[str], bool]:
-    """What is wrong with a state; whether rounded positions carry its forces to BALANCE."""
+    """Return sentences on errors of a state, and whether rounded positions resolve its forces to BALANCE."""
     ends, rounding = ends_of(case, state)
     total = loads_of(case)
-    promised = BALANCE * largest(ends, total)
-    misses, bound = [], max(promised, rounding)
+    tolerance = BALANCE * largest(ends, total)
+    misses, bound = [], max(tolerance, rounding)
     for end in ends:
-        total[end.node] += end.stated
-        if not np.abs(end.stated - end.exact).max() <= bound:
-            misses.append(
-                f"an element pulls node {end.node} by {end.stated}, between the nodes it would by {end.exact}"
-            )
-    left = unsupported(case, state.r, total)
-    if not np.abs(left).max() <= bound:
-        misses.append(f"unbalanced: {left.tolist()} N, allowed {bound:.3g}")
-    if not np.abs(state.reaction - (total - left)).max() <= bound:
-        misses.append(f"reactions {state.reaction.tolist()}, the forces leave {(total - left).tolist()}")
-    return misses, rounding <= promised
+        total[end.node] += end.state
+        if not np.abs(end.state - end.exact).max() <= bound:
+            misses.append(f"an element pulls node {end.node} by {end.state}, between the nodes it would by {end.exact}")
+    unbalanced = unsupported(case, state.r, total)
+    if not np.abs(unbalanced).max() <= bound:
+        misses.append(f"unbalanced: {unbalanced.tolist()} N, allowed {bound:.3g}")
+    if not np.abs(state.reaction - (total - unbalanced)).max() <= bound:
+        misses.append(f"reactions {state.reaction.tolist()}, the forces leave {(total - unbalanced).tolist()}")
+    return misses, rounding <= tolerance
 
 
 # ---------------------------------------------------------------- two states of one network
 def spread_of(case, r) -> float:
-    """Largest over least stiffness of the free nodes, eigenvalues of a difference quotient; inf where one is loose."""
+    """Return largest over least stiffness of the free nodes, by a difference quotient; inf where one is loose."""
     depth, step = case.environment.depth, 1e-6 * np.mean([line.L for line in case.elements])
     free = [i for i, node in enumerate(case.nodes) if node.kind == "free"]
     moving = [(i, k) for i in free for k in range(3) if not (k == 2 and depth is not None and r[i, 2] <= -depth)]
@@ -149,10 +146,10 @@ def spread_of(case, r) -> float:
         return 1.0
     K = np.zeros((len(moving), len(moving)))
     for column, (i, k) in enumerate(moving):
-        moved = r.copy()
-        moved[i, k] += step
+        shifted = r.copy()
+        shifted[i, k] += step
         for line in (line for line in case.elements if i in line.ends):
-            change = (pulls(case, line, r) - pulls(case, line, moved)) / step
+            change = (pulls(case, line, r) - pulls(case, line, shifted)) / step
             for row, (j, m) in enumerate(moving):
                 K[row, column] += sum(change[end, m] for end in (0, 1) if line.ends[end] == j)
     eigenvalues = np.linalg.eigvals(K).real
@@ -160,37 +157,37 @@ def spread_of(case, r) -> float:
 
 
 def pulls(case, line, r) -> np.ndarray:
-    """(2, 3) force of a line on its anchor and fairlead nodes, N."""
+    """Return the force (2, 3) of a line on its anchor and fairlead nodes, N."""
     span, along = span_of(case, line, r)
     return np.array([[*(span.H_anchor * along), span.V_anchor], [*(-span.H * along), -span.V]])
 
 
 def allowed(case, *states) -> float | None:
-    """How far the forces of two states may be apart, N; None where the free nodes are not held.
+    """Return how far the forces of two states may be apart, N; None where a free node is loose.
 
     An unbalanced force f moves that of a line by at most sqrt(k_largest/k_least) |f|, since K >= k d d^T of each line.
     """
     spread = spread_of(case, states[0].r)
     if not spread < SPREAD:
         return None
-    loads, doubt = loads_of(case), 0.0
+    loads, unbalanced = loads_of(case), 0.0
     for state in states:
         ends, rounding = ends_of(case, state)
-        doubt += max(BALANCE * largest(ends, loads), rounding)
-    return math.sqrt(3 * len(case.nodes) * spread) * doubt
+        unbalanced += max(BALANCE * largest(ends, loads), rounding)
+    return math.sqrt(3 * len(case.nodes) * spread) * unbalanced
 
 
 def apart(first, second) -> float:
-    """Largest difference of (H, V) of the fairlead ends of two states, arrays (e,), N."""
+    """Return the largest difference of (H, V) of the fairlead ends of two states, arrays (e,), N."""
     return max(np.abs(a - b).max() for a, b in zip(first, second, strict=True))
 
 
-def judged(compared) -> None:
-    """Of all examples, enough could be compared."""
-    assert compared.count(True) >= JUDGED * len(compared)
+def assert_enough(compared) -> None:
+    """Raise AssertionError unless enough of all examples could be compared."""
+    assert compared.count(True) >= COMPARED * len(compared)
 
 
-# ---------------------------------------------------------------- transformations: (case, forces (H, V) it must have)
+# ---------------------------------------------------------------- transformations: (another case, its forces (H, V))
 def rotated(draw, case, state):
     """About the vertical."""
     angle = draw(st.floats(-math.pi, math.pi))
@@ -211,7 +208,7 @@ def renumbered(draw, case, state):
 
 
 def ends_swapped(draw, case, state):
-    """Some elements laid from the other end, which friction would tell apart."""
+    """Some elements laid from the other end, which changes the friction."""
     swap = np.array([draw(st.booleans()) for _ in case.elements])
     lines = (replace(line, ends=line.ends[:: -1 if s else 1]) for line, s in zip(case.elements, swap, strict=True))
     forces = np.where(swap, state.H_anchor, state.H), np.where(swap, -state.V_anchor, state.V)
@@ -232,35 +229,35 @@ SMOOTH = (ends_swapped,)  # only without friction
 def test_any_network_is_balanced(method):
     """Each element on its catenary, each free node balanced, each support loaded by the rest, to 1e-9 of the largest.
 
-    Where the places of the nodes as doubles do not carry the forces so far, to what they carry.
+    Where double-precision positions do not resolve the forces so far, to what they resolve.
     """
     resolved = []
 
     @MORE
     @given(networks())
-    def holds(case):
-        misses, fine = balance_misses(case, solved(case, method=method))
-        resolved.append(fine)
+    def check(case):
+        misses, is_resolved = balance_misses(case, solved(case, method=method))
+        resolved.append(is_resolved)
         assert misses == []
 
-    holds()
+    check()
     assert resolved.count(True) >= RESOLVED * len(resolved)
 
 
 def test_nested_and_monolithic_agree_on_any_network():
-    """Two methods that share no iteration find the same forces, where the free nodes are held."""
+    """Two methods that share no iteration give the same forces, where no free node is loose."""
     compared = []
 
     @FEW
     @given(networks())
-    def holds(case):
+    def check(case):
         states = solved(case), solved(case, method="nested")
         bound = allowed(case, *states)
         compared.append(bound is not None)
         assert bound is None or apart(*((state.H, state.V) for state in states)) <= bound
 
-    holds()
-    judged(compared)
+    check()
+    assert_enough(compared)
 
 
 @pytest.mark.parametrize("change", [rotated, reflected, renumbered, ends_swapped, scaled], ids=lambda c: c.__name__)
@@ -270,7 +267,7 @@ def test_any_network_drawn_again_has_the_same_forces(change):
 
     @FEW
     @given(networks(friction=change not in SMOOTH), st.data())
-    def holds(case, data):
+    def check(case, data):
         state = solved(case)
         other, forces = change(data.draw, case, state)
         again = solved(other)
@@ -278,8 +275,8 @@ def test_any_network_drawn_again_has_the_same_forces(change):
         compared.append(bound is not None)
         assert bound is None or apart((again.H, again.V), forces) <= bound
 
-    holds()
-    judged(compared)
+    check()
+    assert_enough(compared)
 
 
 def test_stiffness_of_any_smooth_network_is_symmetric():
@@ -291,7 +288,7 @@ def test_stiffness_of_any_smooth_network_is_symmetric():
 
     @MORE
     @given(networks(friction=False))
-    def holds(case):
+    def check(case):
         if not any(node.kind == "coupled" for node in case.nodes):
             case = replace(case, nodes=(replace(case.nodes[0], kind="coupled"), *case.nodes[1:]))
         state = solved(case)
@@ -299,14 +296,14 @@ def test_stiffness_of_any_smooth_network_is_symmetric():
         compared.append(spread < SPREAD)
         if compared[-1]:
             K = state.stiffness
-            assert np.abs(K - K.T).max() <= PLACES * EPS * spread * stiffest(case, state.r)
+            assert np.abs(K - K.T).max() <= POSITION_EPS * EPS * spread * stiffest(case, state.r)
 
-    holds()
-    judged(compared)
+    check()
+    assert_enough(compared)
 
 
 def test_the_measure_of_the_benchmark_against_40_digits():
-    """Tensions of the solver are right to rounding by it; one changed tension, or NaN, is found at its size."""
+    """Tensions of the solver are right to rounding by it; one changed tension, or NaN, counts with its size."""
     for case in (hanging_mass(), two_line()):
         state = solved(case, tolerance=1e-13)
         truth = exact_network(case, state.r)

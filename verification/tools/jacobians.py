@@ -1,7 +1,7 @@
 """Derivatives by complex step, and the checks of the solver's derivatives that use them.
 
 f(x + i eps) = f(x) + i eps f'(x) + O(eps^2): no difference, so no cancellation, and eps = 1e-30 leaves no truncation.
-The formulae of ``solvers.catenary.regimes`` take the namespace COMPLEX as they take SCALAR and ARRAY.
+The formulae of ``catenary.regimes`` and ``catenary.suspended`` take the namespace COMPLEX as they take SCALAR or ARRAY.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from itertools import product
 from types import SimpleNamespace
 
 from solvers import Regime, Span, solve_span
-from solvers.catenary import regimes as catenary_regimes
+from solvers.catenary import regimes, suspended
 from solvers.catenary.span import TOLERANCE
 from solvers.numerics import newton
 from solvers.numerics.elementary import SCALAR
@@ -123,25 +123,30 @@ class Kernel:
 
     def residual(self, f, t, l, h):
         """(value, Newton step in log t)."""
-        name = {Regime.SUSPENDED: "suspended", Regime.STEEP: "steep"}.get(self.regime, "grounded")
-        return getattr(catenary_regimes, f"{name}_residual")(f, t, *self.parameters(l, h))
+        return self._equations()[1](f, t, *self.parameters(l, h))
 
     def state(self, f, t, l, h):
         """(forces, stiffness)."""
         if self.regime is Regime.SUSPENDED:
-            return catenary_regimes.suspended_state(f, t, l, h, self.e)
+            return suspended.suspended_state(f, t, l, h, self.e)
         if self.regime is Regime.STEEP:
-            return catenary_regimes.steep_state(f, t, l, h, self.e)
-        return catenary_regimes.grounded_state(f, t, *self.parameters(l, h), **self._swapped())
+            return suspended.steep_state(f, t, l, h, self.e)
+        return regimes.grounded_state(f, t, *self.parameters(l, h), **self._swapped())
+
+    def _equations(self):
+        """Return the functions of the start and of the residual, as they are now, planted faults included."""
+        if self.regime is Regime.SUSPENDED:
+            return suspended.suspended_start, suspended.suspended_residual
+        if self.regime is Regime.STEEP:
+            return suspended.steep_start, suspended.steep_residual
+        return regimes.grounded_start, regimes.grounded_residual
 
     def _swapped(self):
         return {"swapped": self.h < 0} if self.regime is Regime.SAGGING else {}
 
     def root(self) -> float:
         """The unknown of this regime, found by the solver's own iteration."""
-        name = {Regime.SUSPENDED: "suspended", Regime.STEEP: "steep"}.get(self.regime, "grounded")
-        parameters = self.parameters(self.l, self.h)
-        start, upper = getattr(catenary_regimes, f"{name}_start")(SCALAR, *parameters)
+        start, upper = self._equations()[0](SCALAR, *self.parameters(self.l, self.h))
         t, *_ = newton.monotone_root(
             lambda f, t, l, h: self.residual(f, t, l, h), start, upper, (self.l, self.h), TOLERANCE
         )

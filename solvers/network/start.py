@@ -1,0 +1,115 @@
+"""Start of a network from no guess: force densities, then a continuation in softness.
+
+Soft lines over a soft seabed are nearly linear; each stage is stiffer and starts from the result of the one before.
+"""
+
+from __future__ import annotations
+
+from copy import copy
+
+import numpy as np
+import scipy.sparse as sparse
+from scipy.sparse.linalg import splu
+
+from .nested import solve_regularised
+
+MAX_CONTACT_ELEMENTS = 60  # elements up to which contact of the lines with the seabed is solved on the way
+SOFTNESS_RATIO = 0.1  # of a stage to the one before
+SOFTNESS_START, SOFTNESS_END = 1.0, 1e-3  # of the first stage; of the last, over the number of elements
+MIN_SOFTNESS = 1e-10  # strains below it drown in rounding
+STAGE_TOLERANCE = 1e-2  # of the heaviest node load: the next stage only needs a start
+STAGE_ITERATIONS = 60
+
+
+class SoftenedStage:
+    """A stage of the continuation: lines no stiffer than load/softness, a seabed of springs under the free nodes.
+
+    softness : strain under the total load, and depth over the total length to which that load sinks a node
+    contact : the lines rest on the rigid seabed, where a sunk node holds their ends; else they pass through it
+    """
+
+    def __init__(self, equations, softness, contact):
+        self.equations, self.contact = copy(equations), contact
+        if not contact:
+            self.equations.can_rest = np.zeros_like(equations.can_rest)
+        weight = np.abs(equations.w) * equations.L
+        total = weight.sum() + np.abs(equations.load).sum()
+        if total > 0:
+            self.equations.set_stiffness(1 / (1 / equations.EA + softness / total))
+        node_load = np.abs(equations.load).sum(axis=1)
+        np.add.at(node_load, equations.anchor, weight / 2)
+        np.add.at(node_load, equations.fairlead, weight / 2)
+        self.load = node_load[equations.free].max(initial=0.0)
+        self.spring = np.where(equations.free, node_load, 0.0) / (softness * equations.L.sum())
+        self.dof, self.size, self.soft_stiffness = equations.dof, equations.size, self.equations.soft_stiffness
+
+    def solve_elements(self, r):
+        """Return the softened elements between nodes at r (n, 3), with ``sunk`` (n,), m, how far each node has sunk."""
+        lifted = self.equations.lift_to_seabed(r.copy())
+        elements = self.equations.solve_elements(lifted if self.contact else r)
+        elements.sunk = lifted[:, 2] - r[:, 2]
+        return elements
+
+    def moving_coordinates(self, r, force):
+        """Return every unknown coordinate: the seabed is soft."""
+        return self.equations.unknown
+
+    def lift_to_seabed(self, r):
+        """Return r unchanged: nodes may sink."""
+        return r
+
+    def unbalanced_force(self, elements):
+        """Return NetworkEquations.unbalanced_force with the springs of the seabed."""
+        force = self.equations.unbalanced_force(elements)
+        force[:, 2] += self.spring * elements.sunk
+        return force
+
+    def tangent(self, elements):
+        """Return NetworkEquations.tangent with the springs of the seabed; line ends at sunk nodes keep their height."""
+        below = np.flatnonzero(elements.sunk > 0)
+        above, springs = np.ones(self.size), np.zeros(self.size)
+        springs[self.dof[below, 2]] = self.spring[below]
+        if self.contact:
+            above[self.dof[below, 2]] = 0.0
+        tangent = self.equations.tangent(elements)
+        if isinstance(tangent, np.ndarray):
+            return tangent * above * above[:, None] + np.diag(springs)
+        above = sparse.diags(above, format="csc")
+        return above @ tangent @ above + sparse.diags(springs, format="csc")
+
+
+def force_density(equations):
+    """Return positions (n, 3) of a net of springs with force density 1/L under the same loads, by one linear solve."""
+    r, free = equations.position.copy(), np.flatnonzero(equations.free)
+    if free.size == 0:
+        return r
+    a, f, q = equations.anchor, equations.fairlead, 1 / equations.L
+    n = equations.free.size
+    laplacian = sparse.coo_matrix(
+        (np.concatenate([q, q, -q, -q]), (np.concatenate([a, f, a, f]), np.concatenate([a, f, f, a]))), shape=(n, n)
+    ).tocsr()
+    load = equations.load.copy()
+    weight = equations.w * equations.L / 2
+    np.subtract.at(load[:, 2], a, weight)
+    np.subtract.at(load[:, 2], f, weight)
+    fixed = np.flatnonzero(~equations.free)
+    scale = np.abs(load).sum() or 1.0
+    right = load[free] / scale - laplacian[free][:, fixed] @ r[fixed]
+    r[free] = splu(laplacian[free][:, free].tocsc()).solve(right)
+    return r
+
+
+def robust_start(equations, count, contact):
+    """Return positions (n, 3) near equilibrium; no guess is needed.
+
+    contact : solve the contact of the lines on the way, which converges well where much line is slack; a long chain of
+        short elements converges better by its nodes alone
+    """
+    r, softness = force_density(equations), SOFTNESS_START
+    total = (np.abs(equations.w) * equations.L).sum() + np.abs(equations.load).sum()
+    last = min(SOFTNESS_END / equations.w.size, max(SOFTNESS_RATIO * total / equations.EA.max(), MIN_SOFTNESS))
+    while softness > last:
+        stage = SoftenedStage(equations, softness, contact)
+        r, _ = solve_regularised(stage, r, lambda _, stage=stage: STAGE_TOLERANCE * stage.load, count, STAGE_ITERATIONS)
+        softness *= SOFTNESS_RATIO
+    return equations.lift_to_seabed(r)
