@@ -21,7 +21,7 @@ ORACLE = Path(catenary_mp.__file__)
 """The oracle's source: results kept between runs are valid as long as it does not change."""
 
 WRONG = 1e-3
-"""An answer returned as success with a larger relative error of the fairlead force is wrong (the bound of ANCHORS)."""
+"""An answer returned as success with a larger relative error of the force is wrong: no design needs less."""
 
 
 @dataclass(frozen=True)

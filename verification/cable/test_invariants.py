@@ -20,7 +20,7 @@ FIELDS = pytest.mark.parametrize("fields", ["planar", "spatial"])
 TIGHT = {"dt": 0.1, "periods": 0.5, "tolerance": 1e-13}  # Newton's tolerance at rounding
 
 # ---------------------------------------------------------------- rest
-STILL = 1e-10  # m/s, the bound of the issue; measured up to 5e-11, Newton's tolerance times the speed of sound
+STILL = 1e-10  # m/s; measured up to 5e-11, Newton's tolerance times the speed of sound
 AT_REST = [
     (OC3, "planar"),
     (OC3, "spatial"),

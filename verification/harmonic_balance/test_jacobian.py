@@ -32,7 +32,7 @@ from ..tools.planting import Fault, planted
 NO_WORSE = 10  # times what LAPACK loses on the same matrix
 DATA = files("reference_data")
 COMPLEX_STEP = 1e-30  # no truncation, no cancellation
-BLOCK = 1e-10  # of the largest entry of the block of one row and one field: what the design asks; measured 3e-13
+BLOCK = 1e-10  # of the largest entry of the block of one row and one field: asked; measured 3e-13
 SERIES = 100 * EPS  # of sums of some twenty sines and cosines of order one
 RESIDUAL = 1e-12  # of the largest coefficient of the rows of its kind: EA eps and its differences between nodes
 DIFFERENCE = 1e-5  # of the largest change of its row: central differences, rounding and curvature
@@ -464,26 +464,26 @@ class Planted:
         self._system, self._part, self._kind, self._entry = system, part, kind, entry
 
     def __getattr__(self, name):
-        found = getattr(self._system, name)
-        return found if name != self._part else self._wrong
+        result = getattr(self._system, name)
+        return result if name != self._part else self._wrong
 
     def _wrong(self, *args):
-        found = getattr(self._system, self._part)(*args)
+        result = getattr(self._system, self._part)(*args)
         if self._part == "drift_tangent":
-            found = found.copy()
-            found[self._entry] *= 1.01
-            return found
-        wrong = getattr(found, self._kind).copy()
+            result = result.copy()
+            result[self._entry] *= 1.01
+            return result
+        wrong = getattr(result, self._kind).copy()
         wrong[self._entry] *= 1.01
-        return found._replace(**{self._kind: wrong})
+        return result._replace(**{self._kind: wrong})
 
 
 def plants(balance, x):
     """Every tangent that is not zero: (part, kind, entry)."""
     rows, state = balance.rows(x, True)
-    for part, found in zip(("start", "cells_or_empty", "end"), rows, strict=True):
+    for part, result in zip(("start", "cells_or_empty", "end"), rows, strict=True):
         for kind in ("dy", "dydot"):
-            tangent = getattr(found, kind)
+            tangent = getattr(result, kind)
             entries = tangent.any(axis=tuple(range(3 if part == "cells_or_empty" else 2, tangent.ndim)))
             yield from ((part, kind, tuple(entry)) for entry in np.argwhere(entries))
     if balance.mean_constraints:

@@ -76,7 +76,7 @@ def largest(a) -> float:
 
 
 # ---------------------------------------------------------------- the table of the constant term
-# EQUATIONS, "The constant term": 50 nodes, surge at 0.05 Hz; kN. Two programs measured it independently.
+# The constant term: 50 nodes, surge at 0.05 Hz; kN. Two programs measured it independently.
 EXTREME = 0.05  # kN: how finely the period was sampled is worth 0.03, printing 0.005
 DIGIT = 0.0055  # kN: half the last digit printed, and a tenth of that: 361.9546 stands there as 361.96
 TABLE = {  # amplitude m, Nh, Nt, constant kept: max, min, mean, harmonics
@@ -120,8 +120,8 @@ def test_9_m_converges_by_itself_from_zero():
     assert raised.success and raised.amplitude == 1.0 and raised.iterations > 2 * len(raised.steps)  # at several
     response = solve_periodic(surge(9.0), harmonics=9, samples=32)
     assert response.success and response.amplitude == 1.0 and response.iterations == len(response.steps)
-    for found in (raised, response):
-        assert largest(summary(found)[:3] - TABLE_9_M[row]) <= EXTREME_9_M
+    for result in (raised, response):
+        assert largest(summary(result)[:3] - TABLE_9_M[row]) <= EXTREME_9_M
     lowest = surge(9.0).tension(response.at(instants()), response.rate_at(instants())).min() / KN
     assert 52.0 < lowest < 54.0  # kN, of all nodes: the line stays taut, as other codes find
 
@@ -231,9 +231,9 @@ def history(case, nodes, steps, periods):
     return solve_time_domain(system(case, nodes), dt=PERIOD / steps, periods=periods, hold="mean")
 
 
-def last_period(found) -> np.ndarray:
-    start, period = found.last_period
-    return found.fairlead_tension(start + period * instants() / PERIOD)
+def last_period(result) -> np.ndarray:
+    start, period = result.last_period
+    return result.fairlead_tension(start + period * instants() / PERIOD)
 
 
 def time_error(case, response) -> float:
@@ -257,8 +257,8 @@ def test_any_periodic_motion_agrees_with_time_integration():
     response = solve_periodic(chain, harmonics=15)
     assert not response.symmetric
     start = tuple(part(np.zeros(1))[..., 0] for part in (response.at, response.rate_at))
-    found = solve_time_domain(chain, dt=PERIOD / 400, periods=2, start=start, hold="mean")
-    wanted = last_period(found)
+    history = solve_time_domain(chain, dt=PERIOD / 400, periods=2, start=start, hold="mean")
+    wanted = last_period(history)
     assert largest(response.fairlead_tension(instants()) - wanted) <= 1e-3 * np.ptp(wanted)
 
 
@@ -271,11 +271,11 @@ def test_refined_time_integration_is_the_response(case, deep):
         return
     response = solved(case, 60)
     start = tuple(part(np.zeros(1))[..., 0] for part in (response.at, response.rate_at))
-    found = [
+    results = [
         last_period(solve_time_domain(system(case), dt=PERIOD / n, periods=6, start=start, hold="mean"))
         for n in (1600, 3200)
     ]
-    wanted = extrapolated((2, 1), found)
+    wanted = extrapolated((2, 1), results)
     assert largest(response.fairlead_tension(instants()) - wanted) <= REFINED * np.ptp(wanted)
 
 
@@ -458,7 +458,9 @@ def test_nu_finds_the_same_response():
 def test_the_mean_place_of_the_fairlead_is_the_prescribed_one(case):
     """With the constant kept the mean place of the last node is where it should be; with it dropped it is not."""
     kept, dropped = (solved(case, 9, 20, mean=mean) for mean in (True, False))
-    means = [largest(found.system.drift(found.at(instants()), instants()).mean(axis=-1)) for found in (kept, dropped)]
+    means = [
+        largest(result.system.drift(result.at(instants()), instants()).mean(axis=-1)) for result in (kept, dropped)
+    ]
     assert means[0] <= 1e-7 < 1e-3 < means[1]  # m
     assert kept.mean and not dropped.mean
 

@@ -21,7 +21,7 @@ CHAIN = NETWORKS / "chain_wire_chain.toml"
 COORDINATES = 1e-6
 """Relative: the TOML file rounds coordinates to 1e-6 m and w to 1e-3 N/m, the .map file computes them."""
 BALANCED = 1e-9
-"""Of the largest force: what the issue asks of any solved network."""
+"""Of the largest force: what is asked of any solved network."""
 
 
 def edited(tmp_path, old: str, new: str, source=CHAIN) -> Path:

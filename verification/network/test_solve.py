@@ -73,7 +73,7 @@ SPREAD, ROUNDING = 1e8, 1e-10
 POSITION_EPS = 16  # eps by which positions of the ends of an element, and their differences, are rounded
 PAPER_ITERATIONS = 8
 
-# EQUATIONS.md, any friction for 59.1 N/m (fully suspended), none for 226.61 N/m; kN and m.
+# Two independent solutions: any friction for 59.1 N/m (fully suspended), none for 226.61 N/m; kN and m.
 PRINTED = {
     59.1: (137.76551942683, 71.074634975925, 566.57536502408, -72.125336439007, -58.041151448209),
     226.61: (162.58627222711, 157.71555654983, 479.93444345017, -103.11368787518, -67.661806056975),
@@ -142,7 +142,7 @@ def free_nodes(case) -> np.ndarray:
 
 # ---------------------------------------------------------------- checks: each returns a sentence for every error
 def printed_misses(**options) -> list[str]:
-    """The two-line example against every digit of EQUATIONS.md."""
+    """The two-line example against every digit of PRINTED."""
     misses = []
     for w, wanted in PRINTED.items():
         for start in (None, PAPER_START):

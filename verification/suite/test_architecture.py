@@ -266,7 +266,7 @@ def public(tree) -> Iterator[tuple[str, ast.AST]]:
 
 # ---------------------------------------------------------------- the claims
 def test_every_folder_exists():
-    """The five folders of the design are packages."""
+    """The five top-level folders are packages."""
     for folder in OWN:
         assert (ROOT / folder / "__init__.py").is_file(), folder
 
@@ -366,8 +366,8 @@ def planted(tmp_path: Path, place: str, text: str) -> Path:
 @pytest.mark.parametrize(("place", "text"), BAD_IMPORTS)
 def test_a_planted_import_is_found(tmp_path, place, text):
     """Absolute, relative, hidden in a function or spelled as a call: the import is named with file and line."""
-    found = bad_imports(planted(tmp_path, place, text))
-    assert len(found) == 1 and found[0].startswith(place), found
+    result = bad_imports(planted(tmp_path, place, text))
+    assert len(result) == 1 and result[0].startswith(place), result
 
 
 @pytest.mark.parametrize(("place", "text"), GOOD_IMPORTS)
@@ -394,8 +394,8 @@ BAD_ROOMS = [
 def test_a_planted_upward_import_is_found(tmp_path, place, text):
     """Into a higher room, into one that a dynamic solver must not know, or from a room without a name."""
     package, order = ("reports", REPORT_ORDER) if place.startswith("reports") else ("solvers", ROOMS)
-    found = upward_imports(package, order, UNRELATED, planted(tmp_path, place, text))
-    assert len(found) == 1 and found[0].startswith(place), found
+    result = upward_imports(package, order, UNRELATED, planted(tmp_path, place, text))
+    assert len(result) == 1 and result[0].startswith(place), result
 
 
 def test_a_planted_circle_is_found(tmp_path):

@@ -61,7 +61,7 @@ def test_named_schemes():
 
 # ---------------------------------------------------------------- the linearised chain
 NODES = (51, 101, 201)
-MEASURED = 1e-3  # the bound of the issue on frequencies at N = 200
+MEASURED = 1e-3  # asked of frequencies at N = 200
 
 
 def line(EA, m, w0, L, span, diameter=0.1) -> CableCase:
@@ -72,9 +72,9 @@ def line(EA, m, w0, L, span, diameter=0.1) -> CableCase:
     )
 
 
-def assert_frequencies(found, exact, what):
+def assert_frequencies(result, exact, what):
     """Rows (mesh, mode): order 2 for every mode on the finest pair, and 0.1 % at the last mesh."""
-    relative = np.array(found) / np.array([float(f) for f in exact]) - 1
+    relative = np.array(result) / np.array([float(f) for f in exact]) - 1
     for mode, errors in enumerate(relative.T, 1):
         assert_order([4, 2, 1], errors, 2, ceiling=MEASURED, what=f"{what}, mode {mode}")
 
@@ -84,9 +84,9 @@ def test_frequencies_of_a_taut_string(fields):
     """n/(2L) sqrt(T/((1 + T/EA) m)): first four, order 2, 0.1 %; in space every one twice."""
     string, twice = line(1e7, 10.0, 0.0, 100.0, (101.0, 0.0)), 1 if fields == "planar" else 2
     exact = frequencies.taut_string(4, 1e5 / 1.01, 10.0, 100.0)
-    found = [natural_modes(system(string, n, fields=fields), 4 * twice).frequencies for n in NODES]
-    assert_frequencies([f[::twice] for f in found], exact, "taut string")
-    assert_frequencies([f[twice - 1 :: twice] for f in found], exact, "taut string")
+    results = [natural_modes(system(string, n, fields=fields), 4 * twice).frequencies for n in NODES]
+    assert_frequencies([f[::twice] for f in results], exact, "taut string")
+    assert_frequencies([f[twice - 1 :: twice] for f in results], exact, "taut string")
 
 
 def test_frequencies_of_an_axial_bar():
@@ -94,8 +94,8 @@ def test_frequencies_of_an_axial_bar():
     # the tension makes the tenth transverse frequency differ from the first axial one
     string = line(1e7, 10.0, 0.0, 100.0, (101.3, 0.0))
     exact = [float(f) for f in frequencies.axial_bar(2, 1e7, 10.0, 100.0)]
-    found = [[_axial(natural_modes(system(string, n), 3, near=f)) for f in exact] for n in NODES]
-    assert_frequencies(found, exact, "axial bar")
+    results = [[_axial(natural_modes(system(string, n), 3, near=f)) for f in exact] for n in NODES]
+    assert_frequencies(results, exact, "axial bar")
 
 
 def _axial(modes):
@@ -125,13 +125,13 @@ def test_frequencies_of_a_hanging_chain():
     """j0n/2 sqrt(g/L) of an inextensible chain with a free end: first four, order 2, 0.1 % at N = 201."""
     g, m, L = 9.80665, 10.0, 100.0
     case = line(1e14, m, m * g, L, (0.0, L))  # EA/(w0 L) = 1e10: stretching changes the tenth digit
-    exact, found = [float(f) for f in frequencies.hanging_chain(4, L, g)], {}
+    exact, results = [float(f) for f in frequencies.hanging_chain(4, L, g)], {}
     for nodes in (201, 401, 801):
         chain = system(case, nodes)
         chain.__class__ = HangingChain
-        found[nodes] = natural_modes(chain, 4).frequencies
-    assert found[201] == pytest.approx(exact, rel=MEASURED)
-    assert_frequencies(list(found.values()), exact, "hanging chain")
+        results[nodes] = natural_modes(chain, 4).frequencies
+    assert results[201] == pytest.approx(exact, rel=MEASURED)
+    assert_frequencies(list(results.values()), exact, "hanging chain")
 
 
 SAGS = {1.0: 1 / 400, 10.0: 1 / 200, 4 * math.pi**2: 1 / 100, 100.0: 1 / 200}
@@ -146,10 +146,10 @@ def test_frequencies_of_irvines_cable(lambda2):
     level = line(EA, m, w0, L, span)
     irvine = frequencies.irvine_symmetric(4, lambda2) + frequencies.irvine_antisymmetric(4)
     unit = math.sqrt(H / m) / (2 * span[0])
-    found = {n: natural_modes(system(level, n), 4).frequencies for n in (101, 201, 401)}
-    assert found[201] == pytest.approx(sorted(float(f) * unit for f in irvine)[:4], rel=MEASURED)
+    results = {n: natural_modes(system(level, n), 4).frequencies for n in (101, 201, 401)}
+    assert results[201] == pytest.approx(sorted(float(f) * unit for f in irvine)[:4], rel=MEASURED)
     assert_frequencies(
-        list(found.values()), frequencies.frequencies(EA, m, 0.0, w0, L, span).in_plane[:4], "level cable"
+        list(results.values()), frequencies.frequencies(EA, m, 0.0, w0, L, span).in_plane[:4], "level cable"
     )
 
 
@@ -305,7 +305,7 @@ def test_the_converged_line_meets_the_reference(deep):
 
 
 # ---------------------------------------------------------------- drift
-DRIFT = 1e-3  # m, the bound of the issue after 50 periods
+DRIFT = 1e-3  # m, asked after 50 periods
 
 
 @pytest.mark.parametrize("case", [SURGE_5, SURGE_9], ids=lambda case: case.name)
@@ -356,21 +356,21 @@ def test_the_error_controlled_step_follows_its_tolerance():
     run = {"duration": PERIOD / 2, "ramp": PERIOD / 2, "hold": None}
     fine = solve(chain, dt=0.0125, **run)
     t = np.linspace(0.5, 9.5, 400)
-    exact, found = fine.fairlead_tension(t), {}
+    exact, results = fine.fairlead_tension(t), {}
     for tolerance in (1e-4, 1e-5):
         history = solve(chain, dt=0.1, step_tolerance=tolerance, **run)
         assert history.time[-1] == pytest.approx(PERIOD / 2, rel=1e-12) and np.diff(history.time).max() <= 0.1 + 1e-12
-        found[tolerance] = history.steps, abs(history.fairlead_tension(t) - exact).max() / exact.max()
+        results[tolerance] = history.steps, abs(history.fairlead_tension(t) - exact).max() / exact.max()
     fixed = abs(solve(chain, dt=0.1, **run).fairlead_tension(t) - exact).max() / exact.max()
-    assert found[1e-5][0] > 1.5 * found[1e-4][0]
-    assert found[1e-5][1] < 0.5 * found[1e-4][1] <= fixed, (found, fixed)
+    assert results[1e-5][0] > 1.5 * results[1e-4][0]
+    assert results[1e-5][1] < 0.5 * results[1e-4][1] <= fixed, (results, fixed)
 
 
 def test_outputs_belong_together():
     """Stored, thinned and interpolated states, rates, forces, places and progress tell the same story."""
-    chain, told = system(HEAVE_5, 20), []
-    whole = solve(chain, dt=0.1, periods=1, progress=told.append)
-    assert told == whole.time[1:].tolist() and whole.steps == 200 and whole.rejected == 0
+    chain, output = system(HEAVE_5, 20), []
+    whole = solve(chain, dt=0.1, periods=1, progress=output.append)
+    assert output == whole.time[1:].tolist() and whole.steps == 200 and whole.rejected == 0
     assert whole.residual_norm <= 1e-10 and whole.iterations >= 200 and whole.factorisations >= 1
     assert abs(whole.at(whole.time) - whole.y).max() <= 1e-12
     assert abs(whole.rate_at(whole.time) - whole.ydot).max() <= 1e-9
