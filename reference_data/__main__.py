@@ -119,17 +119,17 @@ def regenerate(name, jobs, sample=None):
 def differences(stored, fresh):
     """Sentences on every difference between two texts of data.csv."""
     old, new = ({row["name"]: row for row in csv.DictReader(io.StringIO(text))} for text in (stored, fresh))
-    found = [f"{name}: not stored" for name in new if name not in old]
-    found += [f"{name}: stored but not in the design" for name in old if name not in new]
+    results = [f"{name}: not stored" for name in new if name not in old]
+    results += [f"{name}: stored but not in the design" for name in old if name not in new]
     for name in (n for n in new if n in old):
-        found += [
+        results += [
             f"{name}: {column} stored {old[name].get(column)}, computed {value}"
             for column, value in new[name].items()
             if old[name].get(column) != value
         ]
-    if not found and stored != fresh:
-        found = ["same values, but another order, layout or line ending"]
-    return found
+    if not results and stored != fresh:
+        results = ["same values, but another order, layout or line ending"]
+    return results
 
 
 def _spread(names, count):
@@ -192,13 +192,13 @@ def main(argv=None):
     action = {"regenerate": regenerate, "check": check}[arguments.action]
     failed = False
     for name in [arguments.only] if arguments.only else GENERATED:
-        found = action(name, arguments.jobs, arguments.sample)
-        for line in found[:SHOWN_DIFFERENCES]:
+        result = action(name, arguments.jobs, arguments.sample)
+        for line in result[:SHOWN_DIFFERENCES]:
             print(f"{name}: {line}")
-        if len(found) > SHOWN_DIFFERENCES:
-            print(f"{name}: and {len(found) - SHOWN_DIFFERENCES} more")
-        print(f"{name}: {len(found)} differences" if arguments.action == "check" else f"{name}: written")
-        failed = failed or bool(found)
+        if len(result) > SHOWN_DIFFERENCES:
+            print(f"{name}: and {len(result) - SHOWN_DIFFERENCES} more")
+        print(f"{name}: {len(result)} differences" if arguments.action == "check" else f"{name}: written")
+        failed = failed or bool(result)
     return 1 if failed else 0
 
 

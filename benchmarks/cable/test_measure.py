@@ -50,8 +50,8 @@ def test_what_stands_beside_others_has_their_settings():
         assert (one["nodes"], one["harmonics"], one["samples"], one["mean"]) == (dynamic_cases.NODES, Nh, Nt, mean)
         assert moved.sine[0, 0] == one.get("amplitude", about["line"]["amplitude"]), name
         assert (moved.frequency, scene(case).length) == (about["line"]["frequency"], about["line"]["length"])
-    found = {name for name, one in about["sets"].items() if {"harmonics", "samples"} <= one.keys()}
-    assert set(named.values()) == found
+    results = {name for name, one in about["sets"].items() if {"harmonics", "samples"} <= one.keys()}
+    assert set(named.values()) == results
     sizes = {name: (one["masses"], one["harmonics"]) for name, one in sets("other_codes")["sets"].items()
              if "masses" in one}  # fmt: skip
     assert sizes == harmonic_limits.SIZES
@@ -62,9 +62,9 @@ def test_what_stands_beside_others_has_their_settings():
 def test_an_offset_is_measured_at_any_sampling(count):
     """A wave 1 % of its range too high has rms and greatest error 0.01, however often it is sampled."""
     given = np.sin(2 * np.pi * np.arange(count) / count) + 0.02
-    found = reference().errors(given)
-    assert found["rms"] == pytest.approx(0.01, rel=1e-12)
-    assert found["error"] == pytest.approx(0.01, rel=1e-12)
+    result = reference().errors(given)
+    assert result["rms"] == pytest.approx(0.01, rel=1e-12)
+    assert result["error"] == pytest.approx(0.01, rel=1e-12)
 
 
 # Amplitudes and phases of the harmonics of a wave and of its reference, and the offset between their means, N.
@@ -96,11 +96,11 @@ def rms_misses() -> list[str]:
     """What the error of a wave against its reference, and ``rms`` alone, are off from their closed forms."""
     known = reference(wave_at(WAVE_REFERENCE, 500.0, instants(PERIOD)))
     misses, wanted = [], rms_in_closed_form()
-    found = {count: known.errors(wave_at(WAVE, 500.0 + OFFSET, instants(PERIOD, count)))["rms"]
+    results = {count: known.errors(wave_at(WAVE, 500.0 + OFFSET, instants(PERIOD, count)))["rms"]
              for count in (INSTANTS // 5, INSTANTS // 2, INSTANTS, 3 * INSTANTS)}  # fmt: skip
-    found["a response"] = known.of(Tension())["rms"]
-    found["its wave"] = known.errors(last_period_tension(Tension()))["rms"]
-    for name, got in found.items():
+    results["a response"] = known.of(Tension())["rms"]
+    results["its wave"] = known.errors(last_period_tension(Tension()))["rms"]
+    for name, got in results.items():
         misses += [] if got == pytest.approx(wanted, rel=1e-12) else [f"{name}: {got}, wanted {wanted}"]
     alone = dynamic_cases.rms(wave_at({2: (3.0, 0.4), 5: (4.0, 1.0)}, 2.0, instants(PERIOD).reshape(2, -1)))
     return misses if alone == pytest.approx(np.sqrt(4.0 + 12.5), rel=1e-12) else [*misses, f"alone: {alone}"]
@@ -157,8 +157,8 @@ def test_a_wrong_range_is_found(wrong, monkeypatch):
 
 def test_harmonics_of_a_reference_are_its_amplitudes():
     """Mean, amplitudes of harmonics 1 and 3, and nothing in between."""
-    found = reference(wave_at(WAVE, 500.0, instants(PERIOD))).harmonics(4)
-    assert np.allclose(found, [500.0, 130.0, 0.0, 20.0, 0.0], rtol=1e-12, atol=1e-9)
+    result = reference(wave_at(WAVE, 500.0, instants(PERIOD))).harmonics(4)
+    assert np.allclose(result, [500.0, 130.0, 0.0, 20.0, 0.0], rtol=1e-12, atol=1e-9)
 
 
 class Planted(peers.Adapter):
@@ -171,7 +171,7 @@ class Planted(peers.Adapter):
         return self.tension(time)
 
 
-def told(tension, steps=INSTANTS):
+def peer_tension(tension, steps=INSTANTS):
     """What a planted code says of the last of three periods of a motion."""
     still = Ramped(Motion.harmonic(1 / PERIOD, (0, 0, 0)), PERIOD / 2)
     return dynamic_work.ask(Planted(tension), scene("case_1"), still, PERIOD, (10, steps), periods=3)
@@ -181,8 +181,8 @@ def told(tension, steps=INSTANTS):
 def test_another_code_is_compared_at_the_right_instants(steps):
     """A sine at the times that are given has no error; one step late it has that of one step."""
     sine = lambda t: np.sin(2 * np.pi * t / PERIOD)
-    assert dynamic_work.errors(reference(), told(sine, steps))["error"] < 1e-12
-    late = told(lambda t: sine(t - PERIOD / steps), steps)
+    assert dynamic_work.errors(reference(), peer_tension(sine, steps))["error"] < 1e-12
+    late = peer_tension(lambda t: sine(t - PERIOD / steps), steps)
     assert dynamic_work.errors(reference(), late)["error"] == pytest.approx(np.pi / steps, rel=1e-2)
 
 
@@ -197,16 +197,16 @@ def test_another_code_is_compared_at_the_right_instants(steps):
 )
 def test_another_code_that_fails_is_refused_in_words(tension, status, words):
     """No number, and why."""
-    found = dynamic_work.errors(reference(), told(tension))
-    assert (found["rms"], found["status"]) == (None, status)
-    assert found["message"].startswith(words)
+    result = dynamic_work.errors(reference(), peer_tension(tension))
+    assert (result["rms"], result["status"]) == (None, status)
+    assert result["message"].startswith(words)
 
 
 def test_harmonics_of_a_reference():
     """Mean and amplitudes come from the samples."""
     t = 2 * np.pi * instants(1.0)
-    found = reference(7 + 3 * np.sin(t) + 0.5 * np.cos(4 * t)).harmonics(4)
-    assert np.allclose(found, [7, 3, 0, 0, 0.5], atol=1e-12)
+    result = reference(7 + 3 * np.sin(t) + 0.5 * np.cos(4 * t)).harmonics(4)
+    assert np.allclose(result, [7, 3, 0, 0, 0.5], atol=1e-12)
 
 
 # ---------------------------------------------------------------- orders, exponents, thresholds
@@ -223,8 +223,8 @@ def test_a_limit_of_second_order_is_extrapolated():
     """Waves 1 + C h^2 have their error against 1; an error of first order does not vanish from the last."""
     h = 2.0 ** -np.arange(4)
     waves = [SINE * (1 + 0.1 * step**2) for step in h]
-    found = dynamic_orders.against_extrapolation([{}] * 4, "e", waves)
-    assert np.allclose([row["e"] for row in found], rms(SINE) / 2 * 0.1 * h**2, rtol=1e-9)
+    result = dynamic_orders.against_extrapolation([{}] * 4, "e", waves)
+    assert np.allclose([row["e"] for row in result], rms(SINE) / 2 * 0.1 * h**2, rtol=1e-9)
     first = dynamic_orders.against_extrapolation([{}] * 4, "e", [SINE * (1 + 0.1 * step) for step in h])
     assert dynamic_orders.with_orders(first, ("e",))["orders"]["e"][0] < 1.5
 
@@ -239,8 +239,8 @@ def test_settled_means_settled_for_good(away, first):
 
 def test_amplitude_of_vanishing_tension_is_between_its_neighbours():
     """Interpolated between converged responses of either sign; responses that were not reached do not count."""
-    found = (9.0, 30.0, 1.0), (10.0, 10.0, 1.0), (11.0, -10.0, 1.0), (12.0, -30.0, 0.9)
-    rows = [dict(zip(("amplitude", "least", "reached"), row, strict=True)) for row in found]
+    result = (9.0, 30.0, 1.0), (10.0, 10.0, 1.0), (11.0, -10.0, 1.0), (12.0, -30.0, 0.9)
+    rows = [dict(zip(("amplitude", "least", "reached"), row, strict=True)) for row in result]
     assert harmonic_limits.vanishing(rows) == pytest.approx(10.5)
     assert harmonic_limits.vanishing(rows[:2]) is None
 
@@ -251,11 +251,11 @@ COARSE = ((13, 25, 49), 5, 7)
 
 def test_a_reference_is_better_than_its_finest_mesh():
     """Extrapolated in N and corrected in Nh, three coarse meshes beat the finest of them five times over."""
-    found = dynamic_cases.converged("case_1", *COARSE)
+    result = dynamic_cases.converged("case_1", *COARSE)
     finer = solve_periodic(system("case_1", 193), harmonics=COARSE[2])
-    plain = found.errors(last_period_tension(solve_periodic(system("case_1", 49), harmonics=COARSE[1])))
-    assert found.of(finer)["rms"] < 0.2 * plain["rms"]
-    assert found.uncertainty < 0.01
+    plain = result.errors(last_period_tension(solve_periodic(system("case_1", 49), harmonics=COARSE[1])))
+    assert result.of(finer)["rms"] < 0.2 * plain["rms"]
+    assert result.uncertainty < 0.01
 
 
 def test_a_reference_is_computed_once_and_again_when_the_scene_changes(tmp_path, monkeypatch):
@@ -306,11 +306,11 @@ def test_times_at_equal_errors():
         point("b", "harmonic balance", 1.0, 1e-3),
         point("b", "time domain", 1.0, None),
     ]
-    found = {(row["case"], row["level"]): {method: best["seconds"] for method, best in row["best"].items()}
+    results = {(row["case"], row["level"]): {method: best["seconds"] for method, best in row["best"].items()}
              for row in dynamic_work.at_errors(points)}  # fmt: skip
     both, balanced = {"harmonic balance": 1.0, "time domain": 6.0}, {"harmonic balance": 1.0}
     later, last = {"harmonic balance": 2.0, "time domain": 6.0}, {"harmonic balance": 2.0, "time domain": 9.0}
-    assert found == {("a", 3e-2): both, ("a", 1e-2): both, ("a", 3e-3): later, ("a", 1e-3): last,
+    assert results == {("a", 3e-2): both, ("a", 1e-2): both, ("a", 3e-3): later, ("a", 1e-3): last,
                      ("a", 3e-4): {"harmonic balance": 2.0}, ("b", 3e-2): balanced, ("b", 1e-2): balanced,
                      ("b", 3e-3): balanced, ("b", 1e-3): balanced}  # fmt: skip
 
@@ -348,8 +348,8 @@ def test_the_adapter_moves_the_line_that_was_meant(change, within):
     chain = system("case_1")
     known = Reference(chain.period, last_period_tension(solve_periodic(chain, harmonics=15)), 0.0)
     changed = replace(chain.scene, cable=replace(chain.scene.cable, **change))
-    found = simulated(changed, Ramped(changed.motion, chain.period / 2), chain.period, 1000, 24)
-    assert (dynamic_work.errors(known, found)["rms"] < MOVING_ERROR) == within
+    result = simulated(changed, Ramped(changed.motion, chain.period / 2), chain.period, 1000, 24)
+    assert (dynamic_work.errors(known, result)["rms"] < MOVING_ERROR) == within
 
 
 @moordyn_installed
@@ -383,16 +383,16 @@ def test_the_adapter_refuses_what_it_does_not_describe():
         replace(case, environment=replace(case.environment, depth=400.0, seabed_stiffness=1e4)),
         replace(case, cable=replace(case.cable, damping=0.1)),
     ):
-        found = simulated(other, case.motion, 20.0, 10, 5)
-        assert found.kind == "unsupported" and "this adapter" in found.message
+        result = simulated(other, case.motion, 20.0, 10, 5)
+        assert result.kind == "unsupported" and "this adapter" in result.message
 
 
 # ---------------------------------------------------------------- the files
 def test_a_part_writes_its_file(tmp_path):
     """The program measures the parts that are asked for and writes strict JSON."""
     assert cable_dynamics.main(["--parts", "profile", "--quick", "--out", str(tmp_path)]) == 0
-    found = json.loads((tmp_path / "dynamics.json").read_text())
-    assert set(found) == {"profile", "quick"}
-    tensions = found["profile"]["fairlead"]
+    result = json.loads((tmp_path / "dynamics.json").read_text())
+    assert set(result) == {"profile", "quick"}
+    tensions = result["profile"]["fairlead"]
     assert tensions["shooting"] == pytest.approx(tensions["catenary"], rel=1e-9)
     assert tensions["box scheme"] != pytest.approx(tensions["catenary"], rel=1e-5)

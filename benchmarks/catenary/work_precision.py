@@ -137,10 +137,10 @@ def main(argv=None) -> int:
     """Command line."""
     arguments = console.parser("work_precision", __doc__).parse_args(argv)
     steps = console.progress(points(truth.TruthCache(arguments.out)), total(), "work-precision")
-    found = [point for step in steps for point in step]
-    file = {"cases": [case.name for case in NAMED] + [harness.MIXED], "points": found, "reference": "50-digit oracle"}
+    entries = [point for step in steps for point in step]
+    file = {"cases": [case.name for case in NAMED] + [harness.MIXED], "points": entries, "reference": "50-digit oracle"}
     results.write(arguments.out / "work_precision.json", file)
-    print(f"{len(found)} points")
+    print(f"{len(entries)} points")
     return 0
 
 

@@ -26,10 +26,10 @@ DEFAULT_OUT = Path("mooring-report") / "results"
 
 def child_environment() -> dict[str, str]:
     """Return the environment of a child process that finds these packages whatever the working folder is."""
-    found = dict(os.environ)
+    result = dict(os.environ)
     if (ROOT / "pyproject.toml").is_file():  # a checkout: an installed wheel is found anyway
-        found["PYTHONPATH"] = os.pathsep.join(filter(None, [str(ROOT), found.get("PYTHONPATH", "")]))
-    return found
+        result["PYTHONPATH"] = os.pathsep.join(filter(None, [str(ROOT), result.get("PYTHONPATH", "")]))
+    return result
 
 
 def parser(program: str, doc: str) -> argparse.ArgumentParser:

@@ -91,8 +91,8 @@ def _version(package: str) -> str | None:
 def main(argv=None) -> int:
     """Command line."""
     arguments = console.parser("machine", __doc__).parse_args(argv)
-    for found in console.progress([describe()], 1, "machine"):
-        results.write(arguments.out / "machine.json", found)
+    for result in console.progress([describe()], 1, "machine"):
+        results.write(arguments.out / "machine.json", result)
     return 0
 
 

@@ -154,10 +154,10 @@ def test_each_stands_in_the_tables_of_a_page(folder, tmp_path):
 def test_the_example_of_the_readme_is_short_and_tried(folder):
     """A complete adapter in less than 30 lines, and what ``benchmarks.smoke`` says of it."""
     assert len(example().splitlines()) < MOST_LINES
-    said = python("benchmarks.smoke", folder / "my_code.py")
-    assert "my catenary 0.1 (mycode) solves span" in said
-    assert re.search(r"line oc3-floating: right, error \S+e-1\d\n", said), said
-    assert "line oc3-friction-1: unsupported, it has no seabed" in said
+    run = python("benchmarks.smoke", folder / "my_code.py")
+    assert "my catenary 0.1 (mycode) solves span" in run
+    assert re.search(r"line oc3-floating: right, error \S+e-1\d\n", run), run
+    assert "line oc3-friction-1: unsupported, it has no seabed" in run
 
 
 @pytest.mark.skipif(os.name != "posix", reason="exit statuses of signals")
@@ -178,9 +178,9 @@ def test_its_files_are_what_results_depend_on(folder):
         "import sys, pathlib; from reports.pipeline.external_solvers import sources; "
         "print(*sources(pathlib.Path(sys.argv[1])))"
     )
-    said = subprocess.run([sys.executable, "-c", code, folder / "toys.py"], cwd=ROOT, capture_output=True, text=True,
+    run = subprocess.run([sys.executable, "-c", code, folder / "toys.py"], cwd=ROOT, capture_output=True, text=True,
                           check=True).stdout  # fmt: skip
-    assert set(said.split()) >= {str((folder / name).resolve()) for name in ("toys.py", "my_code.py", "program.py")}
+    assert set(run.split()) >= {str((folder / name).resolve()) for name in ("toys.py", "my_code.py", "program.py")}
 
 
 @pytest.mark.parametrize(
@@ -197,8 +197,8 @@ def test_its_files_are_what_results_depend_on(folder):
 def test_a_file_that_brings_nothing_is_refused_before_any_work(text, words, tmp_path):
     """By its name, with what is wanted."""
     (tmp_path / "bad.py").write_text(text, encoding="utf-8")
-    said = python("reports", SCENE, "--solver", tmp_path / "bad.py", "--out", tmp_path / "out", code=2)
-    assert words in said and "bad.py" in said, said
+    run = python("reports", SCENE, "--solver", tmp_path / "bad.py", "--out", tmp_path / "out", code=2)
+    assert words in run and "bad.py" in run, run
     assert not (tmp_path / "out" / "results" / "scene_taut_polyester.json").exists()
 
 
@@ -229,9 +229,9 @@ def test_a_moving_cable_reaches_a_program_whole(tmp_path, factor, right):
     chain = system(CABLE)
     known = Reference(chain.period, last_period_tension(solve_periodic(chain, harmonics=12)), 0.0)
     moved = Ramped(chain.scene.motion, chain.period / 2)
-    told = dynamic_work.ask(Whole(tmp_path, factor), chain.scene, moved, chain.period, (40, 100), periods=2)
-    assert told.kind == "", told.message
-    assert (dynamic_work.errors(known, told)["rms"] < MOVED) == right
+    answer = dynamic_work.ask(Whole(tmp_path, factor), chain.scene, moved, chain.period, (40, 100), periods=2)
+    assert answer.kind == "", answer.message
+    assert (dynamic_work.errors(known, answer)["rms"] < MOVED) == right
 
 
 class Shell(peers.Program):
@@ -260,8 +260,8 @@ def test_a_program_that_ends_badly_is_refused_in_words(monkeypatch, text, words)
     monkeypatch.setattr(peers.program, "MOST", 1_000_000)
     adapter = Shell(text)
     solver = harness.Solver("shell", "shell", "", adapter.span, tolerances=False)
-    found = harness.ask(solver, LINE)
-    assert words in found.refused, found
+    result = harness.ask(solver, LINE)
+    assert words in result.refused, result
 
 
 @pytest.mark.skipif(not Path("/proc").is_dir(), reason="processes are counted in /proc")
@@ -279,10 +279,10 @@ def test_a_program_that_takes_too_long_ends_with_all_that_it_started(tmp_path):
 
 def commands() -> list[str]:
     """Command lines of the processes that are there."""
-    found = []
+    results = []
     for path in Path("/proc").glob("[0-9]*/cmdline"):
         try:
-            found.append(path.read_bytes().replace(b"\0", b" ").decode(errors="replace").strip())
+            results.append(path.read_bytes().replace(b"\0", b" ").decode(errors="replace").strip())
         except OSError:
             continue  # it has just ended
-    return found
+    return results

@@ -61,19 +61,19 @@ def solver_of(solve):
 @pytest.mark.parametrize("case", ORDINARY, ids=lambda case: case.name)
 @pytest.mark.parametrize("name", [name for name in SOLVERS if name in ORDINARY_ERROR])
 def test_an_adapter_asks_the_question_that_was_meant(name, case):
-    found = harness.assess(SOLVERS[name], case, exact_span(case))
-    if found["verdict"] == "unsupported":
-        pytest.skip(found["message"])
-    assert found["error"] is not None
-    assert found["error"] < ORDINARY_ERROR[name], found
+    result = harness.assess(SOLVERS[name], case, exact_span(case))
+    if result["verdict"] == "unsupported":
+        pytest.skip(result["message"])
+    assert result["error"] is not None
+    assert result["error"] < ORDINARY_ERROR[name], result
 
 
 @pytest.mark.parametrize("change", [{"z": 250.0}, {"seabed": True, "clearance": 250.0}, {"w": -700.0}])
 def test_the_bound_on_adapters_can_fail(change):
     meant = ORDINARY[0]
     asked = replace(meant, **change)
-    found = harness.assess(solver_of(lambda *_: SOLVERS["catenary"].solve(asked)), meant, exact_span(meant))
-    assert found["error"] > max(ORDINARY_ERROR.values())
+    result = harness.assess(solver_of(lambda *_: SOLVERS["catenary"].solve(asked)), meant, exact_span(meant))
+    assert result["error"] > max(ORDINARY_ERROR.values())
 
 
 def raises(case, tolerance):
@@ -104,9 +104,9 @@ def hangs(case, tolerance):
 def test_every_way_of_failing_is_refused(monkeypatch, solve, message):
     monkeypatch.setattr(harness, "_overtime", Counter())
     case = NAMED[0]
-    found = harness.assess(replace(solver_of(solve), limit=0.1), case, exact_span(case))
-    assert (found["verdict"], found["message"][: len(message)]) == ("refused", message)
-    assert results.plain(found)["error"] is None
+    result = harness.assess(replace(solver_of(solve), limit=0.1), case, exact_span(case))
+    assert (result["verdict"], result["message"][: len(message)]) == ("refused", message)
+    assert results.plain(result)["error"] is None
 
 
 @pytest.mark.parametrize(("factor", "verdict"), [(1.0, "right"), (1 + 1e-4, "right"), (1.01, "wrong"), (-1.0, "wrong")])
@@ -117,9 +117,9 @@ def test_verdict(factor, verdict):
 
 def test_what_rounding_of_the_inputs_causes_is_not_called_wrong():
     exact = replace(exact_span(NAMED[0]), condition=1e13)
-    found = harness.judge(SpanAnswer(exact.H * 1.01, exact.V), exact, NAMED[0])
-    assert found["verdict"] == "right"
-    assert found["error"] > harness.WRONG
+    result = harness.judge(SpanAnswer(exact.H * 1.01, exact.V), exact, NAMED[0])
+    assert result["verdict"] == "right"
+    assert result["error"] > harness.WRONG
 
 
 def test_printing_warning_peers_stay_silent(capsys, recwarn):
@@ -143,10 +143,10 @@ def test_a_solver_that_keeps_hanging_is_not_asked_again(monkeypatch):
         return SpanAnswer(1.0, 1.0) if len(calls) == 2 else hangs(case, tolerance)
 
     solver = replace(solver_of(hangs_but_once), limit=0.02)
-    found = [harness.ask(solver, NAMED[0]).refused for _ in range(harness.PATIENCE + 4)]
+    results = [harness.ask(solver, NAMED[0]).refused for _ in range(harness.PATIENCE + 4)]
     assert len(calls) == harness.PATIENCE + 2
-    assert found[1] == "" and "not asked again" not in found[harness.PATIENCE + 1]
-    assert all("not asked again" in words and words.startswith(harness.OVERTIME) for words in found[-2:])
+    assert results[1] == "" and "not asked again" not in results[harness.PATIENCE + 1]
+    assert all("not asked again" in words and words.startswith(harness.OVERTIME) for words in results[-2:])
 
 
 def test_a_peer_that_is_not_installed_is_left_out_and_a_broken_one_is_named(monkeypatch):
@@ -257,14 +257,14 @@ def picture_misses(network, row) -> list[int]:
     state = solve_network(network)
     length = np.abs(state.r).max() + max(element.L for element in network.elements)
     force = max(np.abs(line["tension"]).max() for line in row["elements"])
-    found = []
+    results = []
     for e, (element, line) in enumerate(zip(network.elements, row["elements"], strict=True)):
         drawn = np.array([line[axis] for axis in "xyz"])[:, [0, -1]].T
         apart = np.abs(drawn - state.r[list(element.ends)]).max() / length
         other = np.abs(line["tension"][[0, -1]] - line["ends"]).max() / force
         if not max(apart, other) < SEEN:
-            found.append(e)
-    return found
+            results.append(e)
+    return results
 
 
 @pytest.mark.parametrize(

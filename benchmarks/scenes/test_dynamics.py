@@ -74,9 +74,9 @@ def studied(name, monkeypatch, factor=1.0) -> dict:
     known = reference(name)
     monkeypatch.setattr(scene_dynamics, "Study", lambda scene: made(name))
     monkeypatch.setattr(Study, "reference", lambda self: known | {"wave": known["wave"] * factor})
-    *steps, found = scene_dynamics.study(SCENES[name])
+    *steps, result = scene_dynamics.study(SCENES[name])
     assert len(steps) + 1 == scene_dynamics.steps(SCENES[name])
-    return found
+    return result
 
 
 def kept(name, best) -> bool:

@@ -52,7 +52,7 @@ def maps() -> list[Map]:
         f"without a warning the error within {BENDS:g} times the change of the tension's slope in a step, for which it "
         f"warns above {diagnostics.CURVED:g} of the range, and {WAVES:g} for the waves of the start"
     )
-    held = f"{claim}, and the fairlead within {diagnostics.DRIFT:g} of its amplitude of its place"
+    position_claim = f"{claim}, and the fairlead within {diagnostics.DRIFT:g} of its amplitude of its place"
     lost = (
         "Invalid: the solver stops with a status, at the time and node where the tension vanishes or the line would "
         "break. Too coarse: a shorter step does so, or fails. With a spectral radius near 1 nothing damps the shortest "
@@ -67,9 +67,9 @@ def maps() -> list[Map]:
 
     def make(name, title, x, y, solve, hold="mean", at=NODES, **more):
         solve = partial(solve, hold=hold)
-        said = held if hold == "position" else claim
+        claim_text = position_claim if hold == "position" else claim
         more = {"explained": lost, "nodes": at} | more
-        return Map(f"time_{name}", "time domain", title, x, y, error, said, solve, **more)
+        return Map(f"time_{name}", "time domain", title, x, y, error, claim_text, solve, **more)
 
     return [
         make("drag", "Drag by amplitude", DRAG, AMPLITUDES, lambda c, a, hold: _solve(line(a, Cdn=c), hold),

@@ -51,7 +51,7 @@ def child_environment() -> dict[str, str]:
     An installed wheel is found anyway; its folder, first on the path, would put other packages before the standard
     library.
     """
-    found = dict(os.environ)
+    result = dict(os.environ)
     if is_repository():
-        found["PYTHONPATH"] = os.pathsep.join(filter(None, [str(ROOT), found.get("PYTHONPATH", "")]))
-    return found
+        result["PYTHONPATH"] = os.pathsep.join(filter(None, [str(ROOT), result.get("PYTHONPATH", "")]))
+    return result

@@ -44,8 +44,8 @@ def files_of(name: str, root: Path = ROOT) -> list[str]:
     path = root / name
     if path.is_file():
         return [name]
-    found = [p for p in path.rglob("*") if p.suffix in SUFFIXES] if path.is_dir() else []
-    inside = (p.relative_to(root).as_posix() for p in found)
+    result = [p for p in path.rglob("*") if p.suffix in SUFFIXES] if path.is_dir() else []
+    inside = (p.relative_to(root).as_posix() for p in result)
     return sorted(p for p in inside if "/." not in p)
 
 

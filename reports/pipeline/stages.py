@@ -187,8 +187,8 @@ def _accuracy(quick: bool) -> Stage:
 
 
 def _benchmarks() -> Stage:
-    found = sorted((ROOT / "benchmarks").rglob("bench_*.py"))
-    programs = tuple(path.relative_to(ROOT).as_posix() for path in found)
+    result = sorted((ROOT / "benchmarks").rglob("bench_*.py"))
+    programs = tuple(path.relative_to(ROOT).as_posix() for path in result)
     typed = (f"{{root}}/{program}" for program in programs)
     options = (
         "--benchmark-enable",

@@ -124,7 +124,7 @@ def _add_all(out, tangents, waves, to, k, at, l, rate, first):
     """Add the blocks (parts, m, r, n) of tangents (parts, n_r, n_f, nodes, Nt), from node ``first`` on."""
     parts, n_r, n_f, _, Nt = tangents.shape
     nodes, count, rate = out.shape[1], waves.shape[1] // 2, out.dtype.type(rate)
-    sampled, found = np.empty((nodes, Nt), out.dtype), np.empty((nodes, waves.shape[1]), out.dtype)
+    sampled, result = np.empty((nodes, Nt), out.dtype), np.empty((nodes, waves.shape[1]), out.dtype)
     for p in range(parts):
         for a in range(n_r):
             for b in range(n_f):
@@ -136,6 +136,6 @@ def _add_all(out, tangents, waves, to, k, at, l, rate, first):
                         _add_still(blocks[i], out.dtype.type(tangent[i, 0]), rows, columns, rate)
                 else:
                     sampled[:] = tangent
-                    np.dot(sampled, waves, found)
+                    np.dot(sampled, waves, result)
                     for i in range(nodes):
-                        _add(blocks[i], found[i, :count], found[i, count:], rows, columns, rate)
+                        _add(blocks[i], result[i, :count], result[i, count:], rows, columns, rate)

@@ -69,6 +69,6 @@ class HarmonicKrylov:
         for k, chain in enumerate(self.factors):
             s, c = first + 2 * k, first + 2 * k + 1
             right = stack(*(Residual(part[..., c] - 1j * part[..., s]) for part in (start, cells, end)))
-            found = chain.solve(right).reshape(balance.rest.T.shape).T
-            z[..., c], z[..., s] = found.real, -found.imag
+            result = chain.solve(right).reshape(balance.rest.T.shape).T
+            z[..., c], z[..., s] = result.real, -result.imag
         return balance.pack(z)

@@ -331,7 +331,7 @@ SEEN = 1e-11  # of every check here; they measure 1e-15, so a term of relative s
 
 def red_checks(of) -> list[str]:
     """Names of the checks that a faulty package turns red; those of tangents count only where no value is wrong."""
-    found = []
+    results = []
     for planar in (True, False):
         values = {
             "all terms": lambda: patch_error(TERMS["all"], planar, of),  # noqa: B023
@@ -339,8 +339,8 @@ def red_checks(of) -> list[str]:
         }
         tangents = {"jacobian": lambda: jacobian_error(LEVEL if planar else EVERYTHING, of)}  # noqa: B023
         checks = values if _changed(planar, of) else tangents
-        found += [f"{name}, {'planar' if planar else 'spatial'}" for name, check in checks.items() if _is_red(check)]
-    return found
+        results += [f"{name}, {'planar' if planar else 'spatial'}" for name, check in checks.items() if _is_red(check)]
+    return results
 
 
 def _is_red(check) -> bool:

@@ -453,8 +453,8 @@ def shot(frequency, beta=0.0):
 
 def test_modes_agree_with_shooting(deep):
     """At each frequency the determinant of the shot displacements vanishes, to the change it makes over 1e-9 of it."""
-    found = [*oc3_modes().in_plane[: 12 if deep else 3], oc3_modes().first_axial]
-    for f in found:
+    results = [*oc3_modes().in_plane[: 12 if deep else 3], oc3_modes().first_axial]
+    for f in results:
         below, at, above = (np.linalg.det(shot(f * (1 + d))[0]).real for d in (-1e-5, 0, 1e-5))
         slope = (above - below) / 2e-5
         assert abs(at / slope) < EIGHT_DIGITS, (f, at / slope)

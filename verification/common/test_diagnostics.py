@@ -78,8 +78,8 @@ def test_resolution_is_judged_at_the_fairlead():
     bends = diagnostics.largest_slope_change(SHARP(history(line).time), history(line).time) / np.ptp(
         SHARP(history(line).time)
     )
-    (told,) = diagnostics.check_history(history(line))
-    assert told == f"dt: the slope of the tension changes by {bends:.2g} of its range in a step: use a shorter dt"
+    (warnings,) = diagnostics.check_history(history(line))
+    assert warnings == f"dt: the slope of the tension changes by {bends:.2g} of its range in a step: use a shorter dt"
 
 
 @pytest.mark.parametrize("last", [7, 8])
@@ -87,18 +87,18 @@ def test_the_last_two_harmonics_are_told_by_their_amplitude(last):
     """A tenth of the range, told as such; the same amplitude in the harmonic before them is not."""
     line = Line([CALM] * (NODES - 1) + [wave(c1=1.0, **{f"c{last}": 0.2})])
     spread = np.ptp(line.tensions[-1](PERIOD * np.arange(128) / 128))
-    (told,) = diagnostics.check_response(response(line))
-    assert told == f"harmonics: the last of 8 carry {0.2 / spread:.2g} of the tension's range: use more"
+    (warnings,) = diagnostics.check_response(response(line))
+    assert warnings == f"harmonics: the last of 8 carry {0.2 / spread:.2g} of the tension's range: use more"
     assert list(diagnostics.check_response(response(Line([CALM] * 3 + [wave(c1=1.0, c6=0.2)])))) == []
 
 
 def test_amplitudes_are_compared_with_the_range():
     """Just below and just above the bound, whatever the size of the tension."""
     for size in (1e-3, 1.0, 1e6):
-        for share, told in ((0.8, False), (1.25, True)):
+        for share, warnings in ((0.8, False), (1.25, True)):
             tail = share * diagnostics.TAIL * 2 * size
             line = Line([CALM] * 3 + [wave(mean=10 * size, c1=size, c8=tail)])
-            assert bool(list(diagnostics.check_response(response(line)))) is told, (size, share)
+            assert bool(list(diagnostics.check_response(response(line)))) is warnings, (size, share)
 
 
 def test_bends_are_told_only_where_every_step_is_stored():
@@ -113,21 +113,24 @@ def test_a_tension_of_zero_is_no_compression():
     zero = wave(mean=1.0, c1=1.0)  # least at half a period, between two of the stored times and at an instant
     assert zero(np.array([4.0])) == 0.0
     line = Line([CALM, zero, CALM, CALM])
-    for found in (history(line, count=161 * 2), history(line, count=2), response(line)):
-        of = diagnostics.check_history if hasattr(found, "time") else diagnostics.check_response
-        assert [told for told in of(found) if told.startswith("tension")] == []
+    for result in (history(line, count=161 * 2), history(line, count=2), response(line)):
+        of = diagnostics.check_history if hasattr(result, "time") else diagnostics.check_response
+        assert [warnings for warnings in of(result) if warnings.startswith("tension")] == []
     below = Line([CALM, wave(mean=1.0, c1=1.5), CALM, CALM])
-    (told,) = diagnostics.check_response(response(below))
-    assert told == "tension: -0.5 N between instants, at t = 4 s, node 2: use more nodes, or more harmonics"
+    (warnings,) = diagnostics.check_response(response(below))
+    assert warnings == "tension: -0.5 N between instants, at t = 4 s, node 2: use more nodes, or more harmonics"
 
 
 def test_a_fairlead_off_its_place_is_told_with_its_share():
     """The distance, over half the excursion; none where the fairlead stands still where it should."""
-    for amplitude, away, told in ((2.0, 0.2, True), (2.0, 0.09, False), (0.0, 0.0, False)):
+    for amplitude, away, warnings in ((2.0, 0.2, True), (2.0, 0.09, False), (0.0, 0.0, False)):
         line = Line([CALM] * NODES, amplitude, away)
-        for found in (list(diagnostics.check_history(history(line))), list(diagnostics.check_response(response(line)))):
-            assert bool(found) is told, (amplitude, away)
-            if told:
-                assert found[0].startswith("drift: the fairlead is up to 0.2 m from its place, 0.1 of its excursion")
-    (told,) = diagnostics.check_response(response(Line([CALM] * NODES, 0.0, 0.5)))
-    assert told.startswith("drift: the fairlead is up to 0.5 m from its place: use more nodes")
+        for result in (
+            list(diagnostics.check_history(history(line))),
+            list(diagnostics.check_response(response(line))),
+        ):
+            assert bool(result) is warnings, (amplitude, away)
+            if warnings:
+                assert result[0].startswith("drift: the fairlead is up to 0.2 m from its place, 0.1 of its excursion")
+    (warnings,) = diagnostics.check_response(response(Line([CALM] * NODES, 0.0, 0.5)))
+    assert warnings.startswith("drift: the fairlead is up to 0.5 m from its place: use more nodes")

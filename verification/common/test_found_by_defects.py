@@ -228,11 +228,11 @@ def test_the_next_step_is_that_of_its_error(share):
 
     stepper, size = Stepper(swing, Scheme.trapezoid(), 1e-13, None, h), np.array([[1.0], [omega], [omega**2]])
     predicted = 2 * exact(h)[1] - exact(0.0)[1]
-    found = stepper.step(*exact(h), h, h, predicted)
-    error = float((abs(found[0] - exact(2 * h)[0]) / size).max())
+    result = stepper.step(*exact(h), h, h, predicted)
+    error = float((abs(result[0] - exact(2 * h)[0]) / size).max())
     control = StepControl(swing, h, share * error, stepper.scheme.error_constant())
     control.size = size
-    assert not control.accept(found, h, *exact(h), predicted, (h, exact(0.0)[1]))
+    assert not control.accept(result, h, *exact(h), predicted, (h, exact(0.0)[1]))
     assert control.h == pytest.approx(0.9 * h * share ** (1 / 3), rel=0.03)
 
 

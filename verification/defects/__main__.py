@@ -67,8 +67,8 @@ def main(argv=None) -> int:
     log, results = Log(arguments.out / "defects.jsonl"), []
     wanted = pairs(arguments.catalogue, arguments.all)
     try:
-        for _, _, found in progress(run(wanted, log, **options)):
-            results = found
+        for _, _, result in progress(run(wanted, log, **options)):
+            results = result
     except KeyboardInterrupt:
         print("\ninterrupted; finished results are kept and the next run goes on from there", file=sys.stderr)
         return 130
@@ -102,16 +102,16 @@ def progress(steps):
         print(file=sys.stderr)
 
 
-def tell(found: list[Verdict]):
+def tell(result: list[Verdict]):
     """The matrix defect x check, then the counts."""
-    columns = sorted({r.check.split("::")[0].split()[0] for v in found for r in v.results})
+    columns = sorted({r.check.split("::")[0].split()[0] for v in result for r in v.results})
     print("\n".join(f"{chr(97 + i % 26) * (1 + i // 26):>3} {name}" for i, name in enumerate(columns)))
     print("X: its own check saw it, x: another one did, s: one with stored numbers, .: not seen, !: red by itself\n")
-    for v in sorted(found, key=lambda v: v.defect.module):
+    for v in sorted(result, key=lambda v: v.defect.module):
         marks = " ".join(_mark(v, [r for r in v.results if r.check.startswith(column)]) for column in columns)
         state = "blind" if v.defect.blind and not v.seen else "" if v.good else "SURVIVES" if not v.seen else "SEEN"
         print(f"{v.defect.module:>20}  {v.defect.name:<52.52} {marks}  {state}")
-    counts = summary(found)
+    counts = summary(result)
     print(f"\n{counts['caught']} of {counts['defects']} defects found, {counts['caught_by_named']} by the check named "
           f"for them, {counts['caught_otherwise']} ({counts['rate']:.1%}) without stored numbers; {counts['blind']} "
           f"blind spots; misprints planted: {len(counts['misprints'])}")  # fmt: skip

@@ -83,17 +83,17 @@ def record(copies: Copies, names: list[str], kept: Path, jobs: int) -> Iterator[
 
     A record belongs to the text of its file. Raises CheckError where a test fails without any mutant.
     """
-    known, found = json.loads(kept.read_text(encoding="utf-8")) if kept.exists() else {}, {}
+    known, results = json.loads(kept.read_text(encoding="utf-8")) if kept.exists() else {}, {}
     texts = {name: hashlib.sha256((copies.source / "verification" / name).read_bytes()).hexdigest() for name in names}
-    found |= {name: known[name] for name in names if known.get(name, {}).get("text") == texts[name]}
+    results |= {name: known[name] for name in names if known.get(name, {}).get("text") == texts[name]}
     with ThreadPoolExecutor(jobs) as pool:
-        futures = {pool.submit(_recorded, copies, name): name for name in names if name not in found}
+        futures = {pool.submit(_recorded, copies, name): name for name in names if name not in results}
         for future in as_completed(futures):
             name = futures[future]
-            found[name] = known[name] = {"text": texts[name], **future.result()}
+            results[name] = known[name] = {"text": texts[name], **future.result()}
             kept.write_text(json.dumps(known), encoding="utf-8")
-            yield found
-    yield found
+            yield results
+    yield results
 
 
 def _recorded(copies, name) -> dict:
@@ -135,24 +135,24 @@ def run(
             order = Path(folder) / "order.json"
             order.write_text(json.dumps({k: v for one in known.values() for k, v in one["tests"].items()}))
             keys = {mutant.name: _keys(copies.source, mutant) for mutant in mutants}
-            found = {} if fresh else {m.name: old for m in mutants if (old := _kept(log, project, *keys[m.name]))}
-            left = [mutant for mutant in mutants if mutant.name not in found]
-            yield total - len(left), total, found
-            yield from _run_all(copies, left, (known, order, timeout), (log, keys, found), jobs, total)
+            result = {} if fresh else {m.name: old for m in mutants if (old := _kept(log, project, *keys[m.name]))}
+            left = [mutant for mutant in mutants if mutant.name not in result]
+            yield total - len(left), total, result
+            yield from _run_all(copies, left, (known, order, timeout), (log, keys, result), jobs, total)
         finally:
             copies.__exit__()
 
 
 def _run_all(copies, left, how, kept, jobs, total):
-    log, keys, found = kept
+    log, keys, outcome = kept
     pool = ThreadPoolExecutor(jobs)
     try:
         futures = [pool.submit(_run_one, copies, mutant, *how) for mutant in left]
         for done, future in enumerate(as_completed(futures), start=1):
             result = future.result()
-            found[result.defect] = result
+            outcome[result.defect] = result
             log.append(keys[result.defect][0 if result.red else 1], result)
-            yield total - len(left) + done, total, found
+            yield total - len(left) + done, total, outcome
     finally:
         pool.shutdown(wait=False, cancel_futures=True)
         copies.__exit__()

@@ -30,9 +30,9 @@ class Stopped(RuntimeError):
 
 def environment(root: Path) -> dict[str, str]:
     """Environment of the checks on the copy at ``root``: one BLAS thread, no settings of the run around it."""
-    found = {k: v for k, v in os.environ.items() if not k.startswith(("PYTEST_", "MOORING_", "COV_"))}
-    found |= {"OPENBLAS_NUM_THREADS": "1", "COLUMNS": "240", "PYTHONPATH": str(root)}
-    return found | {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}  # plugins: half of the start, for nothing the checks use
+    results = {k: v for k, v in os.environ.items() if not k.startswith(("PYTEST_", "MOORING_", "COV_"))}
+    results |= {"OPENBLAS_NUM_THREADS": "1", "COLUMNS": "240", "PYTHONPATH": str(root)}
+    return results | {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}  # plugins: half of the start, for nothing the checks use
 
 
 class Interpreter:

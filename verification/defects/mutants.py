@@ -37,13 +37,13 @@ def sample(solvers: Path, count: int, modules: Iterable[str] = (), seed: int = 2
 
     The draw of a module depends on no other one, and a larger one begins with the smaller one.
     """
-    found = []
+    results = []
     for module in modules or module_names(solvers):
         text = (solvers / f"{module.replace('.', '/')}.py").read_text(encoding="utf-8")
         places = list(changes(text))
         random.Random(f"{seed} {module}").shuffle(places)
-        found += [mutant(module, text, *change) for change in places[:count]]
-    return found
+        results += [mutant(module, text, *change) for change in places[:count]]
+    return results
 
 
 def changes(text: str) -> Iterator[tuple[int, int, str]]:

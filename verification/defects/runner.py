@@ -80,8 +80,8 @@ def run_check(interpreter: Interpreter, check: str, timeout: float) -> tuple[str
         raise CheckError(f"{check}: pytest ended with status {code}:\n{output.strip()}")
     if code == 0:
         return "missed", seconds, "", ""
-    found = _SUMMARY.search(output)
-    test, message = (found[1].removeprefix("verification/"), found[3] or "") if found else ("", output[-300:])
+    match = _SUMMARY.search(output)
+    test, message = (match[1].removeprefix("verification/"), match[3] or "") if match else ("", output[-300:])
     return ("caught" if code in (1, 2) else "crash"), seconds, test, message[:300]
 
 
@@ -209,17 +209,17 @@ def run(
         tree = digest(copies.source)
         pairs = {key(tree, *pair): pair for pair in wanted}
         _check_patches(copies.source, {pair[0] for pair in pairs.values() if pair[0]})
-        found = [] if fresh else [log.results[k] for k in pairs if k in log.results]
+        outcome = [] if fresh else [log.results[k] for k in pairs if k in log.results]
         left = {k: pair for k, pair in pairs.items() if fresh or k not in log.results}
-        yield len(found), len(pairs), found
+        yield len(outcome), len(pairs), outcome
         pool = ThreadPoolExecutor(jobs)
         try:
             futures = [pool.submit(_results, copies, *group, timeout) for group in _groups(left)]
             for future in as_completed(futures):
                 for k, result in future.result().items():
                     log.append(k, result)
-                    found.append(result)
-                yield len(found), len(pairs), found
+                    outcome.append(result)
+                yield len(outcome), len(pairs), outcome
         finally:
             pool.shutdown(wait=False, cancel_futures=True)
             copies.__exit__()

@@ -46,18 +46,18 @@ def verdicts(catalogue: Iterable[Defect], results: Iterable[Result]) -> list[Ver
     """One for each defect that has a result of its named check."""
     results = list(results)
     void = frozenset(r.check for r in results if not r.defect and r.red)
-    found = []
+    entries = []
     for defect in catalogue:
         mine = [r for r in results if r.defect == defect.name]
         mine.sort(key=lambda r: (r.check != defect.check, r.check))
         if mine and mine[0].check == defect.check:
-            found.append(Verdict(defect, tuple(mine), void))
-    return found
+            entries.append(Verdict(defect, tuple(mine), void))
+    return entries
 
 
-def summary(found: list[Verdict]) -> dict:
+def summary(result: list[Verdict]) -> dict:
     """Counts and lists of names for the report, the command line and the tests."""
-    real = [v for v in found if not v.defect.blind]
+    real = [v for v in result if not v.defect.blind]
     caught = [v for v in real if v.seen]
     return {
         "defects": len(real),
@@ -67,11 +67,11 @@ def summary(found: list[Verdict]) -> dict:
         "rate": sum(v.by_other for v in real) / len(real) if real else 0.0,
         "survivors": [v.defect.name for v in real if not v.by_other],
         "unexplained": [v.defect.name for v in real if not v.by_other and not v.defect.survives],
-        "blind": sum(bool(v.defect.blind) for v in found),
-        "seen_blind": [v.defect.name for v in found if v.defect.blind and v.seen],
+        "blind": sum(bool(v.defect.blind) for v in result),
+        "seen_blind": [v.defect.name for v in result if v.defect.blind and v.seen],
         "misprints": sorted({v.defect.misprint for v in real if v.defect.misprint}),
         "missed_misprints": sorted({v.defect.misprint for v in real if v.defect.misprint and not v.by_other}),
-        "void": sorted({check for v in found for check in v.void}),
+        "void": sorted({check for v in result for check in v.void}),
     }
 
 
@@ -81,11 +81,11 @@ def kept(counts: dict) -> bool:
     return counts["rate"] >= WANTED and not any(counts[name] for name in broken)
 
 
-def as_json(found: list[Verdict]) -> dict:
+def as_json(result: list[Verdict]) -> dict:
     """The content of the result file."""
     rows = []
-    for v in found:
+    for v in result:
         results = [asdict(r) | {"void": r.check in v.void, "frozen": frozen(r.test or r.check)} for r in v.results]
         about = asdict(v.defect) | {"module": v.defect.module}
         rows.append(about | {"results": results, "by_named": v.by_named, "by_other": v.by_other})
-    return {"summary": summary(found), "kept": kept(summary(found)), "defects": rows}
+    return {"summary": summary(result), "kept": kept(summary(result)), "defects": rows}

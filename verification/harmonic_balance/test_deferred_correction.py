@@ -89,9 +89,9 @@ def solved(made, deferred=True, **options):
 
 
 def orders(name, planar, mesh, deferred=True, **options) -> np.ndarray:
-    found = [problem(name, n, planar, mesh(n)) for n in NODES]
+    results = [problem(name, n, planar, mesh(n)) for n in NODES]
     return observed_orders(
-        [1 / (n - 1) for n in NODES], [error(solved(made, deferred, **options), made) for made in found]
+        [1 / (n - 1) for n in NODES], [error(solved(made, deferred, **options), made) for made in results]
     )
 
 
@@ -168,9 +168,9 @@ def test_corrected_responses_are_of_fourth_order(name, planar, mesh):
     """The box scheme is of second order in ds and the corrected response of fourth, on smooth meshes."""
     of = (lambda n: graded(LENGTH, n)) if mesh == "graded" else (lambda n: None)
     low, high = FOURTH
-    assert (low <= (found := orders(name, planar, of))).all() and (found <= high).all(), found
+    assert (low <= (result := orders(name, planar, of))).all() and (result <= high).all(), result
     low, high = SECOND
-    assert (low <= (found := orders(name, planar, of, False))).all() and (found <= high).all(), found
+    assert (low <= (result := orders(name, planar, of, False))).all() and (result <= high).all(), result
 
 
 @SPATIAL
@@ -200,13 +200,13 @@ def test_an_old_jacobian_is_mended():
 @pytest.mark.parametrize("planar", [True, False])
 def test_places_are_of_fourth_order(planar):
     """Positions of the nodes, by the integral of (1 + eps) t: of fourth order, too, and the mean place is closed."""
-    found, path = [], None
+    results, path = [], None
     for n in NODES:
         made = problem("all", n, planar)
         path, response = made.system.motion, solved(made)
         end = response.r[:, -1] - np.array(made.system.scene.fairlead)[:, None]
-        found.append(abs(end - path.displacement(response.time)).max())
-    assert (observed_orders([1 / (n - 1) for n in NODES], found) >= FOURTH[0]).all(), found
+        results.append(abs(end - path.displacement(response.time)).max())
+    assert (observed_orders([1 / (n - 1) for n in NODES], results) >= FOURTH[0]).all(), results
 
 
 @SPATIAL
@@ -316,12 +316,12 @@ def test_a_chain_without_such_rows_is_refused():
 
 def test_places_of_a_corrected_response_are_of_its_order():
     """The end is where it is prescribed to the square of the correction, and no warning says otherwise."""
-    found = solve_periodic(case_system(1, 25), harmonics=9, deferred_correction=True)
+    response = solve_periodic(case_system(1, 25), harmonics=9, deferred_correction=True)
     plain = solve_periodic(case_system(1, 25), harmonics=9)
-    t = found.time
-    wanted = np.array(found.system.scene.fairlead)[:, None] + found.system.motion.displacement(t)
-    off, before = (abs(r.r[:, -1] - wanted).mean() for r in (found, plain))
-    assert off < 0.2 * before and found.warnings == ()
+    t = response.time
+    wanted = np.array(response.system.scene.fairlead)[:, None] + response.system.motion.displacement(t)
+    off, before = (abs(r.r[:, -1] - wanted).mean() for r in (response, plain))
+    assert off < 0.2 * before and response.warnings == ()
 
 
 def test_a_corrected_response_is_a_start():
@@ -344,8 +344,8 @@ def test_the_iterative_solver_corrects_alike():
 
 def test_a_failed_response_is_not_corrected():
     """It has no Jacobian worth a step."""
-    found = solve_periodic(case_system(1, 25).scaled(4.0), harmonics=3, deferred_correction=True, throw=False)
-    assert not found.success and found.correction is None
+    response = solve_periodic(case_system(1, 25).scaled(4.0), harmonics=3, deferred_correction=True, throw=False)
+    assert not response.success and response.correction is None
 
 
 # ---------------------------------------------------------------- planted faults
@@ -402,10 +402,10 @@ def test_planted_faults_are_seen(fault, monkeypatch):
     """Each spoils the fourth order."""
     fault(monkeypatch)
     try:
-        found = orders("all", True, lambda n: None)
+        result = orders("all", True, lambda n: None)
     except ConvergenceError:
         return
-    assert not (found >= FOURTH[0]).all(), found
+    assert not (result >= FOURTH[0]).all(), result
 
 
 def test_a_corrected_cable_has_no_statics():

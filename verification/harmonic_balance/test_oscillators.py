@@ -259,9 +259,9 @@ def test_four_samples_a_harmonic_are_enough_for_cubes(Nh):
     """Nt > 4 Nh samples have no aliases of cubes: the result is that of any more; 2 Nh + 1 have."""
     system = duffing(0.8, 0.8, 0.1, 1.0, 1.0, k2=0.1)
     t = times(system)
-    found = {n: solve_periodic(system, harmonics=Nh, samples=n).at(t) for n in (2 * Nh + 1, 4 * Nh + 1, 16 * Nh)}
-    assert largest(found[4 * Nh + 1] - found[16 * Nh]) <= ROUND_OFF
-    assert largest(found[2 * Nh + 1] - found[16 * Nh]) >= 1e3 * ROUND_OFF
+    results = {n: solve_periodic(system, harmonics=Nh, samples=n).at(t) for n in (2 * Nh + 1, 4 * Nh + 1, 16 * Nh)}
+    assert largest(results[4 * Nh + 1] - results[16 * Nh]) <= ROUND_OFF
+    assert largest(results[2 * Nh + 1] - results[16 * Nh]) >= 1e3 * ROUND_OFF
 
 
 # ---------------------------------------------------------------- subharmonics and branches
@@ -301,14 +301,14 @@ def test_time_integration_confirms_the_subharmonic():
 def test_both_branches_are_followed():
     """Started from neighbours, the upper branch is followed up and the lower one down to the same frequency."""
     forced = lambda omega: pair(omega, 0.3, 0.05, 1.0, 0.4)
-    found = []
+    results = []
     for way in (np.arange(0.9, 1.251, 0.05), [1.5, 1.4, 1.35, 1.3]):
         response = None
         for omega in way:
             start = None if response is None else response.z
             response = solve_periodic(forced(omega)[0], harmonics=15, start=start)
-        found.append(response)
-    upper, lower = found
+        results.append(response)
+    upper, lower = results
     for omega in (1.28, 1.3):
         upper = solve_periodic(forced(omega)[0], harmonics=15, start=upper.z)
     assert largest(upper.z[0]) > 2 * largest(lower.z[0])
@@ -490,7 +490,7 @@ def test_without_the_constant_the_mean_force_is_not_in_balance():
     assert kept.mean and not dropped.mean
     assert kept.z.shape[2] == 31 and dropped.z.shape[2] == 30
     assert abs(kept.at(times(chain))[0].mean()) > 0.05 > 1e-12 > abs(dropped.at(times(chain))[0].mean())
-    missed = [chain.start(found.y, found.ydot, found.time, False).value[1].mean() for found in (kept, dropped)]
+    missed = [chain.start(result.y, result.ydot, result.time, False).value[1].mean() for result in (kept, dropped)]
     assert abs(missed[0]) <= ROUND_OFF and abs(missed[1]) > 1e-2  # N, of the spring
 
 
@@ -511,9 +511,9 @@ METHODS = [{"globalisation": "relaxation"}, {"multilevel": False}, {"linear_solv
 def test_methods_find_the_same_response(name, options):
     """The paper's relaxation factor, no coarse start, and GMRES lead where the default leads."""
     system = ORBITS[name][0]
-    found = [solve_periodic(system, harmonics=15, **more) for more in ({}, options)]
-    assert largest(found[0].z - found[1].z) <= ROUND_OFF
-    assert found[1].coarse_iterations == 0 or "multilevel" not in options
+    results = [solve_periodic(system, harmonics=15, **more) for more in ({}, options)]
+    assert largest(results[0].z - results[1].z) <= ROUND_OFF
+    assert results[1].coarse_iterations == 0 or "multilevel" not in options
 
 
 def test_a_response_is_its_own_start():

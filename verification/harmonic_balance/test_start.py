@@ -120,8 +120,8 @@ def test_one_factorisation_on_all_nodes(case, monkeypatch):
 def test_many_nodes_and_harmonics(deep):
     """1000 nodes and 60 harmonics with --deep (3 GB): found like few of both, with one factorisation on all nodes."""
     nodes, harmonics = (1000, 60) if deep else (120, 20)
-    found = solve_periodic(system(1, nodes), harmonics=harmonics)
-    assert found.iterations <= 5 and found.steps[-1].error <= 1e-10
+    response = solve_periodic(system(1, nodes), harmonics=harmonics)
+    assert response.iterations <= 5 and response.steps[-1].error <= 1e-10
 
 
 # ---------------------------------------------------------------- starts
@@ -141,9 +141,9 @@ def test_a_coarser_cable_is_the_cable_on_that_mesh(nodes):
     coarse, _ = system(1, nodes).coarser()
     assert coarse.s[0] == 0 and coarse.s[-1] == scene(1).length and coarse.nodes == nodes // 2 + 1
     wanted = cable_system(scene(1), mesh=coarse.s)
-    found = (solve_periodic(of, harmonics=4) for of in (coarse, wanted))
+    result = (solve_periodic(of, harmonics=4) for of in (coarse, wanted))
     t = np.linspace(0.0, coarse.period, 50)
-    got, other = (response.fairlead_tension(t) for response in found)
+    got, other = (response.fairlead_tension(t) for response in result)
     assert largest(got - other) < ROUND_OFF * np.ptp(other)
 
 
@@ -205,17 +205,17 @@ def test_a_carried_start_saves_steps(monkeypatch):
 
 def test_damped_steps_follow_where_full_ones_fail(monkeypatch):
     """Without any full step the response is the same."""
-    found = solve_periodic(system(3), harmonics=5)
+    response = solve_periodic(system(3), harmonics=5)
     monkeypatch.setattr(start, "MAX_UNDAMPED_STEPS", 0)
     again = solve_periodic(system(3), harmonics=5)
-    assert largest(found.z - again.z) < 1e-8 * largest(found.z)  # two ways to (76) < 1e-10
+    assert largest(response.z - again.z) < 1e-8 * largest(response.z)  # two ways to (76) < 1e-10
 
 
 # ---------------------------------------------------------------- updates
 def newton_steps() -> int:
     """Newton steps of the case 1 from rest with all harmonics."""
-    found = solve_periodic(system(1), harmonics=15, tolerance=1e-12)
-    return found.iterations
+    response = solve_periodic(system(1), harmonics=15, tolerance=1e-12)
+    return response.iterations
 
 
 def test_updates_of_an_old_jacobian_save_steps(monkeypatch):

@@ -83,17 +83,17 @@ def functions(path: Path) -> set[str]:
 
 def misnamed(check: str) -> list[str]:
     """Files and functions of a check that are not there."""
-    found = []
+    results = []
     for word in (word for word in arguments(check) if word.startswith("verification/")):
         file, _, function = word.partition("::")
         if not (ROOT / file).is_file() or (function and function not in functions(ROOT / file)):
-            found.append(word)
-    return found
+            results.append(word)
+    return results
 
 
 def test_named_checks_exist():
     """Every file and function that a defect, or the longer run, names as a check is there; none plants by itself."""
-    checks = {d.check for d in CATALOGUE} | {check for found in WIDER.values() for check in found}
+    checks = {d.check for d in CATALOGUE} | {check for result in WIDER.values() for check in result}
     assert [word for check in checks for word in misnamed(check)] == []
     planting = [d.name for d in CATALOGUE for file, words in PLANTING.items() for word in words
                 if re.match(f"{file}::.*{word}", d.check)]  # fmt: skip
@@ -105,7 +105,7 @@ def test_lists_of_checks_name_what_is_there():
     """Files, functions and words of the lists that the checks are sorted by are those of tests."""
     for name in FROZEN:
         file, _, function = name.partition("::")
-        assert any(found.startswith(function) for found in functions(ROOT / "verification" / file)), name
+        assert any(result.startswith(function) for result in functions(ROOT / "verification" / file)), name
     for file, words in (*PLANTING.items(), *LONG.items()):
         for word in words:
             assert any(word in name for name in functions(ROOT / "verification" / file)), (file, word)
@@ -160,9 +160,9 @@ def program(out, *arguments) -> subprocess.CompletedProcess:
 
 def test_planted_defects_are_found(tmp_path):
     """Two defects of the catalogue in copies of the project: their checks pass without, and fail with them."""
-    told = program(tmp_path, "--only", *CHOSEN)
-    assert told.returncode == 0, told.stdout + told.stderr
-    assert "progress 4 4" in told.stdout and "2 of 2 defects found, 2 by the check named for them" in told.stdout
+    output = program(tmp_path, "--only", *CHOSEN)
+    assert output.returncode == 0, output.stdout + output.stderr
+    assert "progress 4 4" in output.stdout and "2 of 2 defects found, 2 by the check named for them" in output.stdout
     assert not (tmp_path / "defects.json").exists()  # a part is not the whole
     results = Log(tmp_path / "defects.jsonl").results.values()
     assert {r.defect: r.outcome for r in results} == {"": "missed", **dict.fromkeys(CHOSEN, "caught")}

@@ -29,11 +29,11 @@ def examples(call, name: str) -> doctest.DocTest:
 
 def failures(call, name: str = "call") -> list[str]:
     """Return what is wrong with the examples of a call: none, one that only builds names, or another output."""
-    test, said = examples(call, name), []
+    test, output = examples(call, name), []
     if not any(example.want for example in test.examples):
         return [f"{name}: no example that shows a value"]
-    doctest.DocTestRunner(verbose=False).run(test, out=said.append)
-    return said
+    doctest.DocTestRunner(verbose=False).run(test, out=output.append)
+    return output
 
 
 @pytest.mark.parametrize("name", CALLS)

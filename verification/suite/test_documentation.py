@@ -70,8 +70,8 @@ def missing_errata(text: str) -> list[str]:
 
 def blocks(text: str) -> list[str]:
     """Python examples that solve something, but for the files that the page prints."""
-    found = re.findall(r"(<!-- file: \S+ -->\n)?```python\n(.*?)```", text, re.DOTALL)
-    return [code for file, code in found if not file and "benchmarks.peers" not in code]
+    result = re.findall(r"(<!-- file: \S+ -->\n)?```python\n(.*?)```", text, re.DOTALL)
+    return [code for file, code in result if not file and "benchmarks.peers" not in code]
 
 
 def half_digit(number: str) -> float:

@@ -32,55 +32,55 @@ def page(out: Path) -> Page:
     return Page((out / "index.html").read_text(encoding="utf-8"))
 
 
-def words(found: Page) -> str:
+def words(result: Page) -> str:
     """The text of the page without tags, on one line."""
-    return " ".join(re.sub(r"<[^>]+>", " ", found.text).split())
+    return " ".join(re.sub(r"<[^>]+>", " ", result.text).split())
 
 
 @pytest.fixture(scope="module")
 def built(tmp_path_factory):
     """(folder, result files by program, page) of a few cheap parts."""
     out = tmp_path_factory.mktemp("dynamics")
-    found = {program: measure(program, out / "results", "--parts", *parts) for program, parts in CHEAP.items()}
-    return out, found, page(out)
+    results = {program: measure(program, out / "results", "--parts", *parts) for program, parts in CHEAP.items()}
+    return out, results, page(out)
 
 
 def test_report_shows_the_parts_that_were_measured_and_no_other(built):
     """Measured parts have their headings, others none; figures are described, every link leads somewhere."""
-    out, _, found = built
+    out, _, result = built
     for heading in (
         "The moving cable in time",
         "the line at rest",
         "Harmonic balance",
         "Compared with harmonic-balance",
     ):
-        assert heading in found.text
+        assert heading in result.text
     for heading in ("from rest to periodic", ">Drift<", "HB Table 2:", "HB Fig. 3:"):
-        assert heading not in found.text
-    assert undescribed(found) == [] and missing_files(found, out) == [] and broken_anchors(found) == []
+        assert heading not in result.text
+    assert undescribed(result) == [] and missing_files(result, out) == [] and broken_anchors(result) == []
 
 
 def test_report_quotes_the_measured_profile(built):
     """The caption of the profile holds the tensions of the result file, rounded."""
-    _, found, shown = built
-    tensions = found[TIME]["profile"]["fairlead"]
+    _, result, shown = built
+    tensions = result[TIME]["profile"]["fairlead"]
     assert f"{tensions['box scheme'] / 1e3:.3f} kN on 50 nodes" in words(shown)
     assert f"{tensions['catenary'] / 1e3:.3f} kN on the catenary" in words(shown)
 
 
 def test_report_keeps_the_data_of_its_figures(built):
     """The CSV beside the profile holds every node and every point of the catenary, unrounded."""
-    out, found, _ = built
+    out, result, _ = built
     rows = (out / "tables" / "dynamics_profile.csv").read_text(encoding="utf-8").splitlines()
-    profile = found[TIME]["profile"]
+    profile = result[TIME]["profile"]
     assert len(rows) == 1 + len(profile["nodes"]["s"]) + len(profile["catenary"]["s"])
     assert repr(profile["nodes"]["tension"][-1]) in rows[len(profile["nodes"]["s"])]
 
 
 def test_report_follows_its_results_and_says_what_is_not_reached(built):
     """Planted results change the words: no number is typed in, and a gain below the bound is called not reached."""
-    out, found, _ = built
-    planted = json.loads(json.dumps(found))
+    out, result, _ = built
+    planted = json.loads(json.dumps(result))
     planted[TIME]["profile"]["distance"] = 0.123
     planted[TIME]["profile"]["fairlead"]["box scheme"] = 1234567.0
     seconds = planted[BALANCE]["fields"]["seconds"]
@@ -101,10 +101,10 @@ def test_report_of_every_part_is_whole(tmp_path, deep):
         return
     for program in CHEAP:
         measure(program, tmp_path / "results")
-    found = page(tmp_path)
+    result = page(tmp_path)
     for heading in ("Orders of accuracy", "from rest to periodic", "Tension in space and time", "Drift", "HB Table 2",
                     "Error against run time", "HB Figs. 6 to 9", "HB Fig. 3", "HB Fig. 4", "The constant term",
                     "How many harmonics", "Spectra and envelopes", "Until the tension vanishes", "Cost"):  # fmt: skip
-        assert heading in found.text, heading
-    assert undescribed(found) == [] and missing_files(found, tmp_path) == [] and broken_anchors(found) == []
-    assert "drift of the fairlead" in found.text and "time of time domain" in found.text
+        assert heading in result.text, heading
+    assert undescribed(result) == [] and missing_files(result, tmp_path) == [] and broken_anchors(result) == []
+    assert "drift of the fairlead" in result.text and "time of time domain" in result.text

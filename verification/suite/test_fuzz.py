@@ -85,21 +85,21 @@ ANYTHING = NOT_A_NUMBER | any_number | st.integers() | st.text(max_size=4) | st.
 VECTORS = ANYTHING | st.lists(NOT_A_NUMBER | any_number, max_size=4) | st.tuples(any_number, any_number, any_number)
 
 
-def ends_well(call, named: str = "", result=lambda found: True) -> bool:
+def ends_well(call, named: str = "", result=lambda outcome: True) -> bool:
     """call() gives a result that ``result`` accepts, or a named error soon; True: the error."""
     refused = True
     start = time.perf_counter()
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         try:
-            found = call()
+            outcome = call()
         except ConvergenceError as error:
             assert len(str(error)) > 8, str(error)
         except InputError as error:
             message = str(error)
             assert named in message and len(message) > 8, f"the error does not name {named!r}: {message!r}"
         else:
-            assert result(found), f"accepted, with {found!r}"
+            assert result(outcome), f"accepted, with {outcome!r}"
             refused = False
     spent = time.perf_counter() - start
     assert spent < SLOWEST, f"{spent:.1f} s"
@@ -116,15 +116,15 @@ def fuzzed(count: int, refused: int, *strategies):
         bad.append(refused)
 
         def run(deep, tmp_path_factory):
-            folder, times, told = tmp_path_factory.mktemp("fuzz"), DEEP if deep else 1, []
+            folder, times, message = tmp_path_factory.mktemp("fuzz"), DEEP if deep else 1, []
 
             @settings(max_examples=count * times)
             @given(st.tuples(*strategies))
             def examples(drawn):
-                told.append(check(folder, *drawn))
+                message.append(check(folder, *drawn))
 
             examples()
-            assert sum(told) >= refused * times, f"{sum(told)} of {len(told)} inputs were bad"
+            assert sum(message) >= refused * times, f"{sum(message)} of {len(message)} inputs were bad"
 
         run.__name__, run.__doc__ = check.__name__, check.__doc__
         return run
@@ -162,13 +162,13 @@ def field_ends_well(where, value) -> bool:
     known = "" if optional else _word(kind, name)
 
     def kept(made):
-        held = getattr(made, name)
-        held = 0.0 if held is None and optional else held
+        valid = getattr(made, name)
+        valid = 0.0 if valid is None and optional else valid
         if name == "kind":
-            return held in ("fixed", "free", "coupled")
+            return valid in ("fixed", "free", "coupled")
         if name == "ends":  # of nodes, which the network counts
-            return all(isinstance(end, int) for end in held)
-        return name == "seabed" or kind is Network or bool(np.isfinite(np.asarray(held, dtype=float)).all())
+            return all(isinstance(end, int) for end in valid)
+        return name == "seabed" or kind is Network or bool(np.isfinite(np.asarray(valid, dtype=float)).all())
 
     return ends_well(lambda: kind(**(GOOD[kind] | {name: value})), known, kept)
 
@@ -389,9 +389,9 @@ def test_values_without_truth(value):
             keyword_ends_well((solver, name), value)
 
 
-def _finite(found) -> bool:
+def _finite(result) -> bool:
     """No NaN leaves a solver as a success."""
-    numbers = [getattr(found, name, 0.0) for name in ("y", "z", "r", "frequencies", "residual_norm")]
+    numbers = [getattr(result, name, 0.0) for name in ("y", "z", "r", "frequencies", "residual_norm")]
     return all(np.isfinite(np.asarray(part, dtype=float)).all() for part in numbers)
 
 
@@ -415,4 +415,4 @@ def test_the_deep_run_meets_enough_bad_inputs():
 def test_the_rule_finds_planted_faults(call):
     """Another exception, a warning, a message without the name, an empty message and a NaN each turn the rule red."""
     with pytest.raises((AssertionError, ZeroDivisionError, KeyError, UserWarning)):
-        ends_well(call, "field", lambda found: found is not None and math.isfinite(found))
+        ends_well(call, "field", lambda result: result is not None and math.isfinite(result))

@@ -90,8 +90,8 @@ def sentences(source: str) -> list[str]:
             left_out.add(id(node.value))
         if isinstance(node, ast.FormattedValue) and node.format_spec:
             left_out |= {id(part) for part in ast.walk(node.format_spec)}
-    found = [n.value for n in ast.walk(tree) if isinstance(n, ast.Constant) and id(n) not in left_out]
-    return [text for text in found if isinstance(text, str) and " " in text.strip()]
+    results = [n.value for n in ast.walk(tree) if isinstance(n, ast.Constant) and id(n) not in left_out]
+    return [text for text in results if isinstance(text, str) and " " in text.strip()]
 
 
 NO_PAGE = ("runner.py", "style.py", "stages.py", "__main__.py", "compare.py", "progress.py")
@@ -113,7 +113,7 @@ def test_no_template_holds_a_measured_number(path):
 def test_no_sentence_holds_a_measured_number(path):
     """Nor has a sentence in the modules that write the page."""
     if path.name not in NO_PAGE:
-        assert not [found for text in sentences(path.read_text(encoding="utf-8")) for found in typed(text)]
+        assert not [result for text in sentences(path.read_text(encoding="utf-8")) for result in typed(text)]
 
 
 @pytest.mark.parametrize(
@@ -122,7 +122,7 @@ def test_no_sentence_holds_a_measured_number(path):
 def test_a_typed_number_is_found(text):
     """A planted number in a template, in an expression of one and in a sentence of a module."""
     assert typed(template_text(f"<p>{text}</p>")) and typed(template_text('{{ x or "' + text + '" }}'))
-    assert any(typed(found) for found in sentences(f'said = f"{{x}} {text}"'))
+    assert any(typed(result) for result in sentences(f'said = f"{{x}} {text}"'))
 
 
 def test_labels_and_exceptions_are_no_numbers():
@@ -235,12 +235,12 @@ def test_lines_to_paste_run(scene_page):
     for block in blocks:
         printed = [[float(v) for v in line.split("# ")[1].removesuffix(" N").split(", ")]
                    for line in block.splitlines() if line.startswith("state.tension")]  # fmt: skip
-        found = []
+        results = []
         exec(
             block.replace("state.tension, state.H, state.V", "found.append((state.tension, state.H, state.V))"),
-            {"found": found},
+            {"found": results},
         )
-        for got, wanted in zip(found, printed, strict=True):
+        for got, wanted in zip(results, printed, strict=True):
             assert all(
                 math.isclose(a, b, rel_tol=1e-5, abs_tol=1e-5 * wanted[0]) for a, b in zip(got, wanted, strict=True)
             )

@@ -48,8 +48,8 @@ class Page(HTMLParser):
 
 def fetched(page: Page) -> list[str]:
     """Addresses that a browser fetches from elsewhere while it shows the page."""
-    found = [e.attributes.get(name) for e in page.elements for tag, name in EMBEDDED if e.tag == tag]
-    return [address for address in found if address and not address.startswith(("#", "data:"))]
+    results = [e.attributes.get(name) for e in page.elements for tag, name in EMBEDDED if e.tag == tag]
+    return [address for address in results if address and not address.startswith(("#", "data:"))]
 
 
 def undescribed(page: Page) -> list[dict]:
@@ -74,14 +74,14 @@ def broken_anchors(page: Page) -> list[str]:
 
 def misaligned(text: str) -> list[str]:
     """Cells of tables whose alignment is not that of the heading of their column."""
-    found = []
+    results = []
     for table in re.findall(r"<table>(.*?)</table>", text, re.DOTALL):
         head, _, body = table.partition("</thead>")
         columns = [is_number(tag) for tag in re.findall(r"<th[ >][^>]*>?", head.rpartition("<tr>")[2])]
         for row in re.findall(r"<tr>(.*?)</tr>", body, re.DOTALL):
             cells = re.findall(r"(<td[^>]*>)(.*?)</td>", row, re.DOTALL)
-            found += [cell for (tag, cell), column in zip(cells, columns, strict=True) if is_number(tag) != column]
-    return found
+            results += [cell for (tag, cell), column in zip(cells, columns, strict=True) if is_number(tag) != column]
+    return results
 
 
 def is_number(tag: str) -> bool:
@@ -192,15 +192,15 @@ def test_networks_are_on_the_page(whole_pages):
     """With results there are all parts of the section, figures, tables and verdicts; without, a note that says so."""
     (_, without), (folder, text) = whole_pages
     assert "Not run yet" in section(without, "networks") and "<h3" not in section(without, "networks")
-    found = section(text, "networks")
-    headings = [heading for heading in re.findall(r"<h3[^>]*>(.*?)</h3>", found) if heading != "Compared with MoorPy"]
+    result = section(text, "networks")
+    headings = [heading for heading in re.findall(r"<h3[^>]*>(.*?)</h3>", result) if heading != "Compared with MoorPy"]
     assert [heading.replace("&#39;", "'") for heading in headings] == list(NETWORK_HEADINGS)
     for name in NETWORK_FIGURES:
-        assert f'href="figures/networks_{name}.png"' in found
+        assert f'href="figures/networks_{name}.png"' in result
     strip = text.partition('<ul class="strip">')[2].partition("</ul>")[0]
     assert 'href="#networks"' in strip and "over monolithic analytic" in strip
     assert missing_files(Page(text), folder) == [] and undescribed(Page(text)) == []
-    assert "None" not in re.sub(r"<svg.*?</svg>", "", found, flags=re.DOTALL)
+    assert "None" not in re.sub(r"<svg.*?</svg>", "", result, flags=re.DOTALL)
 
 
 def test_cells_stand_as_their_headings(whole_pages):

@@ -39,10 +39,10 @@ def report(*arguments) -> subprocess.CompletedProcess:
 def wait_for(condition, seconds: float = LONGEST / 2):
     """Wait until ``condition()`` holds and return what it gives."""
     end = time.monotonic() + seconds
-    while not (found := condition()):
+    while not (result := condition()):
         assert time.monotonic() < end, f"not within {seconds:g} s"
         time.sleep(0.02)
-    return found
+    return result
 
 
 # ---------------------------------------------------------------- planted stages, killed in the middle
@@ -160,8 +160,8 @@ def test_a_stage_that_ends_first_leaves_no_child(tmp_path, planted, how):
 
 
 @needs_kill
-@pytest.mark.parametrize("told", [signal.SIGTERM, signal.SIGINT])
-def test_a_guard_that_is_told_to_end_ends_its_stage(tmp_path, planted, told):
+@pytest.mark.parametrize("signalled", [signal.SIGTERM, signal.SIGINT])
+def test_a_guard_that_is_told_to_end_ends_its_stage(tmp_path, planted, signalled):
     """The stage, its child, and the output that a report would wait for; the status is that of shells."""
     beats, part = tmp_path / "beats", tmp_path / "part"
     command = [
@@ -179,9 +179,9 @@ def test_a_guard_that_is_told_to_end_ends_its_stage(tmp_path, planted, told):
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
     with subprocess.Popen(command, cwd=ROOT, env=environment, start_new_session=True, **pipes) as guard:
         wait_for(beats.exists)
-        guard.send_signal(told)
+        guard.send_signal(signalled)
         guard.communicate(timeout=ENDS_WITHIN)
-    assert guard.returncode == 128 + told
+    assert guard.returncode == 128 + signalled
     wait_for(lambda: silent(beats), ENDS_WITHIN)
 
 
@@ -283,8 +283,8 @@ def regeneration(folder: Path) -> subprocess.Popen:
 
 def members(group: int) -> list[str]:
     """Processes of a process group that are not over."""
-    found = subprocess.run(["ps", "-eo", "pgid=,stat=,pid="], capture_output=True, text=True, check=True).stdout
-    return [pid for pgid, stat, pid in map(str.split, found.splitlines()) if int(pgid) == group and stat[0] != "Z"]
+    run = subprocess.run(["ps", "-eo", "pgid=,stat=,pid="], capture_output=True, text=True, check=True).stdout
+    return [pid for pgid, stat, pid in map(str.split, run.splitlines()) if int(pgid) == group and stat[0] != "Z"]
 
 
 @needs_kill
@@ -346,9 +346,9 @@ def test_comparison_sees_what_is_worse_and_no_noise(tmp_path, part, change, code
     """Planted: a slow-down, a lost digit and a failure alarm with status 1; what is within the spread does not."""
     for name, run in (("a", RUN_A), ("b", RUN_A | {"commit": "b2", part: RUN_A[part] | change})):
         (tmp_path / f"{name}.json").write_text(json.dumps(run))
-    found = report("compare", tmp_path / "a.json", tmp_path / "b.json")
-    assert found.returncode == code, found.stdout + found.stderr
-    assert says in found.stdout
+    result = report("compare", tmp_path / "a.json", tmp_path / "b.json")
+    assert result.returncode == code, result.stdout + result.stderr
+    assert says in result.stdout
 
 
 def test_times_of_two_machines_are_not_compared(tmp_path):
@@ -356,16 +356,16 @@ def test_times_of_two_machines_are_not_compared(tmp_path):
     slow = RUN_A | {"machine": "two", "times": {"benchmark | case": [9.0, 9.0, 9.0]}}
     for name, run in (("a", RUN_A), ("b", slow)):
         (tmp_path / f"{name}.json").write_text(json.dumps(run))
-    found = report("compare", tmp_path / "a.json", tmp_path / "b.json")
-    assert found.returncode == 0 and "different machines" in found.stdout
+    result = report("compare", tmp_path / "a.json", tmp_path / "b.json")
+    assert result.returncode == 0 and "different machines" in result.stdout
 
 
 def test_comparison_of_what_is_not_there(tmp_path):
     """Status 2 and a sentence; without any run, the list says how to get one."""
-    found = report("compare", "no-such-commit", "--out", tmp_path)
-    assert found.returncode == 2 and "no file and no saved commit" in found.stderr and "Traceback" not in found.stderr
-    found = report("compare", "--out", tmp_path)
-    assert found.returncode == 0 and "nothing is saved" in found.stdout
+    run = report("compare", "no-such-commit", "--out", tmp_path)
+    assert run.returncode == 2 and "no file and no saved commit" in run.stderr and "Traceback" not in run.stderr
+    run = report("compare", "--out", tmp_path)
+    assert run.returncode == 0 and "nothing is saved" in run.stdout
 
 
 # ---------------------------------------------------------------- pictures, beside the drawing
@@ -388,11 +388,11 @@ print("whole")
 @pytest.mark.parametrize(("bad", "code"), [(-1, 0), (4, 1)])
 def test_a_picture_that_fails_stops_the_page(tmp_path, bad, code):
     """All pictures are there when the page is finished; where one could not be written there is no page."""
-    found = python(PICTURES, tmp_path, bad)
-    assert found.returncode == code, found.stderr
-    assert (found.stdout == "whole\n") == (code == 0)
+    run = python(PICTURES, tmp_path, bad)
+    assert run.returncode == code, run.stderr
+    assert (run.stdout == "whole\n") == (code == 0)
     assert (len(list(tmp_path.glob("*.png"))) == 9) == (code == 0)
-    assert ("ZeroDivisionError" in found.stderr) == (code == 1)
+    assert ("ZeroDivisionError" in run.stderr) == (code == 1)
 
 
 # ---------------------------------------------------------------- what cannot be done
@@ -412,9 +412,9 @@ def test_what_cannot_be_done_is_told_in_a_sentence(tmp_path, arguments, says):
     """Status 2, what is wrong and what to do instead; nothing is measured and no page written."""
     (tmp_path / "file").touch()
     words = [word.format(file=tmp_path / "file") for word in arguments]
-    found = report("--out", tmp_path / "out", *words)
-    assert found.returncode == 2 and says in " ".join(found.stderr.split()), found.stderr
-    assert "Traceback" not in found.stderr and not list(tmp_path.rglob("*.html"))
+    run = report("--out", tmp_path / "out", *words)
+    assert run.returncode == 2 and says in " ".join(run.stderr.split()), run.stderr
+    assert "Traceback" not in run.stderr and not list(tmp_path.rglob("*.html"))
 
 
 def test_a_command_is_shown_with_its_real_folders():
@@ -434,8 +434,8 @@ def test_one_example_moves_and_the_quick_report_waits_for_none():
     )
     words = python(code + "if s.name.startswith('scene_')))").stdout.split()
     pairs = zip(words[::2], words[1::2], strict=True)
-    found = [(Scene.load(path).motion is not None, late == "True") for path, late in pairs]
-    assert len(found) >= 4 and found.count((True, True)) == 1 and found.count((False, False)) == len(found) - 1
+    results = [(Scene.load(path).motion is not None, late == "True") for path, late in pairs]
+    assert len(results) >= 4 and results.count((True, True)) == 1 and results.count((False, False)) == len(results) - 1
 
 
 # ---------------------------------------------------------------- what a result depends on
@@ -445,13 +445,13 @@ def test_results_depend_on_what_is_imported():
         "from reports.pipeline.sources import *; import sys, json; "
         "print(json.dumps(depends_on([program(sys.argv[1])])))"
     )
-    found = {name: json.loads(python(code, name).stdout) for name in ("benchmarks.catenary.speed", "reports")}
+    results = {name: json.loads(python(code, name).stdout) for name in ("benchmarks.catenary.speed", "reports")}
     assert {"solvers/catenary/span.py", "benchmarks/run/harness.py", "benchmarks/peers/moorpy.py",
-            "reference_data/spans/data.csv"} <= set(found["benchmarks.catenary.speed"])  # fmt: skip
+            "reference_data/spans/data.csv"} <= set(results["benchmarks.catenary.speed"])  # fmt: skip
     assert not [
-        name for name in found["benchmarks.catenary.speed"] if "network.py" in name or name.startswith("reports")
+        name for name in results["benchmarks.catenary.speed"] if "network.py" in name or name.startswith("reports")
     ]
-    assert {"reports/page/templates/index.html.j2", "benchmarks/catenary/accuracy.py"} <= set(found["reports"])
+    assert {"reports/page/templates/index.html.j2", "benchmarks/catenary/accuracy.py"} <= set(results["reports"])
 
 
 USED = """

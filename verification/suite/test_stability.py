@@ -270,8 +270,8 @@ def test_steps_too_long_for_the_motion_are_told(rho_inf, hold):
 def test_drift_is_told():
     """Without a hold the fairlead of a violent motion moves away from its place; held, it does not."""
     system = at(SURGE_5, 20, amplitude=(8.0, 0.0, 0.0))
-    free, held = (solve_time_domain(system, dt=0.2, periods=6, hold=hold) for hold in (None, "position"))
-    assert "drift" in warned(free) and "drift" not in warned(held)
+    free, controlled = (solve_time_domain(system, dt=0.2, periods=6, hold=hold) for hold in (None, "position"))
+    assert "drift" in warned(free) and "drift" not in warned(controlled)
     assert f"{free.drift().max():.3g} m" in free.warnings[0]
 
 
@@ -305,8 +305,10 @@ def test_the_cure_of_a_drift_is_one_that_is_left():
 def test_the_hold_feeds_no_wave(nodes):
     """A millimetre of surge, in which nothing damps, for 20 periods: held, the end stays as near as it does free."""
     system = at(SURGE_5, nodes, amplitude=(1e-3, 0.0, 0.0))
-    free, held = (solve_time_domain(system, dt=0.5, periods=20, hold=hold).drift().max() for hold in (None, "position"))
-    assert held < 1.2 * free
+    free, controlled = (
+        solve_time_domain(system, dt=0.5, periods=20, hold=hold).drift().max() for hold in (None, "position")
+    )
+    assert controlled < 1.2 * free
 
 
 # ---------------------------------------------------------------- a slack chain on a seabed
@@ -518,13 +520,13 @@ def _loss(waves, radius, supposed, steps=8, settled=24, last=48):
     start = rest + shape.real, (value * shape).real
     history = solve_time_domain(system, dt=dt, duration=last * dt, start=start, **options)
     flat = (history.y - rest[..., None]).swapaxes(0, 1).reshape(rest.size, -1)
-    found = abs(left[:, mode].conj() @ B @ flat)
+    result = abs(left[:, mode].conj() @ B @ flat)
     z, f = value * dt, 1 / (1 + supposed)
     a = (3 - supposed) / (2 + 2 * supposed)
     g = 0.5 + a - f  # Jansen, Whiting and Hulbert (2000)
     roots = np.roots(np.polymul([1, -1], [a, 1 - a]) - z * np.polymul([f, 1 - f], [g, 1 - g]))
     principal = abs(roots[abs(roots - np.exp(z)).argmin()])
-    return 1 - (found[last] / found[settled]) ** (steps / (last - settled)), 1 - principal**steps
+    return 1 - (result[last] / result[settled]) ** (steps / (last - settled)), 1 - principal**steps
 
 
 def _lengthwise(vector, system) -> bool:

@@ -42,6 +42,6 @@ def assert_order(steps, errors, order, *, ceiling, floor=0.0, band=BAND, what=""
     keep = ~(abs(e) <= floor)  # nan stays, and fails
     table = "\n".join(f"  h = {a:.6g}   error = {b:.6g}" for a, b in zip(h, e, strict=True))
     assert keep.sum() >= 2, f"{what}: fewer than two errors above the floor {floor:g}\n{table}"
-    found = observed_orders(h[keep], e[keep])
-    assert abs(found[-1] - order) <= band, f"{what}: orders {found}, wanted {order} +- {band:g}\n{table}"
+    result = observed_orders(h[keep], e[keep])
+    assert abs(result[-1] - order) <= band, f"{what}: orders {result}, wanted {order} +- {band:g}\n{table}"
     assert abs(e[-1]) <= ceiling, f"{what}: last error {e[-1]:.6g} above the ceiling {ceiling:g}\n{table}"

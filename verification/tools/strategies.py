@@ -118,6 +118,6 @@ def _line(draw, nodes, ends, size, weight, EA, seabed) -> ElementCase:
     chord = max(math.dist(first.r, last.r), 1e-3 * size)
     L = chord * draw(st.floats(0.8, 1.0) | st.floats(1.0, 1.1) | st.floats(1.0, 2.5))
     w = weight * draw(st.floats(0.3, 3.0) | powers(-3, 0) | st.just(0.0) | st.floats(-1.0, -0.1))
-    held = seabed and first.kind != "free"
-    friction = draw(st.just(0.0) | st.floats(0.0, 1.0)) if held else 0.0
+    is_held = seabed and first.kind != "free"
+    friction = draw(st.just(0.0) | st.floats(0.0, 1.0)) if is_held else 0.0
     return ElementCase(w, EA * draw(powers(-2, 2)), L, ends, friction)

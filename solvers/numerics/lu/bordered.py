@@ -46,8 +46,8 @@ class BlockChain:
             at, done = slice(done, done + len(left)), done + len(left)
             beside = border[at.start + 1 : at.stop + 1]
             left, right = (_block(part, real, at.stop - at.start, n, n) for part in (left, right))
-            found = self.opened[at], self.cell[at], self.ahead[at], self.columns[at], self.rows[at]
-            singular += _eliminate(rest, left, right, beside, *found, self.signs)
+            result = self.opened[at], self.cell[at], self.ahead[at], self.columns[at], self.rows[at]
+            singular += _eliminate(rest, left, right, beside, *result, self.signs)
         if done != nodes - 1:
             raise ValueError(f"cells: {done} of them do not lie between {nodes} nodes")
         getrf = lapack.sgetrf if real == np.float32 else lapack.dgetrf
@@ -220,17 +220,17 @@ def _solve(start, cells, end, border, opened, cell, ahead, columns, rows, last, 
     """Solution (N, n) for right-hand sides (p,), (N - 1, n), (n - p - k,) and (k,)."""
     m, q, n = ahead.shape
     p, k = n - q, border.size
-    found, x = np.empty((m, n), signs.dtype), np.empty((m + 1, n), signs.dtype)
+    result, x = np.empty((m, n), signs.dtype), np.empty((m + 1, n), signs.dtype)
     rest, right = np.empty(p + k, signs.dtype), np.empty(n + k, signs.dtype)
     rest[:p], rest[p:] = start, border
     for i in range(m):
-        o, c, f = opened[i], cell[i], found[i]
+        o, c, f = opened[i], cell[i], result[i]
         for r in range(n):
             right[r] = cells[i, rows[i, r]]
         right[n:] = rest[p:]
         f[:p] = rest[:p]
-        _trsv(_UPPER, _TURNED, _ANY, p, _at(o, 0, 0), n, _at(found, i, 0), signs)
-        _gemv(_PLAIN, n + k, p, _at(c, 0, 0), n + k, _at(found, i, 0), right.ctypes.data, signs)
+        _trsv(_UPPER, _TURNED, _ANY, p, _at(o, 0, 0), n, _at(result, i, 0), signs)
+        _gemv(_PLAIN, n + k, p, _at(c, 0, 0), n + k, _at(result, i, 0), right.ctypes.data, signs)
         _trsv(_LOWER, _PLAIN, _ONES, q, _at(c, p, 0), n + k, right.ctypes.data, signs)
         _gemv(_PLAIN, p + k, q, _at(c, p, q), n + k, right.ctypes.data, right[q:].ctypes.data, signs)
         f[p:] = right[:q]
@@ -241,11 +241,11 @@ def _solve(start, cells, end, border, opened, cell, ahead, columns, rows, last, 
     _trsv(_LOWER, _PLAIN, _ONES, n, _at(last, 0, 0), n, _at(x, m, 0), signs)
     _trsv(_UPPER, _PLAIN, _ANY, n, _at(last, 0, 0), n, _at(x, m, 0), signs)
     for i in range(m - 1, -1, -1):
-        o, c, f = opened[i], cell[i], found[i]
-        _gemv(_TURNED, n, q, _at(ahead[i], 0, 0), n, _at(x, i + 1, 0), _at(found, i, p), signs)
-        _trsv(_UPPER, _PLAIN, _ANY, q, _at(c, p, 0), n + k, _at(found, i, p), signs)
-        _gemv(_TURNED, q, p, _at(o, 0, p), n, _at(found, i, p), _at(found, i, 0), signs)
-        _trsv(_LOWER, _TURNED, _ONES, p, _at(o, 0, 0), n, _at(found, i, 0), signs)
+        o, c, f = opened[i], cell[i], result[i]
+        _gemv(_TURNED, n, q, _at(ahead[i], 0, 0), n, _at(x, i + 1, 0), _at(result, i, p), signs)
+        _trsv(_UPPER, _PLAIN, _ANY, q, _at(c, p, 0), n + k, _at(result, i, p), signs)
+        _gemv(_TURNED, q, p, _at(o, 0, p), n, _at(result, i, p), _at(result, i, 0), signs)
+        _trsv(_LOWER, _TURNED, _ONES, p, _at(o, 0, 0), n, _at(result, i, 0), signs)
         for j in range(n):
             x[i, columns[i, j]] = f[j]
     return x
