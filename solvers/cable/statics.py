@@ -14,6 +14,7 @@ import numpy as np
 
 from ..catenary.span import Span, solve_span
 from ..common.outcome import InputError, Outcome, Status
+from ..common.types import as_system
 from ..common.validation import flags, one_of, positive_number
 from ..numerics.chain import BandedJacobian, Residual, stack
 from ..numerics.continuation import continue_in_load
@@ -82,8 +83,9 @@ class StaticState(Outcome):
 def solve_static(
     system: CableEquations, *, method: str = "box", tolerance: float = TOLERANCE, throw: bool = True
 ) -> StaticState:
-    """Return the equilibrium of the cable between its ends, HB (13)-(15).
+    """Return the equilibrium of the cable between its ends, HB (13)-(15), or of a line of nodes and elements.
 
+    A Scene is taken as ``mooring_system(scene)``; the MooringState of such a line is as exact as rounding allows.
     method: "box", the scheme (39) that the dynamic solvers use, or "shooting", the differential equations themselves
     from node to node, started from the former: its error is that of the integration, ten digits and more.
     Raises InputError for the system of a corrected response (``CableSystem.fourth_order``), ConvergenceError when no
@@ -96,6 +98,9 @@ def solve_static(
     """
     one_of("method", method, ("box", "shooting"))
     flags(throw=throw)
+    system = as_system(system)
+    if hasattr(system, "solve_static"):  # a moving line of nodes and elements
+        return system.solve_static(throw=throw)
     tolerance = positive_number("tolerance", tolerance, "(mean change of a state)")
     if tolerance < _ROUNDING:
         problem = f"{tolerance:g} must be at least {_ROUNDING:g}: rounding moves a state by as much"

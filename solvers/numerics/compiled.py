@@ -8,9 +8,10 @@ from numba import njit
 def compiled(loop):
     """Return the loop compiled at its first call, cached on disk for all processes where numba finds a folder.
 
-    What a loop calls has to stand in its own file: numba checks no other file for changes.
+    A division by zero gives inf or NaN, as in numpy, and other threads run beside the loop. What a loop calls has to
+    stand in its own file: numba checks no other file for changes.
     """
     try:
-        return njit(cache=True)(loop)
+        return njit(cache=True, nogil=True, error_model="numpy")(loop)
     except RuntimeError:
-        return njit(loop)
+        return njit(nogil=True, error_model="numpy")(loop)

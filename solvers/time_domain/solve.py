@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from ..common import diagnostics
 from ..common.outcome import InputError, Outcome, Status
 from ..common.response import Response
+from ..common.types import as_system
 from ..common.validation import flags, one_of, positive_number, real_array, real_number, whole_number
 from ..numerics.chain import ChainSystem
 from .drift_control import DRIFT_CONTROLS
@@ -102,7 +103,7 @@ def solve_time_domain(
     duration: float | None = None,
     rho_inf: float = 0.5,
     scheme: Scheme | None = None,
-    tolerance: float = 1e-10,
+    tolerance: float | None = None,
     step_tolerance: float | None = None,
     ramp: float | None = None,
     start: Sequence[ArrayLike | None] | None = None,
@@ -114,11 +115,15 @@ def solve_time_domain(
 ) -> TimeHistory:
     """Integrate the chain from rest, or from ``start`` = (y, ydot or None), over ``periods`` or a ``duration`` in s.
 
+    system: a cable on the box scheme (``cable_system``), a line of nodes and elements (``mooring_system``), which goes
+    through slack and takes neither scheme, hold nor allow_invalid, or a Scene, taken as ``mooring_system(scene)``; of
+    lines the result is a MooringHistory. A list of lines is integrated side by side, one core each: a list of results.
     dt: step in s, made to divide the duration; with step_tolerance (error of a step relative to the largest value of
     each field, or the chain's scale) the longest step.
     rho_inf: spectral radius at infinite frequency (near 1 the shortest waves are not damped, and a motion may feed
     them); or scheme, a Scheme.
-    tolerance: mean |dy| of the last Newton step, HB (76).
+    tolerance: mean |dy| of the last Newton step, HB (76), 1e-10 by default; of a line of nodes and elements that part
+    of the largest change of a tension which the last Newton step may make, 1e-4 by default.
     ramp: time in s over which the motion grows from rest (none from a ``start``). Default: half a period, HB 4.3; where
     a step fails or a state is invalid within the first two periods, which so short a ramp alone may cause, a history of
     two periods or more is integrated again with a ramp of one period, unless allow_invalid; ``failed_ramp`` and a
@@ -139,6 +144,13 @@ def solve_time_domain(
     >>> round(float(history.fairlead_tension(40.0)) / 1e6, 2)  # MN
     1.28
     """
+    system = as_system(system)
+    if hasattr(system, "solve_time_domain"):  # a moving line of nodes and elements
+        options = _options_of_a_line(tolerance, scheme, hold, allow_invalid)
+        return system.solve_time_domain(dt=dt, periods=periods, duration=duration, rho_inf=rho_inf, ramp=ramp,
+                                        step_tolerance=step_tolerance, start=start, every=every, progress=progress,
+                                        throw=throw, **options)  # fmt: skip
+    tolerance = 1e-10 if tolerance is None else tolerance
     end = _duration(system, periods, duration)
     dt, tolerance = positive_number("dt", dt, "s"), positive_number("tolerance", tolerance, "(mean change of a state)")
     if dt > end:
@@ -180,6 +192,19 @@ def solve_time_domain(
     if not throw or (allow_invalid and history.status is not Status.STEP_FAILED):
         return history
     return history.or_raise(_given(history, dt, tried))
+
+
+def _options_of_a_line(tolerance, scheme, hold, allow_invalid) -> dict:
+    """Return the options for a line of nodes and elements; raises InputError for those that mean nothing to it."""
+    for name, value, default in (
+        ("scheme", scheme, None),
+        ("hold", hold, "position"),
+        ("allow_invalid", allow_invalid, False),
+    ):
+        if value is not default and value != default:
+            problem = f"{value!r} has no meaning for a line of nodes and elements; leave it out"
+            raise InputError(problem, field=name, value=value)
+    return {} if tolerance is None else {"tolerance": tolerance}
 
 
 def _given(history, dt, ramps) -> str:

@@ -39,7 +39,7 @@ MAY_IMPORT = {
 }  # fmt: skip
 
 # Rooms of solvers from the lowest to the highest: imports between rooms run only downwards.
-ROOMS = ("common", "numerics", "catenary", "network", "cable", "time_domain", "harmonic_balance", "io")
+ROOMS = ("common", "numerics", "catenary", "network", "cable", "time_domain", "harmonic_balance", "mooring", "io")
 # The dynamic solvers know chains only, and no line.
 UNRELATED = {"time_domain": ("catenary", "network", "cable"),
              "harmonic_balance": ("catenary", "network", "cable", "time_domain")}  # fmt: skip

@@ -1,0 +1,139 @@
+"""Results of a moving line over time, and what they say of slack."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from ..common.outcome import InputError, Outcome, Status
+from ..common.validation import real_array
+
+_ROUNDING = 1e-12  # of the duration, that rounding may leave
+_SAMPLES = 64  # in a period for each harmonic asked for
+
+
+class Slack(NamedTuple):
+    """A time in which some cell is slack: start and end in s, the cells that ever are (indices from the anchor)."""
+
+    start: float
+    end: float
+    cells: tuple[int, ...]
+
+
+class LineOutputs:
+    """Outputs over time that a history and a periodic response of a moving line share.
+
+    system, time (K,), y, ydot, yddot (n, N, K). Forces are those of the line on what holds it, N, public frame.
+    """
+
+    @cached_property
+    def _forces(self):
+        return self.system.forces(self.y, self.ydot, self.yddot)
+
+    @property
+    def forces(self) -> np.ndarray:
+        """Force on what holds each node at the stored times, (3, N, K), N; at free nodes what the steps left."""
+        return self._forces[0]
+
+    @property
+    def tension(self) -> np.ndarray:
+        """Tension of the cells at the stored times, (C, K), N."""
+        return self._forces[1]
+
+    @cached_property
+    def r(self) -> np.ndarray:
+        """Positions of the nodes at the stored times, (3, N, K), m."""
+        return self.system.positions(self.y)
+
+    def field(self, name: str) -> np.ndarray:
+        """Return one of ``system.fields`` at stored times, (N, K), m."""
+        return self.y[self.system.fields.index(name)]
+
+    @property
+    def fairlead_force(self) -> np.ndarray:
+        """Force on the vessel at the stored times, (3, K), N."""
+        return self.forces[:, -1]
+
+    @property
+    def anchor_force(self) -> np.ndarray:
+        """Force on the anchor at the stored times, (3, K), N."""
+        return self.forces[:, 0]
+
+    def tension_harmonics(self, k: int) -> np.ndarray:
+        """Return mean and amplitudes of harmonics 1..k of the fairlead tension over the last period, (k + 1,), N."""
+        first, period = self.last_period
+        n = _SAMPLES * (k + 1)
+        spectrum = np.fft.rfft(self.fairlead_tension(first + period * np.arange(n) / n)) / n
+        return np.concatenate([[spectrum[0].real], 2 * abs(spectrum[1 : k + 1])])
+
+
+@dataclass(frozen=True)
+class MooringHistory(LineOutputs, Outcome):
+    """Motion over time: time (K,) s; y, ydot, yddot (n, N, K): coordinates of the nodes in m, their rates.
+
+    residual_norm: error of the last Newton step, the largest change of a tension or position, over the greatest tension
+    at rest or the length. steps taken; cut: how often a step was taken again in more parts. ramp: time over which the
+    motion grew from rest, s. event: (time in s, node) where a step failed however short, None on success.
+    """
+
+    system: object = field(repr=False)
+    ramped_system: object = field(repr=False)
+    time: np.ndarray = field(repr=False)
+    y: np.ndarray = field(repr=False)
+    ydot: np.ndarray = field(repr=False)
+    yddot: np.ndarray = field(repr=False)
+    status: Status
+    iterations: int
+    factorisations: int
+    residual_norm: float
+    steps: int
+    cut: int
+    ramp: float = 0.0
+    event: tuple[float, int] | None = None
+
+    @property
+    def last_period(self) -> tuple[float, float]:
+        """Start of the last whole period that is stored, and the period, s. Raises InputError without one."""
+        period = self.system.period
+        if period is None or self.time[-1] - self.time[0] < period * (1 - _ROUNDING):
+            problem = f"{self.time[-1] - self.time[0]:g} s are stored, no whole period ({period} s)"
+            raise InputError(problem, field="time", value=self.time, unit="s")
+        return max(self.time[0], self.time[-1] - period), period
+
+    @cached_property
+    def _spline(self):
+        return CubicSpline(self.time, np.linalg.norm(self.fairlead_force, axis=0))
+
+    def fairlead_tension(self, t) -> np.ndarray:
+        """Return the size of the force on the vessel at times t in s, any shape, N: a cubic spline of that at the steps.
+
+        Raises InputError outside the history.
+        """
+        try:
+            t = real_array(t)
+        except (TypeError, ValueError):
+            raise InputError(f"{t!r} must be real numbers (s)", field="t", value=t, unit="s") from None
+        rounding = _ROUNDING * self.time[-1]
+        inside = (t >= self.time[0] - rounding) & (t <= self.time[-1] + rounding)
+        if not np.all(inside):
+            problem = f"{t[~inside].flat[0]:g} s is outside the history, {self.time[0]:g} to {self.time[-1]:g} s"
+            raise InputError(problem, field="t", value=t, unit="s")
+        return self._spline(t)
+
+    @cached_property
+    def slack(self) -> tuple[Slack, ...]:
+        """The times in which some cell is slack, as the stored times show them; slack is no failure."""
+        loose = self.tension <= 0
+        some = np.concatenate([[False], loose.any(axis=0), [False]])
+        starts, ends = np.flatnonzero(some[1:] & ~some[:-1]), np.flatnonzero(some[:-1] & ~some[1:]) - 1
+        cells = (
+            tuple(np.flatnonzero(loose[:, a : b + 1].any(axis=1)).tolist()) for a, b in zip(starts, ends, strict=True)
+        )
+        return tuple(
+            Slack(float(self.time[a]), float(self.time[b]), which)
+            for a, b, which in zip(starts, ends, cells, strict=True)
+        )

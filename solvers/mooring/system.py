@@ -1,0 +1,218 @@
+"""The moving line that the solvers take: its arrays, its motion, and its equilibrium; what its states mean outside."""
+
+from __future__ import annotations
+
+import copy
+import math
+from functools import cached_property
+
+import numpy as np
+
+from ..common.motion import Ramped
+from ..common.outcome import InputError
+from ..common.validation import one_of, positive_number
+from .equations import Line, node_forces, residual, tangents
+from .history import MooringHistory
+from .mesh import mesh_of
+from .model import line_model
+from .statics import MooringState, solve_rest
+from .time_domain import solve_mooring_time_domain
+
+SLIP_SPEED = 0.01  # m/s, at which the regularised friction reaches 0.7 of Coulomb's
+_IN_PLANE = 1e-12  # out-of-plane parts below this share of a vector come from rounding its direction
+
+
+def mooring_system(
+    scene, cells: int = 50, *, mesh="fitted", fields="auto", motion=None, slip_speed=SLIP_SPEED, source=None
+) -> MooringSystem:
+    """Return the moving line of a Scene, or of a Network whose elements follow one another, as a MooringSystem.
+
+    cells: how many in total. mesh: "fitted" to the line at rest (finer where it bends and over the range that the
+    touchdown travels), "uniform", or unstretched arc lengths (N,) of the nodes in m.
+    fields: "planar" (along, z), "spatial" (x, y, z), or "auto": planar where line, current and motion lie in one
+    vertical plane. motion: displacement(t) and velocity(t), (3, *S) in m and m/s, in place of the scene's.
+    slip_speed: m/s, at which the friction of the seabed reaches 0.7 of Coulomb's.
+    source: t (S,) -> loads (S, N, n) on the nodes in N, along the axes of the system, for manufactured solutions.
+    Raises InputError naming the field for anything missing or out of range.
+
+    >>> chain = CableProperties(EA=384.243e6, diameter=0.09, mass_per_length=77.7066, Cdn=1.6)
+    >>> scene = Scene("my line", chain, 902.2, (0.0, 0.0, -320.0), (848.67, 0.0, -70.0))
+    >>> mooring_system(scene, cells=20).fields
+    ('along', 'z')
+    """
+    model = line_model(scene)
+    motion = getattr(scene, "motion", None) if motion is None else motion
+    if motion is not None and not callable(getattr(motion, "velocity", None)):
+        raise InputError(f"{motion!r} is no Motion, SampledMotion or FunctionMotion", field="motion", value=motion)
+    axes = _axes(model, fields, motion)
+    s = mesh_of(model, cells, mesh, motion)
+    return MooringSystem(model, s, axes, motion, positive_number("slip_speed", slip_speed, "m/s"), source)
+
+
+class MooringSystem:
+    """A line of N nodes and C = N - 1 cells in n axes, the last one up; see ``mooring_system``.
+
+    fields: names of the axes; s (N,): unstretched arc lengths, m; line: the arrays of ``equations.Line``;
+    held: indices of the nodes that are prescribed; period of the motion in s, or None.
+    """
+
+    def __init__(self, model, s, axes, motion, slip_speed, source=None):
+        self.model, self.s, self.axes, self.motion, self.source = model, s, axes, motion, source
+        self.fields = ("along", "z") if len(axes) == 2 else ("x", "y", "z")
+        self.nodes = s.size
+        self.period = getattr(motion, "period", None)
+        anchor = np.array(model.points[0].r)
+        self.origin = np.array([anchor[0], anchor[1], 0.0])
+        last = s.size - 1
+        self.held = np.array([i for i, p in ((0, model.points[0]), (last, model.points[-1])) if p.kind != "free"])
+        self.line = _line_arrays(model, s, axes, slip_speed)
+
+    # ------------------------------------------------------------ the same line, changed
+    def with_motion(self, motion) -> MooringSystem:
+        """Return the same line, of the same mesh and rest, with another motion of its last point."""
+        other = copy.copy(self)  # a rest that is solved for is kept
+        other.motion, other.period = motion, getattr(motion, "period", self.period)
+        return other
+
+    def ramped(self, duration) -> MooringSystem:
+        """Return the same line, its motion grown from rest over a duration in s."""
+        return self if self.motion is None else self.with_motion(Ramped(self.motion, duration))
+
+    def scaled(self, load_factor) -> MooringSystem:
+        """Return the same line with its motion multiplied by a number."""
+        return self.with_motion(self.motion.scaled(load_factor))
+
+    # ------------------------------------------------------------ about the equilibrium
+    @cached_property
+    def rest(self) -> MooringState:
+        """The discrete equilibrium of this mesh; raises ConvergenceError where there is none."""
+        return solve_rest(self)
+
+    def solve_static(self, throw=True) -> MooringState:
+        """Return the discrete equilibrium, as ``solvers.solve_static`` does."""
+        return self.rest if throw else solve_rest(self, throw=False)
+
+    def solve_time_domain(self, **options) -> MooringHistory:
+        """Return the motion over time, as ``solvers.solve_time_domain`` does."""
+        return solve_mooring_time_domain(self, **options)
+
+    def rest_state(self) -> np.ndarray:
+        """Return the coordinates of the nodes at rest, (n, N), m."""
+        return self.rest.y
+
+    def path(self, t) -> np.ndarray:
+        """Return position, velocity and acceleration of the prescribed nodes at times t (S,), (S, 3, P, n)."""
+        t = np.asarray(t, dtype=float)
+        path = np.zeros((t.size, 3, self.held.size, len(self.axes)))
+        path[:, 0] = self.place(np.array([self.model.points[0 if i == 0 else -1].r for i in self.held]).T).T
+        if self.motion is not None and self.held.size and self.held[-1] == self.nodes - 1:
+            path[:, 0, -1] += (self.axes @ self.motion.displacement(t)).T
+            path[:, 1, -1] = (self.axes @ self.motion.velocity(t)).T
+            path[:, 2, -1] = (self.axes @ _acceleration(self.motion, t)).T
+        return path
+
+    def forces(self, y, ydot, yddot):
+        """Return forces (3, N, K) on what holds the nodes, public frame, and tensions (C, K) of the cells, N."""
+        record = tuple(np.ascontiguousarray(part.transpose(2, 1, 0)) for part in (y, ydot, yddot))
+        forces, tensions = np.empty(record[0].shape), np.empty((len(record[0]), self.nodes - 1))
+        node_forces(self.line, record, forces, tensions)
+        return np.einsum("dc,knd->cnk", self.axes, forces), tensions.T
+
+    def acceleration(self, r, v) -> np.ndarray:
+        """Return the accelerations (N, n) in m/s^2 that balance positions and velocities (N, n); 0 where prescribed."""
+        nodes, n = r.shape
+        R, T, unit, zeros = np.empty_like(r), np.empty(nodes - 1), np.empty((nodes - 1, n)), np.zeros_like(r)
+        mass, right, left = np.empty((nodes, n, n)), np.empty((nodes - 1, n, n)), np.empty((nodes - 1, n, n))
+        no_tension = np.zeros(nodes - 1)
+        residual(self.line, r, v, zeros, no_tension, R, T, unit)
+        tangents(self.line, r, v, zeros, no_tension, (0.0, 0.0, 1.0), mass, right, left)
+        a = np.linalg.solve(mass, -R[..., None])[..., 0]
+        a[self.held] = self.path(np.zeros(1))[0, 2]
+        return a
+
+    def source_at(self, t) -> np.ndarray:
+        """Return the loads (S, N, n) in N that a source adds at times t (S,), or an empty array without one."""
+        n = len(self.axes)
+        return np.empty((0, self.nodes, n)) if self.source is None else np.ascontiguousarray(self.source(t))
+
+    # ------------------------------------------------------------ coordinates
+    def place(self, r) -> np.ndarray:
+        """Return coordinates (n, *S) of positions (3, *S) in the public frame, m."""
+        return np.tensordot(self.axes, r - self.origin.reshape(3, *(1,) * (np.ndim(r) - 1)), 1)
+
+    def positions(self, y) -> np.ndarray:
+        """Return positions (3, N, *S) in the public frame of coordinates (n, N, *S), m."""
+        return np.tensordot(self.axes.T, y, 1) + self.origin.reshape(3, *(1,) * (np.ndim(y) - 1))
+
+
+def _acceleration(motion, t) -> np.ndarray:
+    """Return the acceleration (3, S) of a motion, by differences of its velocity where it gives none."""
+    given = motion.motion if isinstance(motion, Ramped) else motion
+    if hasattr(given, "acceleration"):
+        return motion.acceleration(t)
+    h = 1e-5 * max(float(np.ptp(t)), 1e-9)
+    return (motion.velocity(t + h) - motion.velocity(t - h)) / (2 * h)
+
+
+def _axes(model, fields, motion) -> np.ndarray:
+    """Return unit vectors of the coordinates, (2, 3) or (3, 3), the last one up."""
+    one_of("fields", fields, ("auto", "planar", "spatial"))
+    points = np.array([point.r for point in model.points])
+    level = points[-1, :2] - points[0, :2]
+    run = math.hypot(*level)
+    along = np.array([*(level / run), 0.0]) if run > 0 else np.array([1.0, 0.0, 0.0])
+    out = np.array([-along[1], along[0], 0.0])
+    forces = [np.array(point.force) for point in model.points]
+    vectors = [*(points - points[0]), np.array(model.environment.current), *forces]
+    vectors += [] if motion is None else list(np.asarray(motion.directions()))
+    planar = all(abs(v @ out) <= _IN_PLANE * np.linalg.norm(v) for v in vectors)
+    if fields == "planar" and not planar:
+        problem = "'planar', but a point, the current or the motion leaves the line's vertical plane"
+        raise InputError(problem, field="fields", value=fields)
+    if fields != "spatial" and planar:
+        return np.array([along, [0.0, 0.0, 1.0]])
+    return np.eye(3)
+
+
+def _line_arrays(model, s, axes, slip_speed) -> Line:
+    """Return the arrays of the equations on a mesh."""
+    environment, length = model.environment, np.diff(s)
+    joints = np.cumsum([0.0, *(segment.length for segment in model.segments)])
+    of_cell = np.clip(np.searchsorted(joints, (s[1:] + s[:-1]) / 2) - 1, 0, len(model.segments) - 1)
+
+    def by_cell(value):
+        return np.array([value(segment) for segment in model.segments], dtype=float)[of_cell]
+
+    def by_node(per_length):
+        halves = per_length * length / 2
+        return np.append(halves, 0.0) + np.append(0.0, halves)
+
+    rho = environment.rho
+    load = np.zeros((s.size, len(axes)))
+    load[:, -1] -= by_node(by_cell(lambda segment: segment.weight))
+    point_mass = np.zeros(s.size)
+    for point, joint in zip(model.points, joints, strict=True):
+        i = int(abs(s - joint).argmin())
+        point_mass[i] += point.mass
+        load[i] += axes @ np.array(point.force)
+        load[i, -1] -= environment.g * (point.mass - rho * point.volume)
+    bed = 0.0 if environment.depth is None else environment.seabed_stiffness or 0.0
+    everywhere = np.ones(length.size)
+    friction = by_node(by_cell(lambda segment: segment.friction)) / by_node(everywhere)
+    return Line(
+        length,
+        by_cell(lambda segment: segment.EA),
+        by_cell(lambda segment: segment.cable.damping),
+        by_cell(lambda segment: segment.cable.mass_per_length),
+        by_cell(lambda segment: segment.cable.added_mass(environment)),
+        by_cell(lambda segment: rho * segment.cable.diameter * segment.cable.Cdn / 2),
+        by_cell(lambda segment: rho * math.pi * segment.cable.diameter * segment.cable.Cdt / 2),
+        point_mass,
+        load,
+        bed * by_node(everywhere),
+        environment.seabed_damping * by_node(everywhere) if bed else np.zeros(s.size),
+        friction,
+        -math.inf if environment.depth is None else -environment.depth,
+        slip_speed,
+        tuple(float(c) for c in axes @ np.array(environment.current)),
+    )

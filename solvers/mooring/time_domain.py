@@ -1,0 +1,234 @@
+"""Time integration of a moving line: generalized-alpha for r, v, a (Chung and Hulbert, J. Appl. Mech. 60 (1993) 371).
+
+The loop over the steps is compiled (``equations.integrate``); here are the steps that it is given, those that fail or
+are too long, which are taken again in 2, 4, 8, ... parts, and the history.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ..common.outcome import InputError, Status
+from ..common.validation import flags, positive_number, real_array, real_number, whole_number
+from . import equations
+from .history import MooringHistory
+
+TOLERANCE = 1e-4  # of the largest change of a tension from rest: what the last Newton step of a time step may change
+MOST_HALVINGS = 10  # of one step
+STEPS_AT_ONCE = 256  # between two calls of ``progress``
+MAX_STEPS = 1e9
+LEAST_CHANGE = 1e-3  # of the greatest tension at rest: smaller changes are not resolved any further
+LENGTHEN = 0.1  # of the step tolerance, below which the next step is in half as many parts
+_ROUNDING = 1e-12  # of the duration, that rounding may leave
+
+
+def solve_mooring_time_domain(
+    system,
+    *,
+    dt,
+    periods=None,
+    duration=None,
+    rho_inf=0.5,
+    tolerance=TOLERANCE,
+    step_tolerance=None,
+    ramp=None,
+    start=None,
+    every=1,
+    progress=None,
+    throw=True,
+) -> MooringHistory:
+    """Return the MooringHistory of a MooringSystem from rest, or from ``start`` = (y, ydot); see solve_time_domain.
+
+    tolerance: what the last Newton step of a time step may change in a tension or, relative to the length, a position,
+    of the largest change of a tension from rest so far. step_tolerance: error of a step in a position, over the largest
+    displacement so far; a step of dt is then taken in as many parts as that needs.
+    """
+    dt, count = _step_count(system, dt, periods, duration)
+    tolerance = positive_number("tolerance", tolerance, "(of the largest change of a tension)")
+    if step_tolerance is not None:
+        step_tolerance = positive_number("step_tolerance", step_tolerance, "(dimensionless)")
+    every = whole_number("every", every, 1, unit="steps")
+    flags(throw=throw)
+    if not (progress is None or callable(progress)):
+        raise InputError(f"{progress!r} must be a function of time (s), or None", field="progress", value=progress)
+    ramp = _ramp_of(system, ramp, start)
+    moved = system.ramped(ramp) if ramp else system
+    run = _Run(moved, _scheme(rho_inf), tolerance, step_tolerance, _state(system, start))
+    kept = count // every
+    record = tuple(np.empty((kept + 1 + (count % every > 0), *run.state[0].shape)) for _ in range(3))
+    for part, first in zip(record, run.state, strict=False):
+        part[0] = first
+    done, chunk = 0, count if progress is None else every * max(1, STEPS_AT_ONCE // every)
+    event = None
+    while done < count and event is None:
+        last = min(done + chunk, count)
+        taken = run.advance(dt * np.arange(done, last + 1), [part[1 + done // every :] for part in record], every)
+        if done + taken < last:
+            event = dt * (done + taken), run.worst
+        done += taken
+        if progress is not None:
+            progress(dt * done)
+    time = dt * every * np.arange(done // every + 1)
+    if done % every:
+        time = np.append(time, dt * done)
+        for part, now in zip(record, run.state, strict=False):
+            part[time.size - 1] = now
+    y, ydot, yddot = (part[: time.size].transpose(2, 1, 0) for part in record)
+    status = Status.SUCCESS if event is None else Status.STEP_FAILED
+    counts = run.iterations, run.factorisations, run.error, done, run.cut
+    history = MooringHistory(system, moved, time, y, ydot, yddot, status, *counts, ramp, event)
+    given = f"dt = {dt:g} s, ramp = {ramp:g} s"
+    if event is not None:
+        given += f"; stopped at t = {event[0]:.6g} s, node {event[1] + 1} of {system.nodes}"
+    return history.or_raise(given) if throw else history
+
+
+class Scheme(NamedTuple):
+    """Weights of the generalized-alpha method for r, v, a; see ``_scheme``."""
+
+    alpha_m: float
+    alpha_f: float
+    beta: float
+    gamma: float
+
+
+def _scheme(rho_inf) -> Scheme:
+    """Return the weights of second order with this spectral radius at infinite frequency."""
+    rho = real_number("rho_inf", rho_inf, "(dimensionless)")
+    if not 0 <= rho <= 1:
+        problem = f"{rho:g} (dimensionless) must be between 0 and 1"
+        raise InputError(problem, field="rho_inf", value=rho, unit="(dimensionless)")
+    alpha_m, alpha_f = (2 * rho - 1) / (rho + 1), rho / (rho + 1)
+    return Scheme(alpha_m, alpha_f, (1 - alpha_m + alpha_f) ** 2 / 4, 0.5 - alpha_m + alpha_f)
+
+
+class _Run:
+    """The state of an integration and the counts of its work."""
+
+    def __init__(self, system, scheme, tolerance, step_tolerance, state):
+        self.system, self.scheme, self.tolerance, self.step_tolerance = system, scheme, tolerance, step_tolerance
+        self.state = state
+        self.rest = system.rest.tension
+        self.auxiliary = self.rest.copy()
+        greatest = float(self.rest.max())
+        self.scale = np.array([greatest or 1.0, float(system.s[-1]), LEAST_CHANGE])
+        self.iterations = self.factorisations = self.cut = self.worst = self.halvings = 0
+        self.error = self.travel = 0.0
+
+    def advance(self, t, record, every) -> int:
+        """Take the steps between the times t; return how many succeeded."""
+        path, done, steps = self.system.path(t), 0, t.size - 1
+        h = t[1] - t[0]
+        while done < steps:
+            if self.step_tolerance is None:
+                done += self._integrate(
+                    path[done:], t[done:], h, tuple(part[done // every :] for part in record), every
+                )
+                if done == steps:
+                    break
+                self.cut += 1
+            if not self._in_parts(t[done], h):
+                break
+            done += 1
+            if done % every == 0:
+                for part, now in zip(record, self.state, strict=False):
+                    part[done // every - 1] = now
+        return done
+
+    def _integrate(self, path, t, h, record, every) -> int:
+        source = self.system.source_at(t[:-1] + (1 - self.scheme.alpha_f) * h)
+        taken, iterations, factorisations, self.error = equations.integrate(
+            self.system.line, self.system.held, path, source, h, self.scheme, self.scale, self.tolerance, self.rest,
+            self.state, self.auxiliary, record, every)  # fmt: skip
+        self.iterations += iterations
+        self.factorisations += factorisations
+        return taken
+
+    def _in_parts(self, t, h) -> bool:
+        """Take one step in as many parts as it needs; False, with the state as it was, where no number of them does."""
+        begin, auxiliary = [part.copy() for part in self.state], self.auxiliary.copy()
+        first = self.halvings if self.step_tolerance is not None else 1
+        for halvings in range(first, MOST_HALVINGS + 1):
+            parts = 2**halvings
+            times = t + h / parts * np.arange(parts + 1)
+            record = tuple(np.empty((parts, *begin[0].shape)) for _ in range(3))
+            self.state[3][:] = self.state[2] if self.step_tolerance is None else self.state[3]
+            if self._integrate(self.system.path(times), times, h / parts, record, 1) == parts:
+                error = self._step_error(record, begin[2], h / parts)
+                if self.step_tolerance is None or error <= self.step_tolerance:
+                    if self.step_tolerance is None:
+                        self.state[3][:] = self.state[2]
+                    elif error < LENGTHEN * self.step_tolerance:
+                        self.halvings = max(0, halvings - 1)
+                    return True
+            self.cut += self.step_tolerance is not None
+            self.halvings = halvings + 1
+            for part, old in zip(self.state, begin, strict=True):
+                part[:] = old
+            self.auxiliary[:] = auxiliary
+        self.worst = int(abs(begin[1]).max(axis=1).argmax())
+        return False
+
+    def _step_error(self, record, first, h) -> float:
+        """Return the largest local error of some steps, h^2 |beta - 1/6| |change of a|, over the travel so far."""
+        if self.step_tolerance is None:
+            return 0.0
+        change = np.diff(np.concatenate([first[None], record[2]]), axis=0)
+        self.travel = max(self.travel, float(abs(record[0] - self.system.rest.y.T).max()), 1e-6 * self.scale[1])
+        return h * h * abs(self.scheme.beta - 1 / 6) * float(abs(change).max()) / self.travel
+
+
+def _step_count(system, dt, periods, duration) -> tuple[float, int]:
+    """Return dt made to divide the duration, and the number of steps."""
+    if (periods is None) == (duration is None):
+        raise InputError("give either periods (a number of them) or duration (s)", field="periods", value=periods)
+    if duration is None:
+        periods = positive_number("periods", periods, "(a number of periods)")
+        if system.period is None:
+            raise InputError("the motion has no period; give duration (s)", field="periods", value=periods)
+        end = periods * system.period
+    else:
+        end = positive_number("duration", duration, "s")
+    dt = positive_number("dt", dt, "s")
+    if dt > end:
+        problem = f"{dt:g} s must not exceed the duration (or periods), {end:g} s"
+        raise InputError(problem, field="dt", value=dt, unit="s")
+    if end / MAX_STEPS > dt:
+        problem = f"{dt:g} s makes more than {MAX_STEPS:g} steps of the duration (or periods), {end:g} s"
+        raise InputError(problem, field="dt", value=dt, unit="s")
+    count = math.ceil(end / dt * (1 - _ROUNDING))
+    return end / count, count
+
+
+def _ramp_of(system, ramp, start) -> float:
+    if ramp is None:
+        return 0.0 if start is not None or system.period is None else system.period / 2
+    ramp = real_number("ramp", ramp, "s")
+    if ramp < 0:
+        raise InputError(f"{ramp:g} s must be >= 0", field="ramp", value=ramp, unit="s")
+    return ramp
+
+
+def _state(system, start):
+    """Return r, v, a and the a before, (N, n) each: at rest, or as given with the acceleration that balances it."""
+    if start is None:
+        r = np.ascontiguousarray(system.rest.y.T)
+        v = np.zeros_like(r)
+        v[system.held] = system.path(np.zeros(1))[0, 1]
+        return r, v, np.zeros_like(r), np.zeros_like(r)
+    shape = (len(system.fields), system.nodes)
+    try:
+        y, ydot = start
+        y, ydot = real_array(y), np.zeros(shape) if ydot is None else real_array(ydot)
+    except (TypeError, ValueError):
+        problem = "must be (y, ydot), two arrays of numbers, ydot may be None"
+        raise InputError(problem, field="start", value=start) from None
+    for name, part in (("y", y), ("ydot", ydot)):
+        if part.shape != shape or not np.isfinite(part).all():
+            raise InputError(f"{name} of shape {part.shape} must be {shape}, all finite", field="start", value=start)
+    r, v = np.ascontiguousarray(y.T), np.ascontiguousarray(ydot.T)
+    a = system.acceleration(r, v)
+    return r, v, a, a.copy()
