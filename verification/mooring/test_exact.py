@@ -8,20 +8,25 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 from types import ModuleType
 
 import numpy as np
 import pytest
 from mpmath import mp, mpf
+from scipy.integrate import quad, solve_ivp
 
-from ..exact import moving_line
+from ..exact import elastic_bounce, moving_line
+from ..exact.elastic_bounce import ElasticBounce, SeabedBounce
 from ..exact.moving_line import ALL_TERMS, BARE, ONE_TERM
 from ..tools.planting import Fault
 
 SEED = 2026
 LOAD_ERROR = 1e-12  # of the largest force of the line: sums of some twenty products in doubles
 SEEN = 1e-6  # of the same: what a wrong term changes at least
+SMALL_STEPS = 1e-10  # of the motion: Runge-Kutta of order 8 with rtol 1e-13 and small steps across the kinks
+ROUNDED = 2e-14  # of the motion: some ten roundings each
 
 
 def with_fault(module, function, old, new):
@@ -210,3 +215,233 @@ def test_shapes_of_a_manufactured_line():
     assert block.shape == (3, 5, 2, 3) and np.array_equal(block[:, 3, 1, 0], ALL_TERMS.load(s[3], t[3]))
     assert ALL_TERMS.tension(s, t).shape == (5, 6)
     assert replace(ALL_TERMS, planar=True).velocity(s, t).shape == (2, 5, 6)
+
+
+# ---------------------------------------------------------------- bounces
+HANGING = ElasticBounce(mass=200.0, weight=1500.0, length=20.0, EA=1.2e5, position=-18.5, velocity=2.0)
+FALLING = SeabedBounce(mass=150.0, weight=900.0, depth=30.0, stiffness=8e3, position=-28.8, velocity=-0.5)
+UNIT = ElasticBounce(mass=1.0, weight=0.05, length=1.0, EA=1.0, position=-2.0, velocity=0.2, beta=2.0)
+BOUNCES = {
+    "elastic": HANGING,
+    "elastic, taut at first": replace(HANGING, position=-21.5, velocity=0.0),
+    "elastic, damped": replace(HANGING, beta=0.02),
+    "elastic, much damped": replace(HANGING, beta=0.25),  # critical damping is 2 sqrt(mass / k) = 0.365 s
+    "elastic, overdamped": replace(HANGING, beta=0.6),
+    "elastic, overdamped, thrown up": replace(HANGING, position=-20.05, velocity=6.0, beta=0.6),
+    "elastic, compressed": replace(HANGING, position=-19.99, velocity=-2.0, beta=0.1),  # taut at once by its rate
+    "elastic, critically damped": UNIT,
+    "elastic, overdamped, let go": replace(UNIT, beta=2.5),
+    "seabed": FALLING,
+    "seabed, from within": replace(FALLING, position=-31.0, velocity=1.0),
+    "seabed, damped": replace(FALLING, damping=150.0),
+    "seabed, much damped": replace(FALLING, damping=1200.0),  # critical damping is 2 sqrt(stiffness mass) = 2191
+    "seabed, overdamped": replace(FALLING, damping=4000.0),
+    "seabed, lifted within": replace(FALLING, position=-30.6, velocity=3.6, damping=1200.0),
+    "seabed, jerked within": replace(FALLING, position=-31.0, velocity=1.5, damping=6000.0),  # free, and never out
+}
+DURATION = 12.0
+
+
+def bounce_force(bounce, z, v):
+    """Return the force on the mass without its limit at zero, in N, and whether it may act at this height."""
+    if hasattr(bounce, "EA"):
+        return bounce.EA * (-z / bounce.length - 1 + bounce.beta * -v / bounce.length), True
+    return bounce.stiffness * (-bounce.depth - z) - bounce.damping * v, -bounce.depth - z > 0
+
+
+def integrate_bounce(bounce, start, times, force, **options):
+    """Return z, z_t (2, times) by Runge-Kutta under force(z, z_t), from start at times[0]."""
+    path = solve_ivp(lambda t, y: [y[1], (force(*y) - bounce.weight) / bounce.mass], times[[0, -1]], start,
+                     t_eval=times, method="DOP853", rtol=1e-13, atol=1e-13, **options)  # fmt: skip
+    return path.y
+
+
+def bounce_size(bounce):
+    """Return the ranges of z and z_t, (2, 1)."""
+    z, v, _ = bounce.motion(np.linspace(0, DURATION, 2000))
+    return np.array([[np.ptp(z)], [np.ptp(v)]])
+
+
+def law_error(bounce):
+    """Return the largest difference from Runge-Kutta with small steps, which knows the law and no event."""
+    duration = 12.0 if bounce.mass == UNIT.mass else 4.0
+
+    def force(z, v):
+        force, may_act = bounce_force(bounce, z, v)
+        return max(force, 0.0) * may_act
+
+    times = np.linspace(0, duration, 400)
+    path = integrate_bounce(bounce, [bounce.position, bounce.velocity], times, force, max_step=duration / 4000)
+    return (abs(path - np.array(bounce.motion(times))[:2]) / bounce_size(bounce)).max()
+
+
+def force_error(bounce):
+    """Return the largest difference of the force from the law over the weight, away from events, where it may jump."""
+    times = np.linspace(0, DURATION, 501)[1:]
+    events = np.array([float(t) for t, _ in bounce.events(DURATION)] or [-1.0])
+    times = times[abs(times[:, None] - events).min(axis=1) > 1e-9]
+    z, v, force = bounce.motion(times)
+    wanted, may_act = bounce_force(bounce, z, v)
+    return abs(force - np.maximum(wanted, 0.0) * may_act).max() / bounce.weight
+
+
+def bounce_energy(bounce, t):
+    """Return kinetic and potential energy in J, with that of the spring while it acts and has no damper."""
+    z, v, force = bounce.motion(t)
+    k = bounce.EA / bounce.length if hasattr(bounce, "EA") else bounce.stiffness
+    return bounce.mass / 2 * v**2 + bounce.weight * z + force**2 / k / 2
+
+
+@pytest.mark.parametrize("name", BOUNCES)
+def test_bounces_obey_their_law(name):
+    """Position and velocity are what Runge-Kutta makes of the law with its maximum; the force is the law's."""
+    assert law_error(BOUNCES[name]) <= SMALL_STEPS
+    assert force_error(BOUNCES[name]) <= 1e-11  # the stretch is a difference of lengths, 1e5 N/m times their rounding
+
+
+@pytest.mark.parametrize("name", ["elastic", "elastic, taut at first", "seabed", "seabed, from within"])
+def test_undamped_bounces_keep_their_energy(name):
+    """Kinetic, potential and elastic energy are the same after three hundred seconds and hundreds of events."""
+    bounce = BOUNCES[name]
+    energy = bounce_energy(bounce, np.linspace(0, 300.0, 1201))
+    assert len(bounce.events(300.0)) > 200
+    assert abs(energy - energy[0]).max() <= 100 * ROUNDED * np.ptp(
+        bounce.weight * bounce.motion(np.arange(0, 9, 0.01))[0]
+    )
+
+
+def test_undamped_bounce_by_hand():
+    """Dropped by h from rest: free for sqrt(2 h / g), in contact for (2 / w) (pi - atan(v / (w W / k)))."""
+    for bounce, k, start in (
+        (replace(HANGING, velocity=0.0), HANGING.EA / HANGING.length, -HANGING.length),
+        (replace(FALLING, velocity=0.0), FALLING.stiffness, -FALLING.depth),
+    ):
+        g, w = bounce.weight / bounce.mass, math.sqrt(k / bounce.mass)
+        free = math.sqrt(2 * (bounce.position - start) / g)
+        contact = 2 / w * (math.pi - math.atan(free * w))
+        wanted = [free + n * (2 * free + contact) + part for n in range(20) for part in (0.0, contact)]
+        got = [float(t) for t, _ in bounce.events(wanted[-1] + 1e-6)]
+        assert np.abs(np.array(got) - wanted).max() <= ROUNDED * wanted[-1]
+        # hanging and bouncing about the place where the force carries the weight
+        lowest = start - bounce.weight / k * (1 + math.hypot(1, free * w))
+        assert abs(bounce.motion(free + contact / 2)[0] - lowest) <= ROUNDED * abs(lowest)
+
+
+@pytest.mark.parametrize("name", [name for name in BOUNCES if "damped" in name or "jerked" in name])
+def test_damped_contact_ends_where_the_force_vanishes(name):
+    """At a release the stretch is still positive and EA (e + beta e') or k p - c z_t is zero; it is so at a catch."""
+    bounce = BOUNCES[name]
+    for t, kind in bounce.events(DURATION):
+        z, v, _ = bounce.motion(float(t))
+        force, _ = bounce_force(bounce, z, v)
+        depth_in = -z - (bounce.length if hasattr(bounce, "EA") else bounce.depth)
+        if kind in ("slack", "free"):
+            assert v > 0 and depth_in > 0 and abs(force) <= 1e-10 * bounce.weight
+        elif hasattr(bounce, "EA") or name.endswith("jerked within"):
+            assert abs(force) <= 1e-10 * bounce.weight
+        else:
+            assert v < 0 and abs(depth_in) <= ROUNDED * bounce.depth and force > 0
+
+
+def works_by_quadrature(bounce, end):
+    """Return the integrals of -N z_t and of c z_t^2 over the times of contact until `end`, J."""
+    speed = lambda t: float(bounce.motion(t)[1])
+    power = lambda t: -float(bounce_force(bounce, *bounce.motion(t)[:2])[0]) * speed(t)
+    loss = lambda t: bounce.damping * speed(t) ** 2
+    total = np.zeros(2)
+    for begin, stop in pairwise([0.0, *(float(t) for t, _ in bounce.events(end)), end]):
+        if bounce.motion((begin + stop) / 2)[2] > 0:
+            total += [quad(part, begin, stop, epsabs=1e-9, epsrel=1e-12, limit=200)[0] for part in (power, loss)]
+    return total
+
+
+@pytest.mark.parametrize("name", [name for name in BOUNCES if name.startswith("seabed")])
+def test_works_on_the_seabed_are_integrals(name):
+    """The work on the seabed and the energy lost to the damper are the integrals of N and c z_t over the way down."""
+    bounce = BOUNCES[name]
+    size = bounce.weight * np.ptp(bounce.motion(np.linspace(0, DURATION, 500))[0])
+    for end in (0.7, 2.5, 6.0):
+        got = [float(bounce.seabed_work(end)), float(bounce.damper_work(end))]
+        assert np.abs(got - works_by_quadrature(bounce, end)).max() <= 1e-11 * size, (end, got)
+    assert name not in ("seabed, damped", "seabed, overdamped") or bounce.damper_work(12.0) > 0.3 * size
+
+
+@pytest.mark.parametrize("damping", [30.0, 300.0, 1000.0, 1500.0])
+def test_restitution_without_weight_is_the_published_one(damping):
+    """Schwager and Poeschel, Granular Matter 9 (2007) 465: exp(-b t_c), contact that never pulls, for W -> 0."""
+    m, k, speed = 150.0, 8e3, 2.0
+    weight = 1e-9
+    bounce = SeabedBounce(m, weight, 30.0, k, -30.0, -speed, damping)
+    b, w0 = damping / m / 2, math.sqrt(k / m)
+    w = math.sqrt(w0**2 - b**2)
+    contact = (math.pi - math.atan2(2 * b * w, w**2 - b**2)) / w
+    ((release, kind),) = bounce.events(10.0)
+    assert kind == "free" and abs(float(release) - contact) <= 1e-9
+    assert abs(bounce.motion(contact + 0.1)[1] / speed - math.exp(-b * contact)) <= 1e-9
+
+
+def test_a_mass_at_rest_in_balance_stays():
+    """Where the force carries the weight nothing moves, damped or not; dropped at the surface it never leaves."""
+    sag = FALLING.weight / FALLING.stiffness
+    for damping in (0.0, 500.0):
+        resting = replace(FALLING, position=-FALLING.depth - sag, velocity=0.0, damping=damping)
+        z, v, force = resting.motion(np.linspace(0, 50.0, 100))
+        assert np.ptp(z) <= ROUNDED * 30 and abs(v).max() <= 1e-13 and abs(force / resting.weight - 1).max() < 1e-11
+        dropped = replace(FALLING, position=-FALLING.depth, velocity=0.0, damping=damping)
+        assert not dropped.events(20.0) and abs(dropped.motion(0.0)[2]) == 0
+        assert -dropped.motion(np.linspace(0, 20, 2001))[0].min() - 30 == pytest.approx(
+            sag
+            * (
+                2
+                if not damping
+                else 1 + math.exp(-damping / 300 * math.pi / math.sqrt(8e3 / 150 - (damping / 300) ** 2))
+            ),
+            rel=1e-4,
+        )
+
+
+def test_bounces_that_make_no_sense_are_refused():
+    """A mass thrown up to its anchor, no weight, a negative time."""
+    with pytest.raises(ValueError, match="reaches the anchor"):
+        replace(HANGING, velocity=17.0).motion(3.0)
+    assert replace(HANGING, velocity=16.6).motion(2.2)[0] < 0
+    with pytest.raises(ValueError, match="must be positive"):
+        replace(FALLING, weight=0.0).motion(1.0)
+    with pytest.raises(ValueError, match="not be negative"):
+        FALLING.motion(-1.0)
+
+
+BOUNCE_FAULTS = {
+    "no rate in the release": ("_Contact._until_release", "x + self.lag * v", "x", "elastic, damped"),
+    "no release before the minimum": (
+        "_Contact._until_release", "first + mp.pi / w", "first + mp.pi / (2 * w)", "elastic, damped"),
+    "no release when overdamped": (
+        "_Contact._until_release", "rate >= 0", "rate < 9",
+        "elastic, overdamped, let go"),
+    "no release when critical": ("_Contact._until_release", "w == 0", "w == 1", "elastic, critically damped"),
+    "caught at the surface": ("_Contact._until_contact", "x + self.lag * v", "x", "elastic, damped"),
+    "caught above the seabed": ("_Contact._until_contact", "self.one_sided", "False", "seabed, damped"),
+    "a damper of half the size": ("_Contact.__init__", "self.c / self.M / 2", "self.c / self.M / 4", "seabed, damped"),
+    "a slower fall": ("_Contact._state", "W / M / 2 * tau", "W / M / 3 * tau", "seabed"),
+    "the other real wave": ("_Contact._waves", "1 + rest / 2", "1 - rest / 2", "elastic, overdamped"),
+    "critical as if undamped": (
+        "_Contact._waves", "self.turning == 0", "False", "elastic, critically damped"),
+    "a force at the wrong time": ("_Contact.evaluate", "piece.bears", "not piece.bears", "elastic"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("fault", BOUNCE_FAULTS)
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")  # a faulty motion may overflow
+def test_a_fault_of_a_bounce_is_noticed(fault):
+    """A planted fault leaves the law, or leaves numbers at all."""
+    function, old, new, name = BOUNCE_FAULTS[fault]
+    copy = with_fault(elastic_bounce, function, old, new)
+    right = BOUNCES[name]
+    bounce = getattr(copy, type(right).__name__)(
+        **{field: value for field, value in vars(right).items() if field != "_contact"}
+    )
+    try:
+        error = law_error(bounce) + force_error(bounce)
+    except (ArithmeticError, ValueError):
+        return
+    assert not error <= SEEN
