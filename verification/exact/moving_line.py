@@ -42,7 +42,7 @@ class ManufacturedLine:
     """A line with a chosen periodic motion and the load that it needs; a coefficient of zero switches its term off.
 
     length : m, unstretched;  omega : rad/s of the motion, 0 for a manufactured problem of statics
-    anchor : (x, y, z), m, of the end s = 0;  planar : whether x and z alone are used
+    anchor : (x, y, z), m, of the end s = 0;  planar : whether x and z alone are used, of the current too
     EA : N;  beta : s, Kelvin-Voigt damping;  mass, weight : kg/m and N/m (submerged), unstretched
     rho, d, Ca, Cdn, Cdt : kg/m^3, m, coefficients as in the module's equations;  current : (x, y, z), m/s, steady
     depth : m, the seabed lies at z = -depth;  seabed_stiffness, seabed_damping : k in N/m^2 and c in N s/m^2

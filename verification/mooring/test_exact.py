@@ -1,4 +1,4 @@
-"""Is the truth of the lumped line true? Manufactured loads against mpmath, closed forms against quadrature and by hand.
+"""Is the truth of the lumped line true? Manufactured loads against mpmath, closed forms against other methods.
 
 Each group ends with faults planted in the oracle itself, and shows that its comparison notices them.
 """
@@ -17,7 +17,7 @@ import pytest
 from mpmath import mp, mpf
 from scipy.integrate import quad, solve_ivp
 
-from ..exact import elastic_bounce, moving_line
+from ..exact import elastic_bounce, moving_line, seabed_friction
 from ..exact.elastic_bounce import ElasticBounce, SeabedBounce
 from ..exact.moving_line import ALL_TERMS, BARE, ONE_TERM
 from ..tools.planting import Fault
@@ -29,10 +29,10 @@ SMALL_STEPS = 1e-10  # of the motion: Runge-Kutta of order 8 with rtol 1e-13 and
 ROUNDED = 2e-14  # of the motion: some ten roundings each
 
 
-def with_fault(module, function, old, new):
+def with_fault(module, function, old, new, occurrence=0):
     """Return a second copy of an oracle's module in which ``old`` became ``new`` in one function."""
     path = Path(module.__file__)
-    text = Fault(path.stem, function, old, new).apply_to(path.read_text(encoding="utf-8"))
+    text = Fault(path.stem, function, old, new, occurrence).apply_to(path.read_text(encoding="utf-8"))
     copy = ModuleType(module.__name__)
     exec(compile(text, f"<{path.name} with a fault>", "exec"), copy.__dict__)
     return copy
@@ -445,3 +445,42 @@ def test_a_fault_of_a_bounce_is_noticed(fault):
     except (ArithmeticError, ValueError):
         return
     assert not error <= SEEN
+
+
+# ---------------------------------------------------------------- friction
+def friction_by_quadrature(friction, normal_force, speed, friction_speed, omega):
+    """Return the work in a period to 25 digits, from the force itself."""
+    with mp.workdps(30):
+        mu, N, V, v0, w = (mpf(x) for x in (friction, normal_force, speed, friction_speed, omega))
+        power = lambda t: mu * N * (V * mp.cos(w * t)) ** 2 / mp.sqrt((V * mp.cos(w * t)) ** 2 + v0**2)
+        quarter = mp.pi / 2 / w
+        # the power bends within v0 / V of the turn
+        ends = [quarter * (1 - x) for x in (1, mpf("0.5"), min(v0 / V, mpf("0.4")), min(v0 / V, mpf("0.4")) / 8, 0)]
+        return 4 * mp.quad(power, ends)
+
+
+@pytest.mark.parametrize("friction_speed", [1e-3, 0.1, 0.6, 5.0, 1e4])
+def test_friction_work_is_its_integral(friction_speed, module=seabed_friction):
+    """The elliptic integrals are the integral of the power, for little and much smoothing."""
+    case = (0.8, 1200.0, 0.6, friction_speed, 0.5)
+    assert abs(module.work_per_cycle(*case) / friction_by_quadrature(*case) - 1) <= 1e-14
+
+
+def test_friction_work_has_its_limits():
+    """Coulomb's 4 mu N times the amplitude without smoothing; the damper mu N / v_0 for small speeds."""
+    mu, N, V, w = 0.8, 1200.0, 0.6, 0.5
+    coulomb = 4 * mu * N * V / w
+    assert abs(seabed_friction.work_per_cycle(mu, N, V, 0.0, w) / coulomb - 1) < 1e-15
+    less = [float(1 - seabed_friction.work_per_cycle(mu, N, V, v0, w) / coulomb) for v0 in (1e-4, 1e-5)]
+    assert 0 < less[1] < less[0] < 1e-6
+    assert abs(seabed_friction.work_per_cycle(mu, N, V, 1e7, w) / (mu * N * V**2 / 1e7 * mp.pi / w) - 1) < 1e-14
+
+
+@pytest.mark.parametrize(
+    ("old", "new"), [("v0 * v0 / mp.sqrt(R2)", "v0 / mp.sqrt(R2)"), ("mp.dps + lost + 5", "mp.dps")]
+)
+def test_a_fault_of_the_friction_work_is_noticed(old, new):
+    """A lost factor, and digits lost by cancellation."""
+    copy = with_fault(seabed_friction, "work_per_cycle", old, new)
+    with pytest.raises(AssertionError):
+        test_friction_work_is_its_integral(1e4, copy)
