@@ -15,9 +15,11 @@ from types import ModuleType
 import numpy as np
 import pytest
 from mpmath import mp, mpf
+from numpy.polynomial import legendre
 from scipy.integrate import quad, solve_ivp
+from scipy.linalg import eigh
 
-from ..exact import elastic_bounce, moving_line, seabed_friction
+from ..exact import elastic_bounce, frequencies, moving_line, seabed_friction
 from ..exact.elastic_bounce import ElasticBounce, SeabedBounce
 from ..exact.moving_line import ALL_TERMS, BARE, ONE_TERM
 from ..tools.planting import Fault
@@ -484,3 +486,90 @@ def test_a_fault_of_the_friction_work_is_noticed(old, new):
     copy = with_fault(seabed_friction, "work_per_cycle", old, new)
     with pytest.raises(AssertionError):
         test_friction_work_is_its_integral(1e4, copy)
+
+
+# ---------------------------------------------------------------- frequencies of lines in two parts and of lumped ones
+PARTS = {
+    # stiffness, mass, length, mass of the joint
+    "string": ((5e4, 5e4), (20.0, 8.0), (60.0, 45.0), 0.0),
+    "bar": ((4e8, 6e6), (80.0, 11.0), (300.0, 40.0), 0.0),
+    "bar with a buoy": ((4e8, 6e6), (80.0, 11.0), (300.0, 40.0), 5e3),
+    "string with a clump": ((5e4, 5e4), (20.0, 8.0), (60.0, 45.0), 3e3),
+    "one material": ((5e4, 5e4), (20.0, 20.0), (60.0, 60.0), 0.0),
+    "common poles and a mass": ((5e4, 2e5), (20.0, 20.0), (60.0, 240.0), 700.0),
+}
+FREQUENCY_ERROR = 1e-11  # relative: eigenvalues of a Galerkin method of degree 30 a part
+
+
+def galerkin_frequencies(count, stiffness, mass, length, joint_mass, degree=30):
+    """Return the first frequencies in Hz, by polynomials in either part that meet at the joint."""
+    nodes, weights = legendre.leggauss(degree + 10)
+    P, k = legendre.legvander(nodes, degree + 1), np.arange(1, degree + 1)
+    bubbles, slopes = (P[:, 2:] - P[:, :-2]) / (2 * k + 1), P[:, 1:-1]
+    K, M = np.zeros((2, 2 * degree + 1, 2 * degree + 1))
+    for i, half in enumerate(np.array(length) / 2):
+        towards = (1 + nodes if i == 0 else 1 - nodes)[:, None] / 2
+        part = np.hstack([towards, bubbles])
+        part_slope = np.hstack([np.full_like(towards, 0.5 - i), slopes]) / half
+        rows = np.ix_(*[np.r_[0, 1 + i * degree : 1 + (i + 1) * degree]] * 2)
+        K[rows] += stiffness[i] * part_slope.T @ (part_slope * (weights * half)[:, None])
+        M[rows] += mass[i] * part.T @ (part * (weights * half)[:, None])
+    M[0, 0] += joint_mass
+    return np.sqrt(eigh(K, M, eigvals_only=True)[:count]) / (2 * np.pi)
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_two_part_lines_have_all_frequencies(name, module=frequencies):
+    """The roots of the transcendental equation, in order and none left out, are those of a Galerkin method."""
+    got = np.array([float(f) for f in module.two_part_line(9, *PARTS[name])])
+    assert abs(got / galerkin_frequencies(9, *PARTS[name]) - 1).max() <= FREQUENCY_ERROR, got
+
+
+def test_two_part_lines_have_their_limits():
+    """One material is the uniform line; a heavy joint swings on both parts as springs; the names say what is meant."""
+    tension, m, length = 5e4, 20.0, 120.0
+    halves = frequencies.two_part_string(7, tension, (m, m), (50.0, 70.0))
+    assert (
+        max(abs(a / b - 1) for a, b in zip(halves, frequencies.taut_string(7, tension, m, length), strict=True)) < 1e-14
+    )
+    heavy = frequencies.two_part_bar(1, (4e8, 6e6), (80.0, 11.0), (300.0, 40.0), 1e12)[0]
+    assert abs(2 * mp.pi * heavy / mp.sqrt((4e8 / 300 + 6e6 / 40) / 1e12) - 1) < 1e-7
+    assert frequencies.two_part_bar(3, (4e8, 6e6), (80, 11), (300, 40)) == frequencies.two_part_line(3, *PARTS["bar"])
+
+
+@pytest.mark.parametrize("cells", [2, 5, 16])
+def test_lumped_lines_have_the_frequencies_of_their_matrices(cells, module=frequencies):
+    """All cells - 1 frequencies are the eigenvalues of the matrix, and tend to those of the string with 1 / cells^2."""
+    tension, m, length = 5e4, 20.0, 120.0
+    l = length / cells
+    matrix = (2 * np.eye(cells - 1) - np.eye(cells - 1, k=1) - np.eye(cells - 1, k=-1)) * tension / l / (m * l)
+    got = np.array([float(f) for f in module.lumped_string(cells - 1, tension, m, length, cells)])
+    assert abs(got * 2 * np.pi / np.sqrt(np.linalg.eigvalsh(matrix)) - 1).max() <= 1e-13
+    deviation = [1 - float(module.lumped_bar(1, tension, m, length, n)[0] /
+                           frequencies.axial_bar(1, tension, m, length)[0]) for n in (cells, 2 * cells)]  # fmt: skip
+    assert 3.9 < deviation[0] / deviation[1] < 4.0
+
+
+FREQUENCY_FAULTS = {
+    "a massless joint": ("two_part_line", "mpf(joint_mass) * omega", "0", "bar with a buoy"),
+    "a mass of half the size": (
+        "two_part_line", "mpf(joint_mass) * omega", "mpf(joint_mass) / 2 * omega", "string with a clump"),
+    "stiffness for impedance": ("two_part_line", "mp.sqrt(K[i] * m[i])", "K[i]", "bar"),
+    "a root left out": ("two_part_line", "poles[:count]", "poles[1:][:count]", "string"),
+    "no root at a common pole": (
+        "two_part_line", "sorted(n * mp.pi / part for part in delay for n in range(1, count + 1))",
+        "sorted({n * mp.pi / part for part in delay for n in range(1, count + 1)})", "one material"),
+    "half the cells": ("lumped_string", "2 * cells", "cells", None),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("fault", FREQUENCY_FAULTS)
+def test_a_fault_of_the_frequencies_is_noticed(fault):
+    """A planted fault is seen by the Galerkin method or by the matrix."""
+    function, old, new, name = FREQUENCY_FAULTS[fault]
+    copy = with_fault(frequencies, function, old, new)
+    with pytest.raises((AssertionError, ValueError)):
+        if name:
+            test_two_part_lines_have_all_frequencies(name, copy)
+        else:
+            test_lumped_lines_have_the_frequencies_of_their_matrices(5, copy)
