@@ -19,9 +19,11 @@ from numpy.polynomial import legendre
 from scipy.integrate import quad, solve_ivp
 from scipy.linalg import eigh
 
-from ..exact import elastic_bounce, frequencies, moving_line, seabed_friction
+from ..exact import elastic_bounce, frequencies, lumped_node, moving_line, seabed_friction
 from ..exact.elastic_bounce import ElasticBounce, SeabedBounce
+from ..exact.lumped_node import Cell, Seabed, force_residual, force_terms
 from ..exact.moving_line import ALL_TERMS, BARE, ONE_TERM
+from ..reference import EPS
 from ..tools.planting import Fault
 
 SEED = 2026
@@ -573,3 +575,140 @@ def test_a_fault_of_the_frequencies_is_noticed(fault):
             test_two_part_lines_have_all_frequencies(name, copy)
         else:
             test_lumped_lines_have_the_frequencies_of_their_matrices(5, copy)
+
+
+# ---------------------------------------------------------------- a node between two cells
+COMMON = {"mass": 10.0, "added_mass": 4.0, "weight": 20.0, "rho": 2.0, "d": 1.0, "Cdn": 1.0, "Cdt": 1.0}
+CELLS = Cell(4.0, 1000.0, 2.0, **COMMON), Cell(5.0, 1000.0, 2.0, **COMMON)
+PLACES = ((-3, 0, -4), (0, 0, 0), (4, 0, 3))  # chords of 5 m: strains 0.25 and 0
+RESTING = ((0, 0, 0),) * 3
+PUSHED = ((0, 0, 0), (1, 0, 0), (0, 0, 0))
+BOTTOM = Seabed(depth=-1.0, stiffness=30.0, damping=10.0, friction=0.5, friction_speed=0.75)
+ROOT = math.sqrt(1.25)
+BY_HAND = {
+    # strain rates 0.15 and -0.16: tensions 1000 (0.25 + 0.3) and none
+    "tension": [-330.0, 0.0, -440.0],
+    "inertia": [-45.0, 0.0, 0.0],
+    # 8 (0.64, 0, -0.48) and 10 (0.36, 0, -0.48)
+    "added mass": [-8.72, 0.0, 8.64],
+    "weight": [0.0, 0.0, -90.0],
+    # u_n = (0.64, 0, -0.48), (0.36, 0, -0.48) of size 0.8, 0.6 on 2 m and 2.5 m
+    "normal drag": [-1.024 * ROOT - 0.54, 0.0, 0.768 * ROOT + 0.72],
+    "tangential drag": [
+        -math.pi * (2 * 0.36 * 0.6 * ROOT + 2.5 * 0.64 * 0.8), 0.0,
+        -math.pi * (2 * 0.36 * 0.8 * ROOT + 2.5 * 0.64 * 0.6),
+    ],
+    "seabed": [0.0, 0.0, 135.0],  # 1 m deep, on 4.5 m
+    "friction": [-54.0, 0.0, 0.0],
+}  # fmt: skip
+
+
+def hand_errors(module=lumped_node):
+    """Return the largest difference from the numbers by hand by name, at rest too: there the tension is 250 N."""
+    cells, bottom = [module.Cell(**vars(cell)) for cell in CELLS], module.Seabed(**vars(BOTTOM))
+    pushed = module.force_terms(cells, PLACES, PUSHED, (1, 0, 0), seabed=bottom)
+    resting = module.force_terms(cells, PLACES, RESTING, (0, 0, 0))
+    drifting = module.force_terms(cells, PLACES, PUSHED, (0, 0, 0), current=(1, 0, 0))
+    errors = {
+        name: max(abs(float(a) - b) for a, b in zip(pushed[name], BY_HAND[name], strict=True)) for name in BY_HAND
+    }
+    errors["at rest"] = max(abs(a - b) for a, b in zip(resting["tension"], (-150.0, 0.0, -200.0), strict=True))
+    errors["no relative velocity"] = max(abs(x) for name in drifting if "drag" in name for x in drifting[name])
+    sinking = [(0, 0, 0), (1, 0, -2), (0, 0, 0)]
+    caught = module.force_terms(cells, PLACES, sinking, (0, 0, 0), seabed=bottom)
+    errors["caught"] = abs(caught["seabed"][2] - 4.5 * 50)
+    lifted = module.force_terms(cells, PLACES, [(0, 0, 0), (1, 0, 4), (0, 0, 0)], (0, 0, 0), seabed=bottom)
+    errors["lifted"] = max(abs(x) for name in ("seabed", "friction") for x in lifted[name])
+    return errors
+
+
+def test_two_cells_by_hand():
+    """Every term of the middle node of chords of 3-4-5 is what one works out on paper."""
+    errors = hand_errors()
+    assert max(errors.values()) <= 1e-13 * 440, errors
+    total = force_residual(CELLS, PLACES, PUSHED, (1, 0, 0), seabed=BOTTOM)
+    assert all(abs(x - sum(force[i] for force in BY_HAND.values())) < 1e-12 for i, x in enumerate(total))
+    flat = force_terms(CELLS, [(x, z) for x, _, z in PLACES], [(x, z) for x, _, z in PUSHED], (1, 0), seabed=BOTTOM)
+    assert all(abs(a - b) < 1e-12 for name in BY_HAND for a, b in zip(flat[name], BY_HAND[name][::2], strict=True))
+
+
+def test_a_turned_node_has_turned_forces():
+    """Turned about the vertical, and with the ends exchanged, the forces on the node turn and stay."""
+    rng = np.random.default_rng(SEED)
+    places, speeds = np.cumsum(rng.normal(4, 1, (3, 3)), axis=0), rng.normal(0, 1, (3, 3))
+    a, current = rng.normal(0, 1, (2, 3))
+    bottom = replace(BOTTOM, depth=-places[1, 2] - 0.5, damping=0.1)
+    c, s = math.cos(0.7), math.sin(0.7)
+    turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+    forces = force_terms(CELLS, places, speeds, a, current=current, seabed=bottom)
+    turned = force_terms(CELLS, places @ turn.T, speeds @ turn.T, turn @ a, current=turn @ current, seabed=bottom)
+    exchanged = force_terms(CELLS[::-1], places[::-1], speeds[::-1], a, current=current, seabed=bottom)
+    for name, force in forces.items():
+        force, scale = np.array(force, float), max(abs(float(x)) for x in force)
+        assert scale > 0 and abs(np.array(turned[name], float) - turn @ force).max() <= 1e-13 * scale
+        assert abs(np.array(exchanged[name], float) - force).max() <= 1e-13 * scale
+
+
+def node_error(line, s, t, h, module=lumped_node):
+    """Return the residual of a node of a manufactured line with cells of length h, its load lumped, N/m."""
+    ma = line.Ca * line.rho * math.pi * line.d**2 / 4
+    cell = module.Cell(h, line.EA, line.beta, line.mass, ma, line.weight, line.rho, line.d, line.Cdn, line.Cdt)
+    bottom = module.Seabed(line.depth, line.seabed_stiffness, line.seabed_damping, line.friction, line.friction_speed)
+    nodes = np.array([s - h, s, s + h])
+    residual = module.force_residual(
+        (cell, cell), line.position(nodes, t).T, line.velocity(nodes, t).T, line.acceleration(s, t),
+        current=line.current, seabed=bottom,
+    )  # fmt: skip
+    return np.array(residual, float) / h + line.load(s, t)
+
+
+def node_orders(line, module=lumped_node):
+    """Return the error of a node for cells of 4, 2, 1 and 0.5 m over the largest force, and its orders."""
+    places = [(23.0, 1.3), (50.0, 4.1), (81.0, 8.7)]
+    size = max(abs(force).max() for force in line.forces(*grid(line, 11, 12)).values())
+    errors = np.array(
+        [max(abs(node_error(line, s, t, h, module)).max() for s, t in places) / size for h in (4.0, 2.0, 1.0, 0.5)]
+    )
+    return errors, np.log2(np.maximum(errors[:-1], EPS) / np.maximum(errors[1:], EPS))
+
+
+NODE_LINES = ["all", "tension", "tension and damping", "added mass", "normal drag", "normal drag in a current",
+              "tangential drag", "tangential drag in a current"]  # fmt: skip
+NODE_LINES += [f"planar, {name}" for name in NODE_LINES]
+
+
+@pytest.mark.parametrize("name", NODE_LINES)
+def test_a_lumped_node_tends_to_the_manufactured_line(name):
+    """What the load leaves over on a node falls with the square of the cell: two oracles say the same of each term."""
+    errors, orders = node_orders(LINES[name])
+    assert errors[-1] < 1e-3 and abs(orders[-1] - 2) < 0.05 and abs(orders - 2).max() < 0.2, (errors, orders)
+
+
+@pytest.mark.parametrize("name", ["inertia", "weight", "seabed", "seabed and damping", "seabed and friction"])
+def test_terms_of_the_node_alone_are_exact(name):
+    """Mass, weight and seabed do not see the chords: the load of the line is theirs to round-off."""
+    for planar in (False, True):
+        assert node_orders(replace(LINES[name], planar=planar))[0].max() <= 1e-13
+
+
+NODE_FAULTS = {
+    "compression": ("_pull", "tension <= 0", "tension <= -1e9"),
+    "rate over the chord": ("_pull", "mpf(cell.length)", "size", 1),
+    "added mass along": ("_loads_of_half", "ax - a_t * tx", "ax"),
+    "whole cells": ("_loads_of_half", "mpf(cell.length) / 2", "mpf(cell.length)"),
+    "unstretched drag": ("_loads_of_half", "mp.sqrt(size / mpf(cell.length))", "1"),
+    "drag on the whole velocity": ("_loads_of_half", "v - u_t * ty", "v + ty"),
+    "no current": ("force_terms", "mpf(c)", "0 * mpf(c)"),
+    "one half on the seabed": (
+        "force_terms", "mpf(before.length) / 2 + mpf(behind.length) / 2", "mpf(before.length) / 2"),
+    "a seabed that pulls": ("_seabed_forces", "normal <= 0", "normal <= -1e9"),
+    "friction of the sinking": ("_seabed_forces", "u * u + v * v", "u * u + w * w"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("fault", NODE_FAULTS)
+def test_a_fault_of_the_lumped_node_is_noticed(fault):
+    """A planted fault is seen by hand or by the manufactured line with all terms."""
+    copy = with_fault(lumped_node, *NODE_FAULTS[fault])
+    by_hand, by_line = max(hand_errors(copy).values()), abs(node_orders(ALL_TERMS, copy)[1][-1] - 2)
+    assert by_hand > SEEN or by_line > 0.5, (by_hand, by_line)
