@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from ..common.outcome import InputError, Outcome, Status
 from ..common.validation import real_array
@@ -76,8 +76,9 @@ class MooringHistory(LineOutputs, Outcome):
     """Motion over time: time (K,) s; y, ydot, yddot (n, N, K): coordinates of the nodes in m, their rates.
 
     residual_norm: error of the last Newton step, the largest change of a tension or position, over the greatest tension
-    at rest or the length. steps taken; cut: how often a step was taken again in more parts. ramp: time over which the
-    motion grew from rest, s. event: (time in s, node) where a step failed however short, None on success.
+    at rest or the length. steps taken; cut: how often a step was taken again in more parts; damped_from: time in s
+    from which the steps damp the shortest waves at once, for a cell went slack. ramp: time over which the motion grew
+    from rest, s. event: (time in s, node) where a step failed however short, None on success.
     """
 
     system: object = field(repr=False)
@@ -92,6 +93,7 @@ class MooringHistory(LineOutputs, Outcome):
     residual_norm: float
     steps: int
     cut: int
+    damped_from: float | None = None
     ramp: float = 0.0
     event: tuple[float, int] | None = None
 
@@ -106,11 +108,13 @@ class MooringHistory(LineOutputs, Outcome):
 
     @cached_property
     def _spline(self):
-        return CubicSpline(self.time, np.linalg.norm(self.fairlead_force, axis=0))
+        interpolant = CubicSpline if self.damped_from is None else PchipInterpolator  # which does not overshoot
+        return interpolant(self.time, np.linalg.norm(self.fairlead_force, axis=0))
 
     def fairlead_tension(self, t) -> np.ndarray:
-        """Return the size of the force on the vessel at times t in s, any shape, N: a cubic spline of that at the steps.
+        """Return the size of the force on the vessel at times t in s, any shape, N, interpolated between the steps.
 
+        By a cubic spline, or by monotone cubics where a cell went slack.
         Raises InputError outside the history.
         """
         try:

@@ -20,6 +20,7 @@ TOLERANCE = 1e-4  # of the largest change of a tension from rest: what the last 
 MOST_HALVINGS = 10  # of one step
 STEPS_AT_ONCE = 256  # between two calls of ``progress``
 MAX_STEPS = 1e9
+RHO_INF = 0.5  # spectral radius at infinite frequency while all cells are taut
 LEAST_CHANGE = 1e-3  # of the greatest tension at rest: smaller changes are not resolved any further
 LENGTHEN = 0.1  # of the step tolerance, below which the next step is in half as many parts
 _ROUNDING = 1e-12  # of the duration, that rounding may leave
@@ -31,7 +32,7 @@ def solve_mooring_time_domain(
     dt,
     periods=None,
     duration=None,
-    rho_inf=0.5,
+    rho_inf=None,
     tolerance=TOLERANCE,
     step_tolerance=None,
     ramp=None,
@@ -42,6 +43,8 @@ def solve_mooring_time_domain(
 ) -> MooringHistory:
     """Return the MooringHistory of a MooringSystem from rest, or from ``start`` = (y, ydot); see solve_time_domain.
 
+    rho_inf: 0.5 by default, and 0 from the first time that a cell is slack (``history.damped_from``): a snap excites
+    the shortest axial waves, which feed on the step where nothing damps them.
     tolerance: what the last Newton step of a time step may change in a tension or, relative to the length, a position,
     of the largest change of a tension from rest so far. step_tolerance: error of a step in a position, over the largest
     displacement so far; a step of dt is then taken in as many parts as that needs.
@@ -56,7 +59,7 @@ def solve_mooring_time_domain(
         raise InputError(f"{progress!r} must be a function of time (s), or None", field="progress", value=progress)
     ramp = _ramp_of(system, ramp, start)
     moved = system.ramped(ramp) if ramp else system
-    run = _Run(moved, _scheme(rho_inf), tolerance, step_tolerance, _state(system, start))
+    run = _Run(moved, rho_inf, tolerance, step_tolerance, _state(system, start))
     kept = count // every
     record = tuple(np.empty((kept + 1 + (count % every > 0), *run.state[0].shape)) for _ in range(3))
     for part, first in zip(record, run.state, strict=False):
@@ -78,7 +81,7 @@ def solve_mooring_time_domain(
             part[time.size - 1] = now
     y, ydot, yddot = (part[: time.size].transpose(2, 1, 0) for part in record)
     status = Status.SUCCESS if event is None else Status.STEP_FAILED
-    counts = run.iterations, run.factorisations, run.error, done, run.cut
+    counts = run.iterations, run.factorisations, run.error, done, run.cut, run.damped_from
     history = MooringHistory(system, moved, time, y, ydot, yddot, status, *counts, ramp, event)
     given = f"dt = {dt:g} s, ramp = {ramp:g} s"
     if event is not None:
@@ -108,8 +111,10 @@ def _scheme(rho_inf) -> Scheme:
 class _Run:
     """The state of an integration and the counts of its work."""
 
-    def __init__(self, system, scheme, tolerance, step_tolerance, state):
-        self.system, self.scheme, self.tolerance, self.step_tolerance = system, scheme, tolerance, step_tolerance
+    def __init__(self, system, rho_inf, tolerance, step_tolerance, state):
+        self.system, self.tolerance, self.step_tolerance = system, tolerance, step_tolerance
+        self.scheme, self.watches = _scheme(RHO_INF if rho_inf is None else rho_inf), rho_inf is None
+        self.damped_from = None
         self.state = state
         self.rest = system.rest.tension
         self.auxiliary = self.rest.copy()
@@ -142,10 +147,17 @@ class _Run:
         source = self.system.source_at(t[:-1] + (1 - self.scheme.alpha_f) * h)
         taken, iterations, factorisations, self.error = equations.integrate(
             self.system.line, self.system.held, path, source, h, self.scheme, self.scale, self.tolerance, self.rest,
-            self.state, self.auxiliary, record, every)  # fmt: skip
+            self.state, self.auxiliary, record, every, self.watches)  # fmt: skip
         self.iterations += iterations
         self.factorisations += factorisations
         return taken
+
+    def _is_slack(self, taken, t) -> bool:
+        """Return whether the steps ended at the first slack cell, and take the damped scheme from there on."""
+        if not (self.watches and taken and (self.auxiliary <= 0).any()):
+            return False
+        self.scheme, self.watches, self.damped_from = _scheme(0.0), False, float(t)
+        return True
 
     def _in_parts(self, t, h) -> bool:
         """Take one step in as many parts as it needs; False, with the state as it was, where no number of them does."""
@@ -156,13 +168,17 @@ class _Run:
             times = t + h / parts * np.arange(parts + 1)
             record = tuple(np.empty((parts, *begin[0].shape)) for _ in range(3))
             self.state[3][:] = self.state[2] if self.step_tolerance is None else self.state[3]
-            if self._integrate(self.system.path(times), times, h / parts, record, 1) == parts:
+            watches, self.watches = self.watches, False  # a step in parts ends before the scheme may change
+            taken = self._integrate(self.system.path(times), times, h / parts, record, 1)
+            self.watches = watches
+            if taken == parts:
                 error = self._step_error(record, begin[2], h / parts)
                 if self.step_tolerance is None or error <= self.step_tolerance:
                     if self.step_tolerance is None:
                         self.state[3][:] = self.state[2]
                     elif error < LENGTHEN * self.step_tolerance:
                         self.halvings = max(0, halvings - 1)
+                    self._is_slack(parts, times[-1])
                     return True
             self.cut += self.step_tolerance is not None
             self.halvings = halvings + 1

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -101,7 +103,7 @@ def solve_time_domain(
     dt: float,
     periods: float | None = None,
     duration: float | None = None,
-    rho_inf: float = 0.5,
+    rho_inf: float | None = None,
     scheme: Scheme | None = None,
     tolerance: float | None = None,
     step_tolerance: float | None = None,
@@ -120,8 +122,8 @@ def solve_time_domain(
     lines the result is a MooringHistory. A list of lines is integrated side by side, one core each: a list of results.
     dt: step in s, made to divide the duration; with step_tolerance (error of a step relative to the largest value of
     each field, or the chain's scale) the longest step.
-    rho_inf: spectral radius at infinite frequency (near 1 the shortest waves are not damped, and a motion may feed
-    them); or scheme, a Scheme.
+    rho_inf: spectral radius at infinite frequency, 0.5 by default (near 1 the shortest waves are not damped, and a
+    motion may feed them); or scheme, a Scheme.
     tolerance: mean |dy| of the last Newton step, HB (76), 1e-10 by default; of a line of nodes and elements that part
     of the largest change of a tension which the last Newton step may make, 1e-4 by default.
     ramp: time in s over which the motion grows from rest (none from a ``start``). Default: half a period, HB 4.3; where
@@ -144,6 +146,10 @@ def solve_time_domain(
     >>> round(float(history.fairlead_tension(40.0)) / 1e6, 2)  # MN
     1.28
     """
+    if isinstance(system, (list, tuple)):
+        options = {k: v for k, v in locals().items() if k != "system"}
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            return list(pool.map(lambda one: solve_time_domain(one, **options), system))  # type: ignore[return-value]
     system = as_system(system)
     if hasattr(system, "solve_time_domain"):  # a moving line of nodes and elements
         options = _options_of_a_line(tolerance, scheme, hold, allow_invalid)
@@ -301,7 +307,7 @@ def _scheme(scheme, rho_inf) -> Scheme:
     if not (scheme is None or isinstance(scheme, Scheme)):
         problem = f"{scheme!r} is not a solvers.time_domain.generalized_alpha.Scheme"
         raise InputError(problem, field="scheme", value=scheme)
-    return Scheme.from_spectral_radius(rho_inf) if scheme is None else scheme
+    return Scheme.from_spectral_radius(0.5 if rho_inf is None else rho_inf) if scheme is None else scheme
 
 
 def _checked_hold(system, hold):
