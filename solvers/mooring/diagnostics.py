@@ -64,7 +64,8 @@ def check_history(history):
     if history.slack:
         longest = max(history.slack, key=lambda spell: spell.end - spell.start)
         cells = f"cells {min(longest.cells) + 1} to {max(longest.cells) + 1}"
-        yield f"slack: {len(history.slack)} times, the longest from t = {longest.start:.4g} to {longest.end:.4g} s, {cells}"
+        times = f"the longest from t = {longest.start:.4g} to {longest.end:.4g} s"
+        yield f"slack: {len(history.slack)} times, {times}, {cells}"
     elif time.size == history.steps + 1 and (change := largest_slope_change(tension, time) / spread) > CURVED:
         yield f"dt: the slope of the tension changes by {change:.2g} of its range in a step: use a shorter dt"
     period = history.system.period

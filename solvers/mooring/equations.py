@@ -272,7 +272,7 @@ def integrate(line, held, path, source, h, scheme, scale, tolerance, rest, state
     n + 1 - alpha_f, N, or empty. scheme: (alpha_m, alpha_f, beta, gamma). scale: tension in N and length in m that
     errors refer to, and the largest change of a tension from ``rest`` (C,) so far, relative to the former, which the
     tolerance refers to: it grows. state: r, v, a and the a before (N, n), and auxiliary (C,): left at the last
-    step that was taken. record: r, v, a (K, N, n) of every ``every``-th step. watch: end after a step with a slack cell.
+    step that was taken. record: r, v, a (K, N, n) of every ``every``-th step. watch: end after a step with slack.
     Returns steps, iterations, factorisations and the error of the last iteration: the largest change of a tension or
     position, relative to ``scale``.
     """

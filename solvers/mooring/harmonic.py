@@ -44,7 +44,7 @@ class MooringResponse(LineOutputs, PeriodicResponse):
         return -(self.z * (self.basis.omega * self.basis.harmonic) ** 2) @ q.T
 
     def end_forces(self, t) -> np.ndarray:
-        """Forces on what holds anchor and fairlead at times t (S,) in s, (3, 2, S), N; extrapolated if there is a coarse.
+        """Forces on what holds anchor and fairlead at times t (S,) in s, (3, 2, S), N; extrapolated with ``coarse``.
 
         The error of both meshes is of second order in the cells, so a third of their difference is left.
         """

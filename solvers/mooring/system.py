@@ -17,6 +17,7 @@ from .harmonic import MooringHarmonics, MooringResponse, full_then_damped_newton
 from .history import MooringHistory
 from .mesh import mesh_of
 from .model import line_model
+from .modes import LinePencil
 from .statics import MooringState, rest_response, solve_rest
 from .time_domain import solve_mooring_time_domain
 
@@ -106,6 +107,10 @@ class MooringSystem:
     def rest_state(self) -> np.ndarray:
         """Return the coordinates of the nodes at rest, (n, N), m."""
         return self.rest.y
+
+    def pencil(self) -> LinePencil:
+        """Return the linear pencil about rest, as ``natural_modes`` asks."""
+        return LinePencil(self)
 
     # ------------------------------------------------------------ what solve_periodic asks
     newton = staticmethod(full_then_damped_newton)
