@@ -810,6 +810,25 @@ DEFECTS = (
         "time_domain/test_solve.py::test_a_converged_step_is_accepted_after_relaxed_ones",
     ),
     Defect(
+        "residual of the step before a singular Jacobian",
+        Fault("time_domain.generalized_alpha", "Stepper.step", "self.error = math.inf", "pass"),
+        "stale",
+        "a history that fails for a singular Jacobian reports the small residual of its last good step",
+        "time_domain/test_solve.py::test_a_failed_step_has_an_infinite_error",
+    ),
+    Defect(
+        "residual of a start that fails",
+        Fault(
+            "time_domain.generalized_alpha",
+            "Stepper.initial_rate",
+            "self.error, self.worst = euler.error, euler.worst",
+            "pass",
+        ),
+        "stale",
+        "a history without a first rate reports the residual 0",
+        "time_domain/test_solve.py::test_a_history_whose_first_step_fails_has_an_infinite_residual",
+    ),
+    Defect(
         "no second ramp",
         Fault("time_domain.solve", "solve_time_domain", "longer.success", "False"),
         "regime",
