@@ -571,7 +571,7 @@ DEFECTS = (
         ),
         "regime",
         "where numba finds no folder to keep its code in, solvers cannot be imported",
-        "numerics/test_bordered.py::test_compiled_loops_need_no_folder",
+        "numerics/test_compiled.py::test_compiled_loops_need_no_folder",
     ),
     Defect(
         "nothing learned",
@@ -619,10 +619,31 @@ DEFECTS = (
         "J x of the iterative solver leaves the closing of the mean out",
         "harmonic_balance/test_jacobian.py::test_products_agree_with_complex_step -k 'mass or towed'",
     ),
-    # ------------------------------------------------------------ block_chain
+    Defect(
+        "loops of another text",
+        Fault("numerics.compiled", "compiled", "text.encode()", "b''"),
+        "stale",
+        "loops on disk stay as they are where a function that they call from another file is changed",
+        "numerics/test_compiled.py::test_a_changed_function_of_another_file_compiles_the_loop_anew",
+    ),
+    # ------------------------------------------------------------ numerics.lu
+    Defect(
+        "integers of any length",
+        Fault("numerics.lu.blas_by_address", "external", '"int64"', '"int128"'),
+        "regime",
+        "BLAS with integers of 64 bits reads past those of 32 bits",
+        "numerics/test_bordered.py::test_a_build_with_longer_integers_is_refused",
+    ),
+    Defect(
+        "rows of a block as if it were whole",
+        Fault("numerics.lu.blas_by_address", "_lda", "A.strides[0]", "A.shape[1] * A.itemsize"),
+        "index",
+        "a block of a larger array is read as if its rows followed each other",
+        _CHAIN,
+    ),
     Defect(
         "transposed elimination",
-        Fault("numerics.lu.bordered", "_gemm", "one + signs.itemsize", "one"),
+        Fault("numerics.lu.blas_by_address", "gemm", "_address(_MINUS64)", "_address(_ONE64)"),
         "sign",
         "the Schur complement is added",
         _CHAIN,
@@ -632,8 +653,8 @@ DEFECTS = (
         Fault(
             "numerics.lu.bordered",
             "_eliminate",
-            "_trsm(_UPPER, _PLAIN, _ANY, k, q, _at(c, p, 0), n + k, _at(c, p, n), n + k, signs)",
-            "_trsm(_UPPER, _PLAIN, _ANY, 0, q, _at(c, p, 0), n + k, _at(c, p, n), n + k, signs)",
+            "blas.trsm(UPPER, PLAIN, NON_UNIT, c[p:], c[p:, n:])",
+            "pass",
         ),
         "term",
         "full rows are not updated by the elimination",
@@ -665,8 +686,8 @@ DEFECTS = (
         Fault(
             "numerics.lu.bordered",
             "_eliminate",
-            "singular += _getrf(n, q, _at(c, p, 0), n + k, second, signs)",
-            "_getrf(n, q, _at(c, p, 0), n + k, second, signs)",
+            "singular += blas.getrf(c[p:, :n], second)",
+            "blas.getrf(c[p:, :n], second)",
         ),
         "regime",
         "a zero pivot on the way is not told",
