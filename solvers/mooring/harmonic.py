@@ -10,6 +10,7 @@ from __future__ import annotations
 import copy
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from scipy.linalg.lapack import dgetrf, dgetrs
@@ -31,6 +32,7 @@ class MooringResponse(LineOutputs, PeriodicResponse):
     coarse: the response on half as many cells, which forces at the ends are extrapolated with, or None.
     """
 
+    system: Any = field(repr=False)
     coarse: MooringResponse | None = field(repr=False, default=None)
 
     @property
@@ -73,14 +75,15 @@ class MooringResponse(LineOutputs, PeriodicResponse):
 
         Solved for on every second node when first asked, unless ``coarse`` is there.
         """
-        coarse = self.coarse
+        coarse: Any = self.coarse
         if coarse is None:
             coarser = self.system.coarser(MIN_NODES)
             if coarser is None:
                 return None
-            start = replace(self, system=coarser[0], z=self.z[:, coarser[0].kept])
-            settings = {"harmonics": self.basis.harmonics, "samples": self.basis.samples, "mean": self.mean}
-            coarse = solve_periodic(coarser[0], start=start, subharmonic=self.subharmonic, throw=False, **settings)
+            start = replace(self, system=coarser[0], z=self.z[:, np.flatnonzero(coarser[0].kept)])
+            settings: dict[str, Any] = {"harmonics": self.basis.harmonics, "samples": self.basis.samples}
+            settings |= {"mean": self.mean, "subharmonic": self.subharmonic}
+            coarse = solve_periodic(coarser[0], start=start, throw=False, **settings)
         return diagnostics.relative_change(self, coarse, *self.last_period) if coarse.success else None
 
     @cached_property
@@ -98,12 +101,13 @@ def solve_extrapolated(system, **options) -> MooringResponse:
     if coarser is None:
         problem = f"{system.nodes - 1} cells are too few for a mesh of half as many"
         raise InputError(problem, field="deferred_correction", value=True)
-    coarse = solve_periodic(coarser[0], **options)
+    coarse: Any = solve_periodic(coarser[0], **options)
     if not coarse.success:
         return coarse
     if options.get("start") is None:
         options["start"] = replace(coarse, system=system, z=coarser[1](coarse.z))
-    return replace(solve_periodic(system, **options), coarse=coarse)
+    fine: Any = solve_periodic(system, **options)
+    return replace(fine, coarse=coarse)
 
 
 MIN_NODES = 4  # of a mesh to extrapolate from
@@ -129,8 +133,8 @@ class MooringHarmonics:
         path = system.path(basis.times)[:, 0] - self.rest[system.held]
         self.prescribed = np.moveaxis(path, 0, -1) @ basis.P  # (P, n, C)
         self.auxiliary = np.empty((basis.samples, system.nodes - 1))
-        self.first = None  # unknowns where Newton's method began
-        self.before = None  # unknowns, tensions and directions where the last Jacobian stood
+        self.first: Any = None  # unknowns where Newton's method began
+        self.before: Any = None  # unknowns, tensions and directions where the last Jacobian stood
 
     # ------------------------------------------------------------ what solve_periodic asks
     def start_is_symmetric(self, z) -> bool:

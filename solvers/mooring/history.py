@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from scipy.interpolate import CubicSpline, PchipInterpolator
@@ -31,6 +31,14 @@ class LineOutputs:
 
     system, time (K,), y, ydot, yddot (n, N, K). Forces are those of the line on what holds it, N, public frame.
     """
+
+    system: Any  # a MooringSystem
+    if TYPE_CHECKING:  # of the class of the result
+        y: Any
+        ydot: Any
+        yddot: Any
+        last_period: Any
+        fairlead_tension: Any
 
     @cached_property
     def _forces(self):
@@ -84,8 +92,8 @@ class MooringHistory(LineOutputs, Outcome):
     solve, without progress.
     """
 
-    system: object = field(repr=False)
-    ramped_system: object = field(repr=False)
+    system: Any = field(repr=False)
+    ramped_system: Any = field(repr=False)
     time: np.ndarray = field(repr=False)
     y: np.ndarray = field(repr=False)
     ydot: np.ndarray = field(repr=False)

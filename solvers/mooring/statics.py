@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from ..common.outcome import Outcome, Status
 from ..numerics.continuation import continue_in_load
 from ..numerics.newton import Step, relaxed_newton
-from . import equations
+from . import elimination, equations
 from .diagnostics import exact_pretension, rest_warnings
 
 TOLERANCE = 1e-13  # largest change of a position over the length: some hundred roundings of a coordinate
@@ -26,7 +27,7 @@ class MooringState(Outcome):
     residual_norm: the largest of these, N.
     """
 
-    system: object = field(repr=False)
+    system: Any = field(repr=False)
     y: np.ndarray = field(repr=False)
     tension: np.ndarray = field(repr=False)
     forces: np.ndarray = field(repr=False)
@@ -42,7 +43,7 @@ class MooringState(Outcome):
 
     @cached_property
     def pretension_error(self) -> float | None:
-        """Relative difference of the fairlead tension from that of the exact catenaries; None where they do not tell."""
+        """Relative difference of the fairlead tension from the exact catenaries'; None where they do not tell it."""
         exact = exact_pretension(self.system) if self.success else None
         return None if exact is None else abs(self.fairlead_tension / exact - 1)
 
@@ -161,11 +162,11 @@ class _Statics:
         diagonal, right, left = np.empty((nodes, n, n)), np.empty((nodes - 1, n, n)), np.empty((nodes - 1, n, n))
         weights = (1.0, 0.0, 0.0)
         equations.tangents(self.line, x, self.still, self.still, self.auxiliary, weights, diagonal, right, left)
-        equations.factorise(self.line, diagonal, right, left, self.prescribed)
+        elimination.factorise(self.line, diagonal, right, left, self.prescribed)
 
         def solve(F):
             step = F.copy()
-            equations.solve(self.line, diagonal, right, left, step)
+            elimination.solve(self.line, diagonal, right, left, step)
             return step
 
         return solve if np.isfinite(diagonal).all() else None

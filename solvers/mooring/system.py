@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import math
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from scipy.interpolate import make_interp_spline
@@ -64,6 +65,7 @@ class MooringSystem:
         self.model, self.s, self.axes, self.motion, self.source = model, s, axes, motion, source
         self.fields = ("along", "z") if len(axes) == 2 else ("x", "y", "z")
         self.nodes = s.size
+        self.kept: Any = None  # of the nodes of a finer line, those that this one has
         self.period = getattr(motion, "period", period)
         anchor = np.array(model.points[0].r)
         self.origin = np.array([anchor[0], anchor[1], 0.0])

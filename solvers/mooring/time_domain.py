@@ -1,6 +1,6 @@
 """Time integration of a moving line: generalized-alpha for r, v, a (Chung and Hulbert, J. Appl. Mech. 60 (1993) 371).
 
-The loop over the steps is compiled (``equations.integrate``); here are the steps that it is given, those that fail or
+The loop over the steps is compiled (``steps.integrate``); here are the steps that it is given, those that fail or
 are too long, which are taken again in 2, 4, 8, ... parts, and the history.
 """
 
@@ -13,8 +13,8 @@ import numpy as np
 
 from ..common.outcome import InputError, Status
 from ..common.validation import flags, positive_number, real_array, real_number, whole_number
-from . import equations
 from .history import MooringHistory
+from .steps import integrate
 
 TOLERANCE = 1e-4  # of the largest change of a tension from rest: what the last Newton step of a time step may change
 MOST_HALVINGS = 10  # of one step
@@ -147,7 +147,7 @@ class _Run:
 
     def _integrate(self, path, t, h, record, every) -> int:
         source = self.system.source_at(t[:-1] + (1 - self.scheme.alpha_f) * h)
-        taken, iterations, factorisations, self.error = equations.integrate(
+        taken, iterations, factorisations, self.error = integrate(
             self.system.line, self.system.held, path, source, h, self.scheme, self.scale, self.tolerance, self.rest,
             self.state, self.auxiliary, record, every, self.watches)  # fmt: skip
         self.iterations += iterations

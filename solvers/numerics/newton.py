@@ -43,6 +43,7 @@ def monotone_root(residual, start, upper, parameters, tolerance):
     residual(f, t, *parameters) -> (g, Newton step in log t), f the elementary functions; all numbers are floats.
     """
     t, lo, hi = start, 0.0, upper
+    # Not by ``iterate``: its calls would cost as much as a step on floats, and the bracket narrows at the last one, too
     for iteration in range(1, MAX_ITERATIONS + 1):  # noqa: B007 (returned)
         g, step = residual(SCALAR, t, *parameters)
         t, lo, hi, finished = _advance(t, lo, hi, g, step, tolerance, SCALAR)
@@ -219,6 +220,7 @@ class _ErrorOriented:
         if error <= self.tolerance:
             self.steps.append(Step(error, 1.0))
             return x + full
+        # Not by ``iterate``: trials of one step are not iterates, each starts from the same x with another length
         while True:
             trial = x + relaxation * full
             F = self.residual(trial)
