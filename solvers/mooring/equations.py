@@ -385,3 +385,26 @@ def node_forces(line, record, forces, tensions):
         for i in range(nodes):
             for p in range(n):
                 forces[k, i, p] = -R[i, p]
+
+
+# ---------------------------------------------------------------- samples of a period
+@compiled
+def sampled_residual(line, samples, auxiliary, R, T, unit):
+    """Set R (S, N, n), T (S, C) and unit (S, C, n) at samples: r, v, a (S, N, n) with auxiliary tensions (S, C)."""
+    for k in range(R.shape[0]):
+        residual(line, samples[0][k], samples[1][k], samples[2][k], auxiliary[k], R[k], T[k], unit[k])
+
+
+@compiled
+def sampled_tangents(line, samples, auxiliary, weights, diagonal, right, left):
+    """Set the tangents at samples, diagonal (n, n, N, S), right and left (n, n, C, S), else as ``tangents``."""
+    n, (count, nodes) = len(line.current), samples[0].shape[:2]
+    D, U, L = np.empty((nodes, n, n)), np.empty((nodes - 1, n, n)), np.empty((nodes - 1, n, n))
+    for s in range(count):
+        tangents(line, samples[0][s], samples[1][s], samples[2][s], auxiliary[s], weights, D, U, L)
+        for i in range(nodes):
+            for j in range(n):
+                for k in range(n):
+                    diagonal[j, k, i, s] = D[i, j, k]
+                    if i < nodes - 1:
+                        right[j, k, i, s], left[j, k, i, s] = U[i, j, k], L[i, j, k]

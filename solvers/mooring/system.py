@@ -7,17 +7,20 @@ import math
 from functools import cached_property
 
 import numpy as np
+from scipy.interpolate import make_interp_spline
 
 from ..common.motion import Ramped
 from ..common.outcome import InputError
 from ..common.validation import one_of, positive_number
 from .equations import Line, node_forces, residual, tangents
+from .harmonic import MooringHarmonics, MooringResponse, full_then_damped_newton
 from .history import MooringHistory
 from .mesh import mesh_of
 from .model import line_model
-from .statics import MooringState, solve_rest
+from .statics import MooringState, rest_response, solve_rest
 from .time_domain import solve_mooring_time_domain
 
+MIN_NODES = 8  # of a coarser line
 SLIP_SPEED = 0.01  # m/s, at which the regularised friction reaches 0.7 of Coulomb's
 _IN_PLANE = 1e-12  # out-of-plane parts below this share of a vector come from rounding its direction
 
@@ -56,11 +59,11 @@ class MooringSystem:
     held: indices of the nodes that are prescribed; period of the motion in s, or None.
     """
 
-    def __init__(self, model, s, axes, motion, slip_speed, source=None):
+    def __init__(self, model, s, axes, motion, slip_speed, source=None, period=None):
         self.model, self.s, self.axes, self.motion, self.source = model, s, axes, motion, source
         self.fields = ("along", "z") if len(axes) == 2 else ("x", "y", "z")
         self.nodes = s.size
-        self.period = getattr(motion, "period", None)
+        self.period = getattr(motion, "period", period)
         anchor = np.array(model.points[0].r)
         self.origin = np.array([anchor[0], anchor[1], 0.0])
         last = s.size - 1
@@ -99,6 +102,48 @@ class MooringSystem:
     def rest_state(self) -> np.ndarray:
         """Return the coordinates of the nodes at rest, (n, N), m."""
         return self.rest.y
+
+    # ------------------------------------------------------------ what solve_periodic asks
+    newton = staticmethod(full_then_damped_newton)
+    periodic_response = MooringResponse
+
+    def harmonic_residual(self, basis, mirror, iterative) -> MooringHarmonics:
+        """Return the rows in Fourier coefficients."""
+        if iterative:
+            problem = "'iterative' is not there for a line of nodes and elements; use 'direct'"
+            raise InputError(problem, field="linear_solver", value="iterative")
+        return MooringHarmonics(self, basis)
+
+    def mirror(self):
+        """Return None: no symmetry is used."""
+        return None
+
+    def invalid(self, y):
+        """Return None: a line is valid in every state, slack too."""
+        return None
+
+    def fourth_order(self):
+        """Return None: there are no rows of higher order."""
+        return None
+
+    def coarser(self):
+        """Return the line on every second node, and cubic splines between its nodes, or None."""
+        if self.nodes < 2 * MIN_NODES:
+            return None
+        joints = np.cumsum([0.0, *(segment.length for segment in self.model.segments)])
+        kept = np.zeros(self.nodes, dtype=bool)
+        kept[::2] = True
+        kept[abs(self.s[:, None] - joints).argmin(axis=0)] = True
+        source = self.source
+        coarse = MooringSystem(
+            self.model, self.s[kept], self.axes, self.motion, self.line.slip_speed,
+            source and (lambda t: source(t)[:, kept]), self.period)  # fmt: skip
+        return coarse, lambda z: make_interp_spline(coarse.s, z, axis=1)(self.s)
+
+    def quasi_static_predictor(self, t) -> np.ndarray:
+        """Return the equilibrium as it follows the prescribed nodes, linearised, (n, N, S) at times t (S,)."""
+        moved = self.path(t)[:, 0] - self.rest.y.T[self.held]
+        return self.rest.y[..., None] + rest_response(self, moved)
 
     def path(self, t) -> np.ndarray:
         """Return position, velocity and acceleration of the prescribed nodes at times t (S,), (S, 3, P, n)."""
