@@ -70,6 +70,9 @@ def solve_periodic(
     [974.0, 364.0]
     """
     system = as_system(system)
+    if deferred_correction and hasattr(system, "solve_extrapolated"):  # a moving line of nodes and elements
+        options = {name: value for name, value in locals().items() if name not in ("system", "deferred_correction")}
+        return system.solve_extrapolated(**options)
     Nh = _count("harmonics", harmonics)
     nu = _count("subharmonic", subharmonic)
     Nt = max(4 * Nh, 8) if samples is None else _count("samples", samples)

@@ -8,19 +8,30 @@ that each Newton step condenses (``equations.residual``): plain full steps then 
 from __future__ import annotations
 
 import copy
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg.lapack import dgetrf, dgetrs
 
+from ..common.outcome import InputError
 from ..harmonic_balance.blocks import Blocks
 from ..harmonic_balance.response import PeriodicResponse
+from ..harmonic_balance.solve import solve_periodic
 from ..numerics.newton import damped_newton, full_newton
+from . import diagnostics
 from .equations import sampled_residual, sampled_tangents
 from .history import LineOutputs
 
 
+@dataclass(frozen=True)
 class MooringResponse(LineOutputs, PeriodicResponse):
-    """Periodic state of a moving line: PeriodicResponse with the outputs of LineOutputs at the samples."""
+    """Periodic state of a moving line: PeriodicResponse with the outputs of LineOutputs at the samples.
+
+    coarse: the response on half as many cells, which forces at the ends are extrapolated with, or None.
+    """
+
+    coarse: MooringResponse | None = field(repr=False, default=None)
 
     @property
     def yddot(self) -> np.ndarray:
@@ -32,12 +43,70 @@ class MooringResponse(LineOutputs, PeriodicResponse):
         q = self.basis.functions(np.asarray(t, dtype=float))[0]
         return -(self.z * (self.basis.omega * self.basis.harmonic) ** 2) @ q.T
 
+    def end_forces(self, t) -> np.ndarray:
+        """Forces on what holds anchor and fairlead at times t (S,) in s, (3, 2, S), N; extrapolated if there is a coarse.
+
+        The error of both meshes is of second order in the cells, so a third of their difference is left.
+        """
+        t = np.asarray(t, dtype=float)
+        forces = self.system.forces(self.at(t), self.rate_at(t), self.acceleration_at(t))[0][:, [0, -1]]
+        return forces if self.coarse is None else forces + (forces - self.coarse.end_forces(t)) / 3
+
+    @property
+    def fairlead_force(self) -> np.ndarray:
+        """Force on the vessel at the samples, (3, Nt), N."""
+        return self.end_forces(self.time)[:, 1]
+
+    @property
+    def anchor_force(self) -> np.ndarray:
+        """Force on the anchor at the samples, (3, Nt), N."""
+        return self.end_forces(self.time)[:, 0]
+
     def fairlead_tension(self, t) -> np.ndarray:
         """Return the size of the force on the vessel at times t in s, any shape, N."""
         t = np.asarray(t, dtype=float)
-        flat = np.atleast_1d(t).ravel()
-        forces, _ = self.system.forces(self.at(flat), self.rate_at(flat), self.acceleration_at(flat))
-        return np.linalg.norm(forces[:, -1], axis=0).reshape(t.shape)
+        return np.linalg.norm(self.end_forces(np.atleast_1d(t).ravel())[:, 1], axis=0).reshape(t.shape)
+
+    @cached_property
+    def mesh_error(self) -> float | None:
+        """Rms change of the fairlead tension that half as many cells make, over its range; None where that fails.
+
+        Solved for on every second node when first asked, unless ``coarse`` is there.
+        """
+        coarse = self.coarse
+        if coarse is None:
+            coarser = self.system.coarser(MIN_NODES)
+            if coarser is None:
+                return None
+            start = replace(self, system=coarser[0], z=self.z[:, coarser[0].kept])
+            settings = {"harmonics": self.basis.harmonics, "samples": self.basis.samples, "mean": self.mean}
+            coarse = solve_periodic(coarser[0], start=start, subharmonic=self.subharmonic, throw=False, **settings)
+        return diagnostics.relative_change(self, coarse, *self.last_period) if coarse.success else None
+
+    @cached_property
+    def warnings(self) -> tuple[str, ...]:
+        """What the mesh or the number of harmonics has lost."""
+        return tuple(diagnostics.check_response(self))
+
+
+def solve_extrapolated(system, **options) -> MooringResponse:
+    """Return the periodic response of a MooringSystem with ``coarse``, which its start is made from.
+
+    options: of ``solve_periodic``. Raises as that does; InputError where the line has too few cells for a coarser one.
+    """
+    coarser = system.coarser(MIN_NODES)
+    if coarser is None:
+        problem = f"{system.nodes - 1} cells are too few for a mesh of half as many"
+        raise InputError(problem, field="deferred_correction", value=True)
+    coarse = solve_periodic(coarser[0], **options)
+    if not coarse.success:
+        return coarse
+    if options.get("start") is None:
+        options["start"] = replace(coarse, system=system, z=coarser[1](coarse.z))
+    return replace(solve_periodic(system, **options), coarse=coarse)
+
+
+MIN_NODES = 4  # of a mesh to extrapolate from
 
 
 class MooringHarmonics:

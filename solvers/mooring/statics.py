@@ -11,6 +11,7 @@ from ..common.outcome import Outcome, Status
 from ..numerics.continuation import continue_in_load
 from ..numerics.newton import Step, relaxed_newton
 from . import equations
+from .diagnostics import exact_pretension, rest_warnings
 
 TOLERANCE = 1e-13  # largest change of a position over the length: some hundred roundings of a coordinate
 MAX_STEPS = 30  # of Newton's method; the mixed one takes four to eight from a catenary
@@ -38,6 +39,17 @@ class MooringState(Outcome):
     def r(self) -> np.ndarray:
         """Positions of the nodes, (3, N), m."""
         return self.system.positions(self.y)
+
+    @cached_property
+    def pretension_error(self) -> float | None:
+        """Relative difference of the fairlead tension from that of the exact catenaries; None where they do not tell."""
+        exact = exact_pretension(self.system) if self.success else None
+        return None if exact is None else abs(self.fairlead_tension / exact - 1)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What the mesh has lost: a pretension that is off."""
+        return tuple(rest_warnings(self.system)) if self.success else ()
 
     @property
     def fairlead_force(self) -> np.ndarray:

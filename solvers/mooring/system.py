@@ -13,14 +13,14 @@ from ..common.motion import Ramped
 from ..common.outcome import InputError
 from ..common.validation import one_of, positive_number
 from .equations import Line, node_forces, residual, tangents
-from .harmonic import MooringHarmonics, MooringResponse, full_then_damped_newton
+from .harmonic import MooringHarmonics, MooringResponse, full_then_damped_newton, solve_extrapolated
 from .history import MooringHistory
 from .mesh import mesh_of
 from .model import line_model
 from .statics import MooringState, rest_response, solve_rest
 from .time_domain import solve_mooring_time_domain
 
-MIN_NODES = 8  # of a coarser line
+MIN_NODES = 8  # of a coarser line to start from
 SLIP_SPEED = 0.01  # m/s, at which the regularised friction reaches 0.7 of Coulomb's
 _IN_PLANE = 1e-12  # out-of-plane parts below this share of a vector come from rounding its direction
 
@@ -102,6 +102,10 @@ class MooringSystem:
         """Return the discrete equilibrium, as ``solvers.solve_static`` does."""
         return self.rest if throw else solve_rest(self, throw=False)
 
+    def solve_extrapolated(self, **options) -> MooringResponse:
+        """Return the periodic response whose end forces are extrapolated from two meshes, as solve_periodic asks."""
+        return solve_extrapolated(self, **options)
+
     def solve_time_domain(self, **options) -> MooringHistory:
         """Return the motion over time, as ``solvers.solve_time_domain`` does."""
         return solve_mooring_time_domain(self, **options)
@@ -133,9 +137,9 @@ class MooringSystem:
         """Return None: there are no rows of higher order."""
         return None
 
-    def coarser(self):
-        """Return the line on every second node, and cubic splines between its nodes, or None."""
-        if self.nodes < 2 * MIN_NODES:
+    def coarser(self, least=MIN_NODES):
+        """Return the line on every second node, and cubic splines between its nodes; None with fewer than ``least``."""
+        if self.nodes + 1 < 2 * least:
             return None
         joints = np.cumsum([0.0, *(segment.length for segment in self.model.segments)])
         kept = np.zeros(self.nodes, dtype=bool)
@@ -145,6 +149,7 @@ class MooringSystem:
         coarse = MooringSystem(
             self.model, self.s[kept], self.axes, self.motion, self.line.slip_speed,
             source and (lambda t: source(t)[:, kept]), self.period)  # fmt: skip
+        coarse.kept = kept
         return coarse, lambda z: make_interp_spline(coarse.s, z, axis=1)(self.s)
 
     def quasi_static_predictor(self, t) -> np.ndarray:

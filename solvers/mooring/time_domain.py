@@ -82,7 +82,9 @@ def solve_mooring_time_domain(
     y, ydot, yddot = (part[: time.size].transpose(2, 1, 0) for part in record)
     status = Status.SUCCESS if event is None else Status.STEP_FAILED
     counts = run.iterations, run.factorisations, run.error, done, run.cut, run.damped_from
-    history = MooringHistory(system, moved, time, y, ydot, yddot, status, *counts, ramp, event)
+    options = {"dt": dt, "duration": dt * count, "rho_inf": rho_inf, "tolerance": tolerance, "ramp": ramp,
+               "step_tolerance": step_tolerance, "start": start, "every": every}  # fmt: skip
+    history = MooringHistory(system, moved, time, y, ydot, yddot, status, *counts, ramp, event, options)
     given = f"dt = {dt:g} s, ramp = {ramp:g} s"
     if event is not None:
         given += f"; stopped at t = {event[0]:.6g} s, node {event[1] + 1} of {system.nodes}"
