@@ -82,7 +82,14 @@ class MooringSystem:
 
     def ramped(self, duration) -> MooringSystem:
         """Return the same line, its motion grown from rest over a duration in s."""
-        return self if self.motion is None else self.with_motion(Ramped(self.motion, duration))
+        if self.motion is None:
+            return self
+        other, start = self.with_motion(Ramped(self.motion, duration)), np.zeros(1)
+        if np.array_equal(other.path(start)[0, 0], self.path(start)[0, 0]):
+            other.rest = self.rest
+        else:  # the motion begins away from its mean place, where the ramp begins
+            vars(other).pop("rest", None)
+        return other
 
     def scaled(self, load_factor) -> MooringSystem:
         """Return the same line with its motion multiplied by a number."""

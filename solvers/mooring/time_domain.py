@@ -59,7 +59,7 @@ def solve_mooring_time_domain(
         raise InputError(f"{progress!r} must be a function of time (s), or None", field="progress", value=progress)
     ramp = _ramp_of(system, ramp, start)
     moved = system.ramped(ramp) if ramp else system
-    run = _Run(moved, rho_inf, tolerance, step_tolerance, _state(system, start))
+    run = _Run(moved, rho_inf, tolerance, step_tolerance, _state(moved, start))
     kept = count // every
     record = tuple(np.empty((kept + 1 + (count % every > 0), *run.state[0].shape)) for _ in range(3))
     for part, first in zip(record, run.state, strict=False):
