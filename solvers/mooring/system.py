@@ -13,10 +13,11 @@ from scipy.interpolate import make_interp_spline
 from ..common.motion import Ramped
 from ..common.outcome import InputError
 from ..common.validation import one_of, positive_number
+from .calibration import SMALL_CHANGE, calibrated_line, tension_change
 from .equations import Line, node_forces, residual, tangents
 from .harmonic import MooringHarmonics, MooringResponse, full_then_damped_newton, solve_extrapolated
 from .history import MooringHistory
-from .mesh import mesh_of
+from .mesh import PLACES, mesh_of
 from .model import line_model
 from .modes import LinePencil
 from .statics import MooringState, rest_response, solve_rest
@@ -28,7 +29,15 @@ _IN_PLANE = 1e-12  # out-of-plane parts below this share of a vector come from r
 
 
 def mooring_system(
-    scene, cells: int = 50, *, mesh="fitted", fields="auto", motion=None, slip_speed=SLIP_SPEED, source=None
+    scene,
+    cells: int = 50,
+    *,
+    mesh="fitted",
+    fields="auto",
+    motion=None,
+    calibrate="auto",
+    slip_speed=SLIP_SPEED,
+    source=None,
 ) -> MooringSystem:
     """Return the moving line of a Scene, or of a Network whose elements follow one another, as a MooringSystem.
 
@@ -36,6 +45,8 @@ def mooring_system(
     touchdown travels), "uniform", or unstretched arc lengths (N,) of the nodes in m.
     fields: "planar" (along, z), "spatial" (x, y, z), or "auto": planar where line, current and motion lie in one
     vertical plane. motion: displacement(t) and velocity(t), (3, *S) in m and m/s, in place of the scene's.
+    calibrate: make the exact catenaries the equilibrium of the mesh (``calibration``): True, False, or "auto", where the
+    motion changes the tension by less than a tenth; not over a seabed, nor where a line hangs straight down.
     slip_speed: m/s, at which the friction of the seabed reaches 0.7 of Coulomb's.
     source: t (S,) -> loads (S, N, n) on the nodes in N, along the axes of the system, for manufactured solutions.
     Raises InputError naming the field for anything missing or out of range.
@@ -51,7 +62,8 @@ def mooring_system(
         raise InputError(f"{motion!r} is no Motion, SampledMotion or FunctionMotion", field="motion", value=motion)
     axes = _axes(model, fields, motion)
     s = mesh_of(model, cells, mesh, motion)
-    return MooringSystem(model, s, axes, motion, positive_number("slip_speed", slip_speed, "m/s"), source)
+    slip_speed = positive_number("slip_speed", slip_speed, "m/s")
+    return MooringSystem(model, s, axes, motion, slip_speed, source, calibrated=_calibrates(calibrate, model, motion))
 
 
 class MooringSystem:
@@ -61,7 +73,7 @@ class MooringSystem:
     held: indices of the nodes that are prescribed; period of the motion in s, or None.
     """
 
-    def __init__(self, model, s, axes, motion, slip_speed, source=None, period=None):
+    def __init__(self, model, s, axes, motion, slip_speed, source=None, period=None, calibrated=False):
         self.model, self.s, self.axes, self.motion, self.source = model, s, axes, motion, source
         self.fields = ("along", "z") if len(axes) == 2 else ("x", "y", "z")
         self.nodes = s.size
@@ -71,7 +83,9 @@ class MooringSystem:
         self.origin = np.array([anchor[0], anchor[1], 0.0])
         last = s.size - 1
         self.held = np.array([i for i, p in ((0, model.points[0]), (last, model.points[-1])) if p.kind != "free"])
-        self.line = _line_arrays(model, s, axes, slip_speed)
+        self.line, self.calibrated = _line_arrays(model, s, axes, slip_speed), calibrated
+        if calibrated:
+            self.line = calibrated_line(self)
 
     # ------------------------------------------------------------ the same line, changed
     def with_motion(self, motion) -> MooringSystem:
@@ -155,7 +169,7 @@ class MooringSystem:
         source = self.source
         coarse = MooringSystem(
             self.model, self.s[kept], self.axes, self.motion, self.line.slip_speed,
-            source and (lambda t: source(t)[:, kept]), self.period)  # fmt: skip
+            source and (lambda t: source(t)[:, kept]), self.period, self.calibrated)  # fmt: skip
         coarse.kept = kept
         return coarse, lambda z: make_interp_spline(coarse.s, z, axis=1)(self.s)
 
@@ -236,6 +250,18 @@ def _axes(model, fields, motion) -> np.ndarray:
     if fields != "spatial" and planar:
         return np.array([along, [0.0, 0.0, 1.0]])
     return np.eye(3)
+
+
+def _calibrates(given, model, motion) -> bool:
+    if not (isinstance(given, (bool, np.bool_)) or given == "auto"):
+        raise InputError(f"{given!r} must be 'auto', True or False", field="calibrate", value=given)
+    if model.environment.depth is not None:
+        if given is not False and given != "auto":
+            raise InputError("True, and over a seabed that would fix where the line lies", field="calibrate", value=given)
+        return False
+    if given != "auto":
+        return bool(given)
+    return getattr(motion, "period", None) is not None and tension_change(model, motion, PLACES) < SMALL_CHANGE
 
 
 def _line_arrays(model, s, axes, slip_speed) -> Line:
