@@ -174,7 +174,7 @@ def seconds_at(front, rms: float) -> float | None:
 
 
 def ratios(points, method: str, wanted=WANTED, own=OWN) -> list[dict]:
-    """Return for each setting on a method's front with a wanted error its run time over that of ``own`` at that error."""
+    """Return for each setting on a method's front with a wanted error: its time over that of ``own`` at that error."""
     rows = []
     for case in dict.fromkeys(point["case"] for point in points):
         mine = [point for point in points if point["case"] == case]
