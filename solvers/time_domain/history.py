@@ -9,11 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..common import diagnostics
-from ..common.outcome import InputError, Outcome, Status
-from ..common.response import Response
+from ..common.outcome import Outcome, Status
+from ..common.response import Response, inside, last_period
 from ..numerics.chain import ChainSystem
-
-ROUNDING = 1e-12  # of the duration, that rounding may leave
 
 
 @dataclass(frozen=True)
@@ -45,11 +43,7 @@ class TimeHistory(Response, Outcome):
     @property
     def last_period(self) -> tuple[float, float]:
         """Start of the last whole period that is stored, and the period, s. Raises InputError without one."""
-        period = self.system.period
-        if period is None or self.time[-1] - self.time[0] < period * (1 - ROUNDING):
-            problem = f"{self.time[-1] - self.time[0]:g} s are stored, no whole period ({period} s)"
-            raise InputError(problem, field="time", value=self.time, unit="s")
-        return max(self.time[0], self.time[-1] - period), period
+        return last_period(self.time, self.system.period)
 
     def at(self, t: ArrayLike) -> np.ndarray:
         """State at times t (S,) in s, (n_f, N, S): cubic between the stored times. Raises InputError outside them."""
@@ -70,12 +64,8 @@ class TimeHistory(Response, Outcome):
 
     def _cubic(self, t, order):
         """Hermite's cubic through y and ydot, or its first derivative."""
-        t, time = np.asarray(t, dtype=float), self.time
-        slack = ROUNDING * time[-1]
-        inside = (t >= time[0] - slack) & (t <= time[-1] + slack)
-        if not np.all(inside):
-            problem = f"{t[~inside].flat[0]:g} s is outside the history, {time[0]:g} to {time[-1]:g} s"
-            raise InputError(problem, field="t", value=t, unit="s")
+        time = self.time
+        t = inside(t, time)
         i = np.clip(np.searchsorted(time, t, side="right") - 1, 0, time.size - 2)
         h = time[i + 1] - time[i]
         x = (t - time[i]) / h

@@ -12,14 +12,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..common.outcome import InputError, Status
+from ..common.response import ROUNDING
 from ..common.types import as_system
 from ..common.validation import flags, one_of, positive_number, real_array, real_number, whole_number
 from ..numerics.chain import ChainSystem
 from .drift_control import DRIFT_CONTROLS
 from .generalized_alpha import Scheme, Stepper
-from .history import ROUNDING, TimeHistory
+from .history import TimeHistory
 from .step_control import StepControl
 
+TOLERANCE = 1e-10  # mean change of a state
+LINE_TOLERANCE = 1e-4  # of the largest change of a tension from rest
 MAX_STEPS = 1e9  # a day of work for the shortest chain
 
 
@@ -77,12 +80,8 @@ def solve_time_domain(
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             return list(pool.map(lambda one: solve_time_domain(one, **options), system))  # type: ignore[return-value]
     system = as_system(system)
-    if hasattr(system, "solve_time_domain"):  # a moving line of nodes and elements
-        options = _options_of_a_line(tolerance, scheme, hold, allow_invalid)
-        return system.solve_time_domain(dt=dt, periods=periods, duration=duration, rho_inf=rho_inf, ramp=ramp,
-                                        step_tolerance=step_tolerance, start=start, every=every, progress=progress,
-                                        throw=throw, **options)  # fmt: skip
-    tolerance = 1e-10 if tolerance is None else tolerance
+    is_line = hasattr(system, "integrate")  # of nodes and elements, with steps of its own
+    tolerance = (LINE_TOLERANCE if is_line else TOLERANCE) if tolerance is None else tolerance
     end = _duration(system, periods, duration)
     dt, tolerance = positive_number("dt", dt, "s"), positive_number("tolerance", tolerance, "(mean change of a state)")
     if dt > end:
@@ -95,11 +94,18 @@ def solve_time_domain(
         step_tolerance = positive_number("step_tolerance", step_tolerance, "(dimensionless)")
     every = whole_number("every", every, 1, unit="steps")
     flags(allow_invalid=allow_invalid, throw=throw)
-    scheme = _scheme(scheme, rho_inf)
+    given_scheme, scheme = scheme, _scheme(scheme, rho_inf)
     if not (progress is None or callable(progress)):
         raise InputError(f"{progress!r} must be a function of time (s), or None", field="progress", value=progress)
     first_ramp = _first_ramp(system, ramp, start)
     hold, state = _checked_hold(system, hold), _start_state(system, start)
+    if is_line:
+        _refuse(("scheme", given_scheme, None), ("hold", hold, "position"), ("allow_invalid", allow_invalid, False))
+        count = math.ceil(end / dt * (1 - ROUNDING))
+        settings: dict = {"dt": end / count, "count": count, "rho_inf": rho_inf, "tolerance": tolerance, "every": every}
+        settings |= {"step_tolerance": step_tolerance, "ramp": first_ramp, "start": start and state}
+        history = system.integrate(progress=progress, **settings)  # type: ignore[attr-defined]
+        return history.or_raise(_given(history, dt, f"ramp = {first_ramp:g} s")) if throw else history
 
     def integrate(ramp) -> TimeHistory:
         stepper = Stepper(system.ramped(ramp) if ramp else system, scheme, tolerance, hold, dt)
@@ -126,17 +132,12 @@ def solve_time_domain(
     return history.or_raise(_given(history, dt, tried))
 
 
-def _options_of_a_line(tolerance, scheme, hold, allow_invalid) -> dict:
-    """Return the options for a line of nodes and elements; raises InputError for those that mean nothing to it."""
-    for name, value, default in (
-        ("scheme", scheme, None),
-        ("hold", hold, "position"),
-        ("allow_invalid", allow_invalid, False),
-    ):
+def _refuse(*options):
+    """Raise InputError for an option (name, value, default) that means nothing to a line of nodes and elements."""
+    for name, value, default in options:
         if value is not default and value != default:
             problem = f"{value!r} has no meaning for a line of nodes and elements; leave it out"
             raise InputError(problem, field=name, value=value)
-    return {} if tolerance is None else {"tolerance": tolerance}
 
 
 def _given(history, dt, ramps) -> str:
