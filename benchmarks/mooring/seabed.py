@@ -30,6 +30,7 @@ CELLS, STEPS, FINER, HALVED = 50, 200, 4, 2
 PERIODS, HARMONICS = 6, 12
 PERIODIC = 1e-2  # change of the last period from the one before, over the range, below which a history is periodic
 LARGE = 0.03  # rms error over the range that a user should be warned of
+ADVICE = frozenset({"mesh", "dt", "periods"})  # subjects of warnings that say what to change; slack is a fact
 
 
 def seabed(quick: bool):
@@ -41,7 +42,7 @@ def seabed(quick: bool):
                 rows.append(measure_motion(name, kind, amplitude, period))
                 yield None
     yield {"rows": rows, "large": LARGE, "cells": CELLS, "steps": STEPS, "finer": FINER, "halved": HALVED,
-           "harmonics": HARMONICS, "periodic": PERIODIC}  # fmt: skip
+           "harmonics": HARMONICS, "periodic": PERIODIC, "advice": sorted(ADVICE)}  # fmt: skip
 
 
 def measure_motion(name, kind, amplitude, period) -> dict:
@@ -92,10 +93,13 @@ def _balance(system, tension) -> dict:
 
 
 def summarise(rows, large: float = LARGE, periodic: float = PERIODIC) -> dict:
-    """Return counts of motions: solved, periodic, with a large error, warned of, and each pair of the last two."""
+    """Return counts of motions: solved on both meshes, periodic, with a large error, warned of, and both together.
+
+    warned: by a history whose warnings have one of the subjects ADVICE.
+    """
     solved = [row for row in rows if row["status"] == "SUCCESS" and row["error"] is not None]
     wrong = [row for row in solved if row["error"] > large]
-    warned = [row for row in solved if "mesh" in row["subjects"]]
+    warned = [row for row in solved if ADVICE & set(row["subjects"])]
     errors = [row["error"] for row in solved]
     balanced = [row["balance"]["difference"] for row in solved if row["balance"]["status"] == "SUCCESS"]
     return {
