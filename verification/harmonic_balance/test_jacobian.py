@@ -456,6 +456,19 @@ def test_tangents_that_do_not_fit_are_refused(shape):
         blocks(np.ones(shape), np.ones((2, 3, 5, 8)), blocks.harmonics([every] * 2, basis), float)
 
 
+@pytest.mark.parametrize("nodes", [64, 65, 66, 129])
+def test_blocks_made_in_parts_are_those_made_at_once(nodes):
+    """Made in parts of 64 cells, the blocks of a chain are those made at once, whatever is left for the last part."""
+    chain = cubic_chain(nodes)
+    balance = HarmonicResidual(chain, Basis(1, 4, 0.4, True))
+    x = np.random.default_rng(4).normal(size=(nodes, balance.n))
+    rows, state = balance.rows(x, True)
+    whole = balance.jacobian(rows, balance.slope(state))[1]
+    parts = list(balance.jacobian(rows, balance.slope(state), 64)[1])
+    made = np.concatenate(parts, axis=1)
+    assert made.shape == whole.shape and abs(made - whole).max() <= 100 * EPS * abs(whole).max()
+
+
 # ---------------------------------------------------------------- the check turns red
 class Planted:
     """A chain one of whose tangents is 1 % wrong: part, "dy" or "dydot", and the index of the entry in it."""

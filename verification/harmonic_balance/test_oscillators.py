@@ -539,6 +539,14 @@ def test_output_is_the_series():
     assert largest(response.ydot[0] - response.y[1]) <= ROUND_OFF
 
 
+def test_a_response_without_the_constant_is_confirmed_by_one_step():
+    """In the paper's variant, too, a response is confirmed by one step from itself."""
+    chain = duffing(0.8, 0.3, 0.1, 1.0, 1.0)
+    response = solve_periodic(chain, harmonics=9, mean=False)
+    again = solve_periodic(chain, harmonics=9, mean=False, start=response)
+    assert again.iterations == 1 and abs(again.z - response.z).max() <= 1e-11
+
+
 # ---------------------------------------------------------------- refusals and failures
 GOOD = duffing(0.8, 0.3)
 BAD = {

@@ -571,6 +571,26 @@ def test_methods_agree_on_random_networks(deep):
     assert misses == [] and compared >= number / 8
 
 
+@pytest.mark.parametrize("options", METHODS.values(), ids=METHODS)
+@pytest.mark.parametrize("case", [two_line(), bridle()], ids=lambda case: case.name)
+def test_each_method_reaches_its_tolerance_by_itself(case, options):
+    """Without the fallback, which would mend it, each method is balanced to what was asked, each line on its curve."""
+    state = solve_network(network_of(case), **options, fallback=False, tolerance=1e-9)
+    assert state.success and state.residual_norm <= 1e-9
+    tight = solve_network(network_of(case), tolerance=1e-13)
+    assert abs(state.H - tight.H).max() <= 1e-7 * abs(tight.H).max()  # the softest direction is a hundred times softer
+
+
+def test_friction_acts_only_where_the_anchor_end_lies():
+    """A line that hangs to the seabed from two raised ends has the forces of one without friction."""
+    nodes = Node("fixed", (0.0, 0.0, -15.0)), Node("coupled", (90.0, 0.0, -5.0))
+    states = [
+        solve_network(Network(nodes, [Element(30.0, 1e6, 100.0, (0, 1), friction)], Environment(depth=20.0)))
+        for friction in (0.0, 0.5)
+    ]
+    assert states[0].H[0] > 0 and [s.H[0] for s in states] == [states[0].H[0]] * 2
+
+
 # ---------------------------------------------------------------- fails well
 ANCHOR, JOINT, FAIRLEAD = NodeCase("fixed", (0, 0, -50)), NodeCase("free", (5, 0, -20)), NodeCase("coupled", (9, 0, -5))
 LINE = {"w": 10.0, "EA": 1e6, "L": 40.0}

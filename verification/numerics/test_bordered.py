@@ -262,6 +262,14 @@ def test_a_singular_chain_is_called_singular(spoil):
         assert BlockChain(*chain.blocks).singular
 
 
+def test_an_empty_column_is_singular_without_full_rows():
+    """A chain is singular where a node's column is empty, although the elimination runs through to its end."""
+    chain = Chain.random(6, 5, 2, 0)
+    start, cells, _, _ = chain.blocks
+    start[:, 1] = cells[0, 0, :, 1] = 0.0
+    assert BlockChain(*chain.blocks).singular and not BlockChain(*Chain.random(6, 5, 2, 0).blocks).singular
+
+
 # ---------------------------------------------------------------- the checks turn red
 @pytest.mark.parametrize("part", range(4), ids=("start", "cells", "end", "border"))
 def test_an_entry_off_by_a_millionth_is_found(part):

@@ -382,7 +382,7 @@ def campaigning(tiny, monkeypatch) -> Path:
     (tiny / "verification" / "defects").mkdir()
     for name in ("__init__.py", "ordering.py"):
         shutil.copy2(ROOT / "verification" / "defects" / name, tiny / "verification" / "defects")
-    monkeypatch.setattr(campaign, "test_files", lambda module: ["test_numbers.py", "test_more.py"])
+    monkeypatch.setattr(campaign, "files", lambda module: ["test_numbers.py", "test_more.py"])
     monkeypatch.setattr(campaign, "deselected", lambda file: "")
     return tiny
 
