@@ -194,7 +194,7 @@ def test_a_resting_line_sinks_by_its_weight():
     ids=lambda case: f"{case.name}{' current' * any(case.current)}",
 )
 def test_the_equilibrium_solves_the_rows_and_meets_the_ends(case, fields):
-    """The rows of the dynamic system are met at rest, the drift of the end is nil, and status and work are told."""
+    """The rows of the dynamic system are met at rest, the drift of the end is nil, and status and work are reported."""
     chain = system(case, 50, fields=fields)
     state = solve_static(chain, tolerance=RESIDUAL / 10)  # a seabed answers an error of a height with its stiffness
     assert state.success and 1 <= state.iterations <= 20

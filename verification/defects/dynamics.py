@@ -721,7 +721,7 @@ DEFECTS = (
         Fault("common.diagnostics", "largest_slope_change", "abs(np.diff(slope))", "abs(np.diff(slope, 2))"),
         "index",
         "a warning of long steps from the third difference: of two steps nothing is left",
-        "suite/test_stability.py::test_steps_too_long_for_the_motion_are_told",
+        "suite/test_stability.py::test_steps_too_long_for_the_motion_are_warned_of",
     ),
     Defect(
         "drift over the diameter of the motion",
@@ -733,14 +733,14 @@ DEFECTS = (
         ),
         "factor",
         "the excursion four times too large: a drift of a tenth passes",
-        "suite/test_stability.py::test_drift_is_told",
+        "suite/test_stability.py::test_drift_is_warned_of",
     ),
     Defect(
         "a cure that is there",
         Fault("common.diagnostics", "check_history", 'history.hold == "position"', 'history.hold == "mean"'),
         "regime",
         "the end that is held is told to be held",
-        "suite/test_stability.py::test_the_cure_of_a_drift_is_one_that_is_left",
+        "suite/test_stability.py::test_the_warning_of_a_drift_names_a_remedy_that_is_left",
     ),
     # ------------------------------------------------------------ deferred correction
     Defect(
@@ -776,14 +776,14 @@ DEFECTS = (
         Fault("harmonic_balance.solve", "_corrected", "x - step", "x + step"),
         "sign",
         "the deferred correction doubles the error",
-        "harmonic_balance/test_deferred_correction.py::test_an_old_jacobian_is_mended",
+        "harmonic_balance/test_deferred_correction.py::test_repeated_corrections_make_up_for_an_old_jacobian",
     ),
     Defect(
         "one correction",
         Fault("harmonic_balance.solve", "", "MAX_CORRECTIONS = 3", "MAX_CORRECTIONS = 1"),
         "stale",
         "one step with a Jacobian that is old: a share of the second order stays",
-        "harmonic_balance/test_deferred_correction.py::test_an_old_jacobian_is_mended",
+        "harmonic_balance/test_deferred_correction.py::test_repeated_corrections_make_up_for_an_old_jacobian",
     ),
     Defect(
         "states given as rates",

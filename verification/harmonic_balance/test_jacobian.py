@@ -448,7 +448,7 @@ def test_a_planted_fault_does_not_stay():
 
 @pytest.mark.parametrize("shape", [(2, 3, 5, 7), (3, 3, 5, 8), (2, 2, 5, 8), (2, 3, 4, 8)], ids=str)
 def test_tangents_that_do_not_fit_are_refused(shape):
-    """Compiled loops do not look at their indices: of 8 samples, 2 rows and 3 fields each other number is told."""
+    """Compiled loops do not look at their indices: of 8 samples, 2 rows and 3 fields any other number is refused."""
     basis = Basis(2, 8, 1.0, True)
     every = np.arange(basis.harmonic.size)
     blocks = Blocks(basis, [every] * 3)

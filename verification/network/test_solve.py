@@ -751,7 +751,7 @@ def test_a_reference_point_has_three_coordinates(reference):
         solved(bridle()).body_stiffness(reference)
 
 
-def test_a_buoyant_line_knows_no_seabed():
+def test_a_buoyant_line_is_not_affected_by_the_seabed():
     """It hangs as without one: upwards between nodes just above the seabed, and with an end on it."""
     line = ElementCase(-50.0, 1e7, 140.0, (0, 1))
     for height in (0.0, 1.0):
@@ -761,7 +761,7 @@ def test_a_buoyant_line_knows_no_seabed():
         assert solved(near).H == solved(far).H and solved(near).V == solved(far).V
 
 
-def test_success_is_never_more_than_the_promise(monkeypatch):
+def test_success_is_reported_only_within_the_tolerance(monkeypatch):
     """Exact spans between rounded positions leave 1.7e-9 of the largest force unbalanced here: no success.
 
     The refinement within the rounding balances the network.
@@ -808,7 +808,7 @@ def test_forces_below_the_rounding_of_positions(name, method, monkeypatch):
         assert alone.status is Status.NOT_CONVERGED
 
 
-def test_a_force_that_is_none():
+def test_a_load_below_rounding_is_not_unbalanced():
     """A load far below the rounding of the weights does not count as unbalanced where the lines carry nothing."""
     nodes = (BUOY[0], NodeCase("free", (0.0, 0.0, 0.0), force=(0.0, 7e-263, 0.0)))
     lines = (ElementCase(0.0, 1e4, 10.0, (0, 1)), ElementCase(1.0, 1e4, 10.0, (0, 1)))
@@ -892,7 +892,7 @@ def test_what_is_accepted_as_within_rounding_is(tolerance):
     assert accepted[count - 1][0] > allowed / 100  # larger errors are refused
 
 
-def test_what_more_than_rounding_explains_is_not_mended():
+def test_a_residual_beyond_rounding_is_not_refined():
     """A node off by half a rounding is refined; by a hundred it is not, though one step would balance it."""
     rounding = 4 * EPS * (12.0 + 11.0) * 0.25
     assert error_within_rounding((0.0, rounding / 2), 1e-12, 1.0) is not None

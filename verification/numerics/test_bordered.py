@@ -141,7 +141,7 @@ def test_the_solution_meets_every_row(name):
 
 @pytest.mark.parametrize("name", [name for name in CHAINS if "scaled" not in name])
 def test_the_solution_is_that_of_the_dense_matrix(name):
-    """x is that of LAPACK on the whole matrix as far as its condition tells them apart."""
+    """x is that of LAPACK on the whole matrix as far as its condition allows."""
     chain = CHAINS[name]
     A, b = chain.dense()
     size = abs(A).max(axis=1)
@@ -216,7 +216,7 @@ REFUSED = {
 
 @pytest.mark.parametrize("spoil", REFUSED.values(), ids=REFUSED)
 def test_blocks_that_do_not_fit_are_refused(spoil):
-    """Compiled loops do not look at their indices: a block of another shape would be read beside its end."""
+    """Compiled loops do not look at their indices: a block of another shape would be read past its end."""
     chain = Chain.random(6, 5, 2, 1)
     blocks, right = list(chain.blocks), list(chain.right)
     spoil(blocks, right)

@@ -378,7 +378,7 @@ def test_the_error_controlled_step_follows_its_tolerance():
 
 
 def test_outputs_belong_together():
-    """Stored, thinned and interpolated states, rates, forces, places and progress tell the same story."""
+    """Stored, thinned and interpolated states, rates, forces, positions and progress are consistent."""
     chain, output = system(HEAVE_5, 20), []
     whole = solve(chain, dt=0.1, periods=1, progress=output.append)
     assert output == whole.time[1:].tolist() and whole.steps == 200 and whole.rejected == 0
