@@ -363,8 +363,8 @@ DEFECTS = (
     Defect(
         "everything moves in a plane",
         Fault(
-            "common.motion",
-            "_spanning_vectors",
+            "common.motion_arrays",
+            "spanning_vectors",
             "_SAME_DIRECTION * max(extent[0], np.finfo(float).tiny)",
             "0.5 * max(extent[0], np.finfo(float).tiny)",
         ),

@@ -178,7 +178,10 @@ _FILES = {
     "common.diagnostics": ("common/test_diagnostics.py", "suite/test_stability.py"),
     "numerics.modes": ("time_domain/test_solve.py",),
     "cable.midpoint_stencils": ("harmonic_balance/test_deferred_correction.py",),
-    "common.motion": ("common/test_motion.py", "io/test_scene.py", "time_domain/test_solve.py"),
+    **dict.fromkeys(
+        ("common.motion", "common.motion_arrays"),
+        ("common/test_motion.py", "io/test_scene.py", "time_domain/test_solve.py"),
+    ),
     "numerics.newton": ("numerics/test_newton.py", *_SPAN, *_PERIODIC, "cable/test_statics.py"),
     "common.outcome": ("common/test_failures.py", "network/test_solve.py", "harmonic_balance/test_oscillators.py"),
     "common.validation": (
