@@ -90,7 +90,7 @@ def box(name: str, nodes: int) -> CableSystem:
 
 
 def finest(name: str, levels) -> Reference:
-    """Return the tension on the finer of two levels; uncertainty: a third of what the coarser one differs by.
+    """Return the tension on the last of one or two levels; uncertainty: a third of what the first one differs by.
 
     A third is what an error of second order leaves; where the touchdown travels it is a guide and no bound.
     """
@@ -100,9 +100,8 @@ def finest(name: str, levels) -> Reference:
         waves.append(
             last_period_tension(solve_time_domain(system, dt=system.period / steps, periods=REFERENCE_PERIODS))
         )
-    coarse, fine = waves
-    uncertainty = rms(fine - coarse) / 3 / float(np.ptp(fine))
-    return Reference(system.period, fine, uncertainty, tuple(cells for cells, _ in levels))
+    uncertainty = rms(waves[-1] - waves[0]) / 3 / float(np.ptp(waves[-1]))
+    return Reference(system.period, waves[-1], uncertainty, tuple(cells for cells, _ in levels))
 
 
 class ConvergedTensions:

@@ -23,6 +23,12 @@ METHODS = {
     "box scheme, harmonic balance, corrected": {"color": style.PALETTE[5], "marker": "^"},
     "MoorDyn": {"color": style.PALETTE[2], "marker": "D"},
 }
+LEGEND = {
+    "harmonic balance": "harmonic balance (HB)",
+    "harmonic balance, extrapolated": "HB, extrapolated",
+    "box scheme, harmonic balance, corrected": "box scheme, HB corrected",
+}
+"""Names of methods that are too long for a legend."""
 OWN = tuple(METHODS)[:4]
 """Methods of nodes and elements."""
 LINES = {

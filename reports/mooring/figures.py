@@ -14,7 +14,7 @@ from ..drawing.axes import LOOKS, add_legend, panel, set_decade_ticks, set_size_
 from ..page.analysis import pareto_front
 from ..page.figures import Figure, Group
 from ..page.formatting import number, plural, seconds, times
-from .cases import CASES, LINES, METHODS, OWN, save
+from .cases import CASES, LEGEND, LINES, METHODS, OWN, save
 
 ORCAFLEX = "OrcaFlex"
 
@@ -29,8 +29,8 @@ def work(data: dict, folder: Path) -> Group:
         for method in (name for name in looks if any(p["method"] == name for p in points)):
             mine = [p for p in points if p["method"] == method]
             front = pareto_front(mine, "rms")
-            axes.plot([p["seconds"] for p in mine], [p["rms"] for p in mine], linestyle="none", label=method,
-                      alpha=0.9, **looks[method])  # fmt: skip
+            axes.plot([p["seconds"] for p in mine], [p["rms"] for p in mine], linestyle="none", alpha=0.9,
+                      label=LEGEND.get(method, method), **looks[method])  # fmt: skip
             axes.plot([p["seconds"] for p in front], [p["rms"] for p in front], linewidth=0.9, alpha=0.7,
                       color=looks[method]["color"], label="_front")  # fmt: skip
         axes.set(title=CASES[case], xscale="log", yscale="log", xlabel="run time, s", ylabel="rms error over the range")
@@ -148,8 +148,8 @@ def _laboratory_caption(data) -> str:
     other = [row["other_way"] / row["maximum"] - 1 for row in rows if row.get("other_way")]
     outside = sum(abs(row["deviation"]) > data["band"] for row in rows)
     text = (
-        f"Lindahl's chain of 33 m, whose upper end goes round a circle and which goes slack and snaps in most cycles: "
-        f"the mean of the maxima of the last {data['counted']} cycles, at one setting ({data['cells']} cells, "
+        "Lindahl's chain of 33 m, whose upper end goes round a circle, and which goes slack and snaps in most "
+        f"conditions: the mean of the maxima of the last {data['counted']} cycles, at one setting ({data['cells']} cells, "
         f"{data['steps']} steps a period, {data['damping']:g} s of internal damping, a seabed of "
         f"{data['seabed_stiffness']:g} N/m² without friction), nothing fitted. Deviation: mean "
         f"{_percent(data['mean'], True)}, mean size {_percent(data['mean_absolute'])}, greatest "
@@ -185,16 +185,28 @@ def orcaflex(rows: list[dict], folder: Path) -> Group:
             add_legend(figure, axes, 3)
             alt = f"{end.capitalize()} tension in time, by OrcaFlex and computed here: {title}."
             figures.append(save(figure, folder, f"orcaflex_{row['name']}_{end}", title, alt))
-    first = next(iter(rows[0]["computed"]))
+    first, *others = rows[0]["computed"]
     of = lambda end: ", ".join(_percent(row["computed"][first][end]["rms"]) for row in rows)
     caption = (
         "A studless chain over a seabed in heave of 10 s, drag, added mass and seabed as given, without the internal "
         f"damping that is not stated. Rms of the difference over the range, without friction: {of('fairlead')} at the "
         f"fairlead, {of('anchor')} at the anchor. The shape and range at the fairlead agree; part of the difference "
-        "there is the tension at rest. At the anchor OrcaFlex moves far less: the input file gives a friction of 0.5, "
-        "the tensions at rest fit none, and neither gives its history, so nothing is claimed of the anchor."
+        f"there is the tension at rest. At the anchor OrcaFlex's tension varies less: {_ranges(rows, first)} its range "
+        f"here without friction"
     )
-    return Group(caption, figures)
+    if others:
+        caption += (
+            f", {_ranges(rows, others[0])} with the {others[0]} of the input file, and later in time, for friction "
+            "grows with the speed here and does not hold the line. The tensions at rest fit no friction"
+        )
+    return Group(f"{caption}. Nothing is claimed of the anchor.", figures)
+
+
+def _ranges(rows, label) -> str:
+    """Return the range of the anchor tension over OrcaFlex's, of each row."""
+    return ", ".join(
+        times(float(np.ptp(row["computed"][label]["anchor"]["tension"]) / np.ptp(row["anchor"]))) for row in rows
+    )
 
 
 KINDS = {"surge": "o", "heave": "s", "circle": "D"}
@@ -234,7 +246,7 @@ def _seabed_caption(data) -> str:
         f"{number(summary['motions'])} motions of everyday lines, {data['cells']} cells, {data['steps']} steps a "
         f"period, against {data['finer']} times the cells and {data['halved']} times the steps",
         f"{summary['motions'] - len(failed)} were solved"
-        + (f", {unchecked} of them without a finer run to compare with" if unchecked else ""),
+        + (f", {unchecked} of them without an error, for the finer run failed" if unchecked else ""),
         f"{summary['periodic']} of {summary['solved']} are periodic within {100 * data['periodic']:g} %",
         f"the error is {_percent(summary['median'])} in the median and {_percent(summary['greatest'])} at most",
         f"{summary['large']} exceed {100 * data['large']:g} %, of {summary['large_and_warned']} of these the history "

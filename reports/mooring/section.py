@@ -91,7 +91,12 @@ def _damping(data, folder, tables) -> FigureWithTable:
         rows.append({"drag": row["drag"], "periods": stepped.get("periods"), "in_time": stepped.get("seconds"),
                      "cells": stepped.get("cells"), "balance": balanced.get("seconds"),
                      "balance_cells": balanced.get("cells"), "harmonics": balanced.get("harmonics")})  # fmt: skip
-    return FigureWithTable(figures.damping(data, folder), _table(tables, "damping", "Run time by drag", rows))
+    columns = {"drag": "drag coefficient", "periods": "periods", "cells": "cells", "in_time": "run time",
+               "balance_cells": "cells", "harmonics": "harmonics", "balance": "run time"}  # fmt: skip
+    groups = (("", 1), ("in time, extrapolated", 3), ("harmonic balance, extrapolated", 3))
+    formats = {"drag": "{:g}".format, "in_time": seconds, "balance": seconds}
+    table = _table(tables, "damping", "Run time by drag", rows, columns, formats=formats, groups=groups)
+    return FigureWithTable(figures.damping(data, folder), table)
 
 
 def _laboratory(data, folder, tables) -> FigureWithTable:
@@ -146,12 +151,16 @@ def _seabeds(data, folder, tables) -> dict:
                "difference": "difference"}  # fmt: skip
     rows = [_motion_row(row) for row in data["rows"]]
     formats = dict.fromkeys(("change", "error", "difference"), two_digits) | {
-        "seabed_stiffness": "{:.0e}".format,
+        "seabed_stiffness": _stiffness,
         "amplitude": "{:g}".format,
         "period": "{:g}".format,
     }
     table = _table(tables, "seabeds", "Lines over a seabed", rows, columns, formats=formats)
     return {"figure": figures.seabeds(data, folder), "table": table, "lines": _line_table(data, tables)}
+
+
+def _stiffness(value) -> str:
+    return number(int(value))
 
 
 def _motion_row(row) -> dict:
@@ -186,7 +195,7 @@ def _line_table(data, tables) -> Table:
                "checked": "checked", "median": "median error, %", "greatest": "greatest, %",
                "large": f"above {100 * data['large']:g} %", "warned": "warned of",
                "balanced": "harmonic balance"}  # fmt: skip
-    formats = {"median": two_digits, "greatest": two_digits, "seabed": "{:.0e}".format}
+    formats = {"median": two_digits, "greatest": two_digits, "seabed": _stiffness}
     return _table(tables, "seabed_lines", "Lines over a seabed, a row a line", rows, columns, formats=formats)
 
 
