@@ -46,8 +46,10 @@ def scene(name: str) -> Scene:
         case = Scene.load(SCENES / "dynamics" / "shallow_chain_surge.toml")
     elif name == "oc3_seabed":
         case = replace(Scene.load(SCENES / "mooring" / "oc3.toml"), motion=motion("surge", 5.0, 20.0))
+        case = replace(case, name=f"{case.name}: surge of 5 m")
     else:
         case = replace(Scene.load(SCENES / "mooring" / "semi_15MW.toml"), motion=motion("circle", 3.0, 12.0))
+        case = replace(case, name=f"{case.name}: circle of 3 m")
     return replace(case, cable=replace(case.cable, damping=0.0))
 
 

@@ -45,7 +45,9 @@ def work(quick: bool, folder: Path):
             points += [] if point is None else [point]
             yield None
     others = dict.fromkeys(p["method"] for p in points if p["method"] not in work_of.OWN)
-    yield {"points": points, "uncertainty": uncertainty, "difference": difference,
+    titles = {name: cases.scene(name).name for name in uncertainty if name in cases.SEABED}
+    yield {"points": points, "uncertainty": uncertainty, "difference": difference, "titles": titles,
+           "wanted": work_of.WANTED,
            "ratios": [row for method in others for row in work_of.ratios(points, method)]}  # fmt: skip
 
 
@@ -65,7 +67,7 @@ def three_periods(quick: bool, folder: Path):
         yield None
     rows = np.array(list(seconds.values()))
     spread = float(np.ptp(waves["box scheme"]))
-    yield {"seconds": seconds, "ratio": float(np.median(rows[1] / rows[0])),
+    yield {"cells": CELLS, "dt": DT, "seconds": seconds, "ratio": float(np.median(rows[1] / rows[0])),
            "difference": rms(np.subtract(*waves.values())) / spread}  # fmt: skip
 
 
@@ -78,7 +80,7 @@ def growth(quick: bool, folder: Path):
         seconds, history = least_seconds(lambda system=system: solve_time_domain(system, dt=DT, periods=1))
         rows.append({"cells": cells, "seconds": seconds, "iterations": history.iterations})
         yield None
-    yield {"rows": rows, "fitted_from": FITTED_FROM, "exponent": cases.exponent(rows, "cells", FITTED_FROM)}
+    yield {"rows": rows, "dt": DT, "fitted_from": FITTED_FROM, "exponent": cases.exponent(rows, "cells", FITTED_FROM)}
 
 
 def damping(quick: bool, folder: Path):
