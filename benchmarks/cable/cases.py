@@ -165,6 +165,7 @@ _SOLVERS = (
     "harmonic_balance/blocks",
     "numerics/compiled",
     "numerics/lu/bordered",
+    "numerics/lu/blas_by_address",
     "numerics/newton",
     "cable/statics",
     "common/motion",

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..common.outcome import InputError, Status
+from ..common.types import as_system
 from ..common.validation import flags, one_of, positive_number, real_array, whole_number
 from ..numerics.chain import ChainSystem
 from ..numerics.fourier import Basis
@@ -68,6 +69,10 @@ def solve_periodic(
     >>> (response.tension_harmonics(1) / 1e3).round().tolist()  # kN, mean and first amplitude
     [974.0, 364.0]
     """
+    system = as_system(system)
+    if deferred_correction and hasattr(system, "solve_extrapolated"):  # a moving line of nodes and elements
+        options = {name: value for name, value in locals().items() if name not in ("system", "deferred_correction")}
+        return system.solve_extrapolated(**options)
     Nh = _count("harmonics", harmonics)
     nu = _count("subharmonic", subharmonic)
     Nt = max(4 * Nh, 8) if samples is None else _count("samples", samples)
@@ -85,7 +90,7 @@ def solve_periodic(
         problem = "the chain has no periodic driving, and its periodic response takes one"
         raise InputError(problem, field="motion", value=system.motion)
     basis = Basis(Nh, Nt, 2 * math.pi / (nu * system.period), bool(mean))
-    newton, iterative = _NEWTON[globalisation], linear_solver == "iterative"
+    newton, iterative = getattr(system, "newton", _NEWTON[globalisation]), linear_solver == "iterative"
     z, coarse_iterations = _start_coefficients(system, basis, start), 0
     keep_freed_memory()
     with one_blas_thread(), np.errstate(all="ignore"):  # a diverging step is found by its size
@@ -121,7 +126,8 @@ def _response(system, nu, coarse_iterations, solution, finer, tolerance) -> Peri
         status = invalid[0]
     counts = iterations, coarse_iterations, norm
     settings = tuple(steps), amplitude, basis.mean, residual.symmetric, event, correction
-    return PeriodicResponse(system, basis, z, nu, status, *counts, *settings)  # type: ignore[arg-type]
+    result = getattr(system, "periodic_response", PeriodicResponse)
+    return result(system, basis, z, nu, status, *counts, *settings)  # type: ignore[arg-type]
 
 
 def _first_invalid(system, basis, z):

@@ -1,4 +1,4 @@
-"""Equations of a moving line of nodes and elements, and the loops that integrate them: compiled, in two or three axes.
+"""Equations of a moving line of nodes and elements: compiled, in two or three axes.
 
 A cell c joins nodes c and c + 1: d = r[c+1] - r[c], t = d/|d|, e = |d|/l - 1, e' = t.(v[c+1] - v[c])/l, and its tension
 is T = EA (e + beta e') while that is positive, else 0. Half of its mass, added mass and drag stands at either end, with
@@ -6,7 +6,6 @@ that cell's t. The last axis points up; the number of axes is that of ``Line.cur
 
 The residual R of a node is its inertia less the forces on it:
 (m + ma) a - ma (a.t) t  of half a cell  -+ T t + drag - load - seabed.
-Numba looks for changes in no other file, so what the loops call stands here.
 """
 
 from __future__ import annotations
@@ -16,9 +15,6 @@ from typing import NamedTuple
 import numpy as np
 
 from ..numerics.compiled import compiled
-
-MAX_ITERATIONS = 30  # of one step
-MAX_CONTRACTION = 0.03  # contraction above which a new factorisation is cheaper than more iterations with the old one
 
 
 class Line(NamedTuple):
@@ -198,180 +194,7 @@ def seabed_tangents(line, r, v, i, w_r, w_v, diagonal):
             diagonal[i, p, q] -= w_v * line.friction[i] * normal * v[i, p] * v[i, q] / (square * root)
 
 
-# ---------------------------------------------------------------- block-tridiagonal LU
-@compiled
-def factorise(line, diagonal, right, left, prescribed):
-    """Replace the blocks by their LU factors, diagonal ones by inverses; rows of prescribed nodes are those of 1."""
-    n, nodes = len(line.current), diagonal.shape[0]
-    row = np.empty(n)
-    for i in range(nodes):
-        if prescribed[i]:
-            for j in range(n):
-                for k in range(n):
-                    diagonal[i, j, k] = 1.0 if j == k else 0.0
-                    if i < nodes - 1:
-                        right[i, j, k] = 0.0
-                    if i > 0:
-                        left[i - 1, j, k] = 0.0
-            continue
-        if i > 0:
-            for j in range(n):
-                for k in range(n):
-                    row[k] = left[i - 1, j, k]
-                for k in range(n):
-                    total = 0.0
-                    for p in range(n):
-                        total += row[p] * diagonal[i - 1, p, k]
-                    left[i - 1, j, k] = total
-                for k in range(n):
-                    for p in range(n):
-                        diagonal[i, j, k] -= left[i - 1, j, p] * right[i - 1, p, k]
-        for p in range(n):  # Gauss and Jordan
-            pivot = 1 / diagonal[i, p, p]
-            diagonal[i, p, p] = 1.0
-            for k in range(n):
-                diagonal[i, p, k] *= pivot
-            for j in range(n):
-                if j != p:
-                    factor = diagonal[i, j, p]
-                    diagonal[i, j, p] = 0.0
-                    for k in range(n):
-                        diagonal[i, j, k] -= factor * diagonal[i, p, k]
-
-
-@compiled
-def solve(line, diagonal, right, left, x):
-    """Replace x (N, n) by the solution for that right-hand side; the blocks as ``factorise`` leaves them."""
-    n, nodes = len(line.current), x.shape[0]
-    for i in range(1, nodes):
-        for j in range(n):
-            total = x[i, j]
-            for k in range(n):
-                total -= left[i - 1, j, k] * x[i - 1, k]
-            x[i, j] = total
-    column = np.empty(n)
-    for i in range(nodes - 1, -1, -1):
-        for j in range(n):
-            column[j] = x[i, j]
-            if i < nodes - 1:
-                for k in range(n):
-                    column[j] -= right[i, j, k] * x[i + 1, k]
-        for j in range(n):
-            total = 0.0
-            for k in range(n):
-                total += diagonal[i, j, k] * column[k]
-            x[i, j] = total
-
-
-# ---------------------------------------------------------------- time
-@compiled
-def integrate(line, held, path, source, h, scheme, scale, tolerance, rest, state, auxiliary, record, every, watch):
-    """Take a step of generalized-alpha for each row but the first of ``path`` (S + 1, 3, P, n); stop where one fails.
-
-    held (P,): the prescribed nodes, path: their r, v, a at the ends of the steps. source (S, N, n): load added at
-    n + 1 - alpha_f, N, or empty. scheme: (alpha_m, alpha_f, beta, gamma). scale: tension in N and length in m that
-    errors refer to, and the largest change of a tension from ``rest`` (C,) so far, relative to the former, which the
-    tolerance refers to: it grows. state: r, v, a and the a before (N, n), and auxiliary (C,): left at the last
-    step that was taken. record: r, v, a (K, N, n) of every ``every``-th step. watch: end after a step with a slack cell.
-    Returns steps, iterations, factorisations and the error of the last iteration: the largest change of a tension or
-    position, relative to ``scale``.
-    """
-    r, v, a, before = state
-    nodes, n = r.shape
-    alpha_m, alpha_f, beta, gamma = scheme
-    prescribed = np.zeros(nodes, np.bool_)
-    prescribed[held] = True
-    r1, v1, a1 = np.empty((nodes, n)), np.empty((nodes, n)), np.empty((nodes, n))
-    rf, vf, am, R = np.empty((nodes, n)), np.empty((nodes, n)), np.empty((nodes, n)), np.empty((nodes, n))
-    T, unit = np.empty(nodes - 1), np.empty((nodes - 1, n))
-    diagonal, right, left = np.empty((nodes, n, n)), np.empty((nodes - 1, n, n)), np.empty((nodes - 1, n, n))
-    iterations, factorisations, error, factorised = 0, 0, 0.0, False
-    by_v, by_a = gamma / (beta * h), 1 / (beta * h * h)
-    weights = (1 - alpha_f, (1 - alpha_f) * by_v, (1 - alpha_m) * by_a)
-    kept = auxiliary.copy()
-    for step in range(path.shape[0] - 1):
-        kept[:], solved = auxiliary, False
-        for attempt in range(2):  # predicted with a steady change of acceleration, then with a steady velocity
-            for i in range(nodes):
-                for k in range(n):
-                    a1[i, k] = 2 * a[i, k] - before[i, k] if attempt == 0 else (1 - 0.5 / beta) * a[i, k]
-                    r1[i, k] = r[i, k] + h * v[i, k] + h * h * ((0.5 - beta) * a[i, k] + beta * a1[i, k])
-                    v1[i, k] = v[i, k] + h * ((1 - gamma) * a[i, k] + gamma * a1[i, k])
-            for p in range(held.size):
-                for k in range(n):
-                    r1[held[p], k], v1[held[p], k] = path[step + 1, 0, p, k], path[step + 1, 1, p, k]
-                    a1[held[p], k] = path[step + 1, 2, p, k]
-            if attempt == 1:
-                auxiliary[:], factorised = kept, False
-            last = np.inf
-            for _ in range(MAX_ITERATIONS):
-                for i in range(nodes):
-                    for k in range(n):
-                        rf[i, k] = (1 - alpha_f) * r1[i, k] + alpha_f * r[i, k]
-                        vf[i, k] = (1 - alpha_f) * v1[i, k] + alpha_f * v[i, k]
-                        am[i, k] = (1 - alpha_m) * a1[i, k] + alpha_m * a[i, k]
-                residual(line, rf, vf, am, auxiliary, R, T, unit)
-                if source.shape[0] > 0:
-                    for i in range(nodes):
-                        for k in range(n):
-                            R[i, k] -= source[step, i, k]
-                for p in range(held.size):
-                    for k in range(n):
-                        R[held[p], k] = 0.0
-                iterations += 1
-                if not factorised:
-                    tangents(line, rf, vf, am, auxiliary, weights, diagonal, right, left)
-                    factorise(line, diagonal, right, left, prescribed)
-                    factorisations += 1
-                    factorised = True
-                solve(line, diagonal, right, left, R)
-                error = 0.0
-                for i in range(nodes):
-                    for k in range(n):
-                        r1[i, k] -= R[i, k]
-                        v1[i, k] -= by_v * R[i, k]
-                        a1[i, k] -= by_a * R[i, k]
-                        error = max(error, abs(R[i, k]) / scale[1])
-                        if not abs(R[i, k]) < np.inf:
-                            error = np.inf
-                for c in range(nodes - 1):
-                    change = 0.0
-                    for k in range(n):
-                        change -= unit[c, k] * (R[c + 1, k] - R[c, k])
-                    change *= line.EA[c] / line.length[c] * (weights[0] + weights[1] * line.damping[c])
-                    auxiliary[c] = T[c] + change if T[c] != 0 else 0.0
-                    error = max(error, abs(change) / scale[0] if T[c] != 0 else 0.0, -auxiliary[c] / scale[0])
-                if error <= tolerance * scale[2]:
-                    solved = True
-                    break
-                if not error < np.inf:
-                    break
-                if error > MAX_CONTRACTION * last:
-                    factorised = False
-                last = error
-            if solved:
-                break
-        if not solved:
-            auxiliary[:] = kept
-            return step, iterations, factorisations, error
-        for i in range(nodes):
-            for k in range(n):
-                before[i, k] = a[i, k]
-                r[i, k], v[i, k], a[i, k] = r1[i, k], v1[i, k], a1[i, k]
-        slack = False
-        for c in range(nodes - 1):
-            scale[2] = max(scale[2], abs(T[c] - rest[c]) / scale[0])
-            slack = slack or T[c] == 0
-        if (step + 1) % every == 0:
-            for i in range(nodes):
-                for k in range(n):
-                    at = (step + 1) // every - 1
-                    record[0][at, i, k], record[1][at, i, k], record[2][at, i, k] = r[i, k], v[i, k], a[i, k]
-        if watch and slack:
-            return step + 1, iterations, factorisations, error
-    return path.shape[0] - 1, iterations, factorisations, error
-
-
+# ---------------------------------------------------------------- many states
 @compiled
 def node_forces(line, record, forces, tensions):
     """Set forces (K, N, n), N, to the sums that holders of the nodes would feel, tensions (K, C) to those of the cells.
@@ -385,3 +208,25 @@ def node_forces(line, record, forces, tensions):
         for i in range(nodes):
             for p in range(n):
                 forces[k, i, p] = -R[i, p]
+
+
+@compiled
+def sampled_residual(line, samples, auxiliary, R, T, unit):
+    """Set R (S, N, n), T (S, C) and unit (S, C, n) at samples: r, v, a (S, N, n) with auxiliary tensions (S, C)."""
+    for k in range(R.shape[0]):
+        residual(line, samples[0][k], samples[1][k], samples[2][k], auxiliary[k], R[k], T[k], unit[k])
+
+
+@compiled
+def sampled_tangents(line, samples, auxiliary, weights, diagonal, right, left):
+    """Set the tangents at samples, diagonal (n, n, N, S), right and left (n, n, C, S), else as ``tangents``."""
+    n, (count, nodes) = len(line.current), samples[0].shape[:2]
+    D, U, L = np.empty((nodes, n, n)), np.empty((nodes - 1, n, n)), np.empty((nodes - 1, n, n))
+    for s in range(count):
+        tangents(line, samples[0][s], samples[1][s], samples[2][s], auxiliary[s], weights, D, U, L)
+        for i in range(nodes):
+            for j in range(n):
+                for k in range(n):
+                    diagonal[j, k, i, s] = D[i, j, k]
+                    if i < nodes - 1:
+                        right[j, k, i, s], left[j, k, i, s] = U[i, j, k], L[i, j, k]

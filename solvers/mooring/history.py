@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from ..common.outcome import InputError, Outcome, Status
 from ..common.validation import real_array
+from . import diagnostics
 
+MIN_NODES = 4  # of a mesh to compare with
 _ROUNDING = 1e-12  # of the duration, that rounding may leave
 _SAMPLES = 64  # in a period for each harmonic asked for
 
@@ -29,6 +31,14 @@ class LineOutputs:
 
     system, time (K,), y, ydot, yddot (n, N, K). Forces are those of the line on what holds it, N, public frame.
     """
+
+    system: Any  # a MooringSystem
+    if TYPE_CHECKING:  # of the class of the result
+        y: Any
+        ydot: Any
+        yddot: Any
+        last_period: Any
+        fairlead_tension: Any
 
     @cached_property
     def _forces(self):
@@ -78,11 +88,12 @@ class MooringHistory(LineOutputs, Outcome):
     residual_norm: error of the last Newton step, the largest change of a tension or position, over the greatest tension
     at rest or the length. steps taken; cut: how often a step was taken again in more parts; damped_from: time in s
     from which the steps damp the shortest waves at once, for a cell went slack. ramp: time over which the motion grew
-    from rest, s. event: (time in s, node) where a step failed however short, None on success.
+    from rest, s. event: (time in s, node) where a step failed however short, None on success. options: of the
+    solve, without progress.
     """
 
-    system: object = field(repr=False)
-    ramped_system: object = field(repr=False)
+    system: Any = field(repr=False)
+    ramped_system: Any = field(repr=False)
     time: np.ndarray = field(repr=False)
     y: np.ndarray = field(repr=False)
     ydot: np.ndarray = field(repr=False)
@@ -96,6 +107,32 @@ class MooringHistory(LineOutputs, Outcome):
     damped_from: float | None = None
     ramp: float = 0.0
     event: tuple[float, int] | None = None
+    options: dict = field(repr=False, default_factory=dict)
+
+    @cached_property
+    def warnings(self) -> tuple[str, ...]:
+        """What the mesh, the step or the number of periods has lost; where cells are slack."""
+        return tuple(diagnostics.check_history(self))
+
+    @cached_property
+    def mesh_error(self) -> float | None:
+        """Rms change of the fairlead tension that half as many cells make, over its range; None where that fails.
+
+        Over the last period, or the second half of the history; about three times the error of the mesh where the
+        response is smooth. Integrates the line on every second node when first asked: half of the first run time.
+        """
+        coarser = self.system.coarser(MIN_NODES)
+        if coarser is None:
+            return None
+        options = self.options | {"throw": False}
+        if options.get("start") is not None:
+            options["start"] = [part if part is None else part[:, coarser[0].kept] for part in options["start"]]
+        coarse = coarser[0].solve_time_domain(**options)
+        if not coarse.success:
+            return None
+        period, end = self.system.period, float(self.time[-1])
+        start = end - period if period is not None and end >= period else end / 2
+        return diagnostics.relative_change(self, coarse, start, end)
 
     @property
     def last_period(self) -> tuple[float, float]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from ..common.outcome import InputError
@@ -68,7 +70,7 @@ def _amount(model, joints, motion):
     places = [np.zeros(3)]
     if motion is not None and period is not None:
         places = [*motion.displacement(period * np.arange(PLACES) / PLACES).T, *places]
-    s = [np.linspace(a, b, _FINE) for a, b in zip(joints, joints[1:], strict=False)]
+    s = [np.linspace(a, b, _FINE) for a, b in pairwise(joints)]
     middles = [(part[1:] + part[:-1]) / 2 for part in s]
     curvature = [np.zeros(part.size) for part in middles]
     for displacement in places:

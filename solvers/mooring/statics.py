@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from ..common.outcome import Outcome, Status
 from ..numerics.continuation import continue_in_load
 from ..numerics.newton import Step, relaxed_newton
-from . import equations
+from . import elimination, equations
+from .diagnostics import exact_pretension, rest_warnings
 
 TOLERANCE = 1e-13  # largest change of a position over the length: some hundred roundings of a coordinate
 MAX_STEPS = 30  # of Newton's method; the mixed one takes four to eight from a catenary
@@ -25,7 +27,7 @@ class MooringState(Outcome):
     residual_norm: the largest of these, N.
     """
 
-    system: object = field(repr=False)
+    system: Any = field(repr=False)
     y: np.ndarray = field(repr=False)
     tension: np.ndarray = field(repr=False)
     forces: np.ndarray = field(repr=False)
@@ -38,6 +40,17 @@ class MooringState(Outcome):
     def r(self) -> np.ndarray:
         """Positions of the nodes, (3, N), m."""
         return self.system.positions(self.y)
+
+    @cached_property
+    def pretension_error(self) -> float | None:
+        """Relative difference of the fairlead tension from the exact catenaries'; None where they do not tell it."""
+        exact = exact_pretension(self.system) if self.success else None
+        return None if exact is None else abs(self.fairlead_tension / exact - 1)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What the mesh has lost: a pretension that is off."""
+        return tuple(rest_warnings(self.system)) if self.success else ()
 
     @property
     def fairlead_force(self) -> np.ndarray:
@@ -98,6 +111,19 @@ def catenary_profile(system) -> tuple[np.ndarray, np.ndarray]:
     return y, tension
 
 
+def rest_response(system, moved) -> np.ndarray:
+    """Return the displacements (n, N, S) in m of the line at rest as its prescribed nodes move by moved (S, P, n)."""
+    statics, n, nodes = _Statics(system, 1.0, system.rest.tension), len(system.axes), system.nodes
+    solve = statics.tangents(np.ascontiguousarray(system.rest.y.T))
+    response = np.zeros((n, nodes, len(moved)))
+    for p, node in enumerate(system.held):
+        for k in range(n):
+            unit = np.zeros((nodes, n))
+            unit[node, k] = 1.0
+            response += solve(unit).T[..., None] * moved[:, p, k]
+    return response
+
+
 class _Statics:
     """Rows and Newton's method of the equilibrium under a share of the current, over a seabed as soft as the mesh."""
 
@@ -130,6 +156,21 @@ class _Statics:
         R[self.held] = 0.0
         return R
 
+    def tangents(self, x):
+        """Return a function that solves with the tangents at x, None where they are singular."""
+        nodes, n = x.shape
+        diagonal, right, left = np.empty((nodes, n, n)), np.empty((nodes - 1, n, n)), np.empty((nodes - 1, n, n))
+        weights = (1.0, 0.0, 0.0)
+        equations.tangents(self.line, x, self.still, self.still, self.auxiliary, weights, diagonal, right, left)
+        elimination.factorise(self.line, diagonal, right, left, self.prescribed)
+
+        def solve(F):
+            step = F.copy()
+            elimination.solve(self.line, diagonal, right, left, step)
+            return step
+
+        return solve if np.isfinite(diagonal).all() else None
+
     def newton(self, x):
         """Return (x, steps, converged) of the mixed method from x, in full steps until they grow."""
 
@@ -141,18 +182,7 @@ class _Statics:
             R, T, unit = self.evaluate(x)
             R[self.held] = 0.0
             self.before = x, T, unit
-            nodes, n = x.shape
-            diagonal, right, left = np.empty((nodes, n, n)), np.empty((nodes - 1, n, n)), np.empty((nodes - 1, n, n))
-            zeros = np.zeros_like(x)
-            equations.tangents(self.line, x, zeros, zeros, self.auxiliary, (1.0, 0.0, 0.0), diagonal, right, left)
-            equations.factorise(self.line, diagonal, right, left, self.prescribed)
-
-            def solve(F):
-                step = F.copy()
-                equations.solve(self.line, diagonal, right, left, step)
-                return step
-
-            return R, solve if np.isfinite(diagonal).all() else None
+            return R, self.tangents(x)
 
         norm = lambda step: float(abs(step).max()) / self.length
         with np.errstate(all="ignore"):  # a diverging step is seen by its size

@@ -5,25 +5,39 @@ from __future__ import annotations
 import copy
 import math
 from functools import cached_property
+from typing import Any
 
 import numpy as np
+from scipy.interpolate import make_interp_spline
 
 from ..common.motion import Ramped
 from ..common.outcome import InputError
 from ..common.validation import one_of, positive_number
+from .calibration import SMALL_CHANGE, calibrated_line, tension_change
 from .equations import Line, node_forces, residual, tangents
+from .harmonic import MooringHarmonics, MooringResponse, full_then_damped_newton, solve_extrapolated
 from .history import MooringHistory
-from .mesh import mesh_of
+from .mesh import PLACES, mesh_of
 from .model import line_model
-from .statics import MooringState, solve_rest
+from .modes import LinePencil
+from .statics import MooringState, rest_response, solve_rest
 from .time_domain import solve_mooring_time_domain
 
+MIN_NODES = 8  # of a coarser line to start from
 SLIP_SPEED = 0.01  # m/s, at which the regularised friction reaches 0.7 of Coulomb's
 _IN_PLANE = 1e-12  # out-of-plane parts below this share of a vector come from rounding its direction
 
 
 def mooring_system(
-    scene, cells: int = 50, *, mesh="fitted", fields="auto", motion=None, slip_speed=SLIP_SPEED, source=None
+    scene,
+    cells: int = 50,
+    *,
+    mesh="fitted",
+    fields="auto",
+    motion=None,
+    calibrate="auto",
+    slip_speed=SLIP_SPEED,
+    source=None,
 ) -> MooringSystem:
     """Return the moving line of a Scene, or of a Network whose elements follow one another, as a MooringSystem.
 
@@ -31,6 +45,8 @@ def mooring_system(
     touchdown travels), "uniform", or unstretched arc lengths (N,) of the nodes in m.
     fields: "planar" (along, z), "spatial" (x, y, z), or "auto": planar where line, current and motion lie in one
     vertical plane. motion: displacement(t) and velocity(t), (3, *S) in m and m/s, in place of the scene's.
+    calibrate: make the exact catenaries the equilibrium of the mesh (``calibration``): True, False, or "auto", where the
+    motion changes the tension by less than a tenth; not over a seabed, nor where a line hangs straight down.
     slip_speed: m/s, at which the friction of the seabed reaches 0.7 of Coulomb's.
     source: t (S,) -> loads (S, N, n) on the nodes in N, along the axes of the system, for manufactured solutions.
     Raises InputError naming the field for anything missing or out of range.
@@ -46,7 +62,8 @@ def mooring_system(
         raise InputError(f"{motion!r} is no Motion, SampledMotion or FunctionMotion", field="motion", value=motion)
     axes = _axes(model, fields, motion)
     s = mesh_of(model, cells, mesh, motion)
-    return MooringSystem(model, s, axes, motion, positive_number("slip_speed", slip_speed, "m/s"), source)
+    slip_speed = positive_number("slip_speed", slip_speed, "m/s")
+    return MooringSystem(model, s, axes, motion, slip_speed, source, calibrated=_calibrates(calibrate, model, motion))
 
 
 class MooringSystem:
@@ -56,16 +73,19 @@ class MooringSystem:
     held: indices of the nodes that are prescribed; period of the motion in s, or None.
     """
 
-    def __init__(self, model, s, axes, motion, slip_speed, source=None):
+    def __init__(self, model, s, axes, motion, slip_speed, source=None, period=None, calibrated=False):
         self.model, self.s, self.axes, self.motion, self.source = model, s, axes, motion, source
         self.fields = ("along", "z") if len(axes) == 2 else ("x", "y", "z")
         self.nodes = s.size
-        self.period = getattr(motion, "period", None)
+        self.kept: Any = None  # of the nodes of a finer line, those that this one has
+        self.period = getattr(motion, "period", period)
         anchor = np.array(model.points[0].r)
         self.origin = np.array([anchor[0], anchor[1], 0.0])
         last = s.size - 1
         self.held = np.array([i for i, p in ((0, model.points[0]), (last, model.points[-1])) if p.kind != "free"])
-        self.line = _line_arrays(model, s, axes, slip_speed)
+        self.line, self.calibrated = _line_arrays(model, s, axes, slip_speed), calibrated
+        if calibrated:
+            self.line = calibrated_line(self)
 
     # ------------------------------------------------------------ the same line, changed
     def with_motion(self, motion) -> MooringSystem:
@@ -76,7 +96,14 @@ class MooringSystem:
 
     def ramped(self, duration) -> MooringSystem:
         """Return the same line, its motion grown from rest over a duration in s."""
-        return self if self.motion is None else self.with_motion(Ramped(self.motion, duration))
+        if self.motion is None:
+            return self
+        other, start = self.with_motion(Ramped(self.motion, duration)), np.zeros(1)
+        if np.array_equal(other.path(start)[0, 0], self.path(start)[0, 0]):
+            other.rest = self.rest
+        else:  # the motion begins away from its mean place, where the ramp begins
+            vars(other).pop("rest", None)
+        return other
 
     def scaled(self, load_factor) -> MooringSystem:
         """Return the same line with its motion multiplied by a number."""
@@ -92,6 +119,10 @@ class MooringSystem:
         """Return the discrete equilibrium, as ``solvers.solve_static`` does."""
         return self.rest if throw else solve_rest(self, throw=False)
 
+    def solve_extrapolated(self, **options) -> MooringResponse:
+        """Return the periodic response whose end forces are extrapolated from two meshes, as solve_periodic asks."""
+        return solve_extrapolated(self, **options)
+
     def solve_time_domain(self, **options) -> MooringHistory:
         """Return the motion over time, as ``solvers.solve_time_domain`` does."""
         return solve_mooring_time_domain(self, **options)
@@ -99,6 +130,53 @@ class MooringSystem:
     def rest_state(self) -> np.ndarray:
         """Return the coordinates of the nodes at rest, (n, N), m."""
         return self.rest.y
+
+    def pencil(self) -> LinePencil:
+        """Return the linear pencil about rest, as ``natural_modes`` asks."""
+        return LinePencil(self)
+
+    # ------------------------------------------------------------ what solve_periodic asks
+    newton = staticmethod(full_then_damped_newton)
+    periodic_response = MooringResponse
+
+    def harmonic_residual(self, basis, mirror, iterative) -> MooringHarmonics:
+        """Return the rows in Fourier coefficients."""
+        if iterative:
+            problem = "'iterative' is not there for a line of nodes and elements; use 'direct'"
+            raise InputError(problem, field="linear_solver", value="iterative")
+        return MooringHarmonics(self, basis)
+
+    def mirror(self):
+        """Return None: no symmetry is used."""
+        return None
+
+    def invalid(self, y):
+        """Return None: a line is valid in every state, slack too."""
+        return None
+
+    def fourth_order(self):
+        """Return None: there are no rows of higher order."""
+        return None
+
+    def coarser(self, least=MIN_NODES):
+        """Return the line on every second node, and cubic splines between its nodes; None with fewer than ``least``."""
+        if self.nodes + 1 < 2 * least:
+            return None
+        joints = np.cumsum([0.0, *(segment.length for segment in self.model.segments)])
+        kept = np.zeros(self.nodes, dtype=bool)
+        kept[::2] = True
+        kept[abs(self.s[:, None] - joints).argmin(axis=0)] = True
+        source = self.source
+        coarse = MooringSystem(
+            self.model, self.s[kept], self.axes, self.motion, self.line.slip_speed,
+            source and (lambda t: source(t)[:, kept]), self.period, self.calibrated)  # fmt: skip
+        coarse.kept = kept
+        return coarse, lambda z: make_interp_spline(coarse.s, z, axis=1)(self.s)
+
+    def quasi_static_predictor(self, t) -> np.ndarray:
+        """Return the equilibrium as it follows the prescribed nodes, linearised, (n, N, S) at times t (S,)."""
+        moved = self.path(t)[:, 0] - self.rest.y.T[self.held]
+        return self.rest.y[..., None] + rest_response(self, moved)
 
     def path(self, t) -> np.ndarray:
         """Return position, velocity and acceleration of the prescribed nodes at times t (S,), (S, 3, P, n)."""
@@ -173,6 +251,18 @@ def _axes(model, fields, motion) -> np.ndarray:
     if fields != "spatial" and planar:
         return np.array([along, [0.0, 0.0, 1.0]])
     return np.eye(3)
+
+
+def _calibrates(given, model, motion) -> bool:
+    if not (isinstance(given, (bool, np.bool_)) or given == "auto"):
+        raise InputError(f"{given!r} must be 'auto', True or False", field="calibrate", value=given)
+    if model.environment.depth is not None:
+        if given is not False and given != "auto":
+            raise InputError("True, and over a seabed that would fix where the line lies", field="calibrate", value=given)
+        return False
+    if given != "auto":
+        return bool(given)
+    return getattr(motion, "period", None) is not None and tension_change(model, motion, PLACES) < SMALL_CHANGE
 
 
 def _line_arrays(model, s, axes, slip_speed) -> Line:

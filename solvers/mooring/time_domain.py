@@ -1,6 +1,6 @@
 """Time integration of a moving line: generalized-alpha for r, v, a (Chung and Hulbert, J. Appl. Mech. 60 (1993) 371).
 
-The loop over the steps is compiled (``equations.integrate``); here are the steps that it is given, those that fail or
+The loop over the steps is compiled (``steps.integrate``); here are the steps that it is given, those that fail or
 are too long, which are taken again in 2, 4, 8, ... parts, and the history.
 """
 
@@ -13,8 +13,8 @@ import numpy as np
 
 from ..common.outcome import InputError, Status
 from ..common.validation import flags, positive_number, real_array, real_number, whole_number
-from . import equations
 from .history import MooringHistory
+from .steps import integrate
 
 TOLERANCE = 1e-4  # of the largest change of a tension from rest: what the last Newton step of a time step may change
 MOST_HALVINGS = 10  # of one step
@@ -59,7 +59,7 @@ def solve_mooring_time_domain(
         raise InputError(f"{progress!r} must be a function of time (s), or None", field="progress", value=progress)
     ramp = _ramp_of(system, ramp, start)
     moved = system.ramped(ramp) if ramp else system
-    run = _Run(moved, rho_inf, tolerance, step_tolerance, _state(system, start))
+    run = _Run(moved, rho_inf, tolerance, step_tolerance, _state(moved, start))
     kept = count // every
     record = tuple(np.empty((kept + 1 + (count % every > 0), *run.state[0].shape)) for _ in range(3))
     for part, first in zip(record, run.state, strict=False):
@@ -82,7 +82,9 @@ def solve_mooring_time_domain(
     y, ydot, yddot = (part[: time.size].transpose(2, 1, 0) for part in record)
     status = Status.SUCCESS if event is None else Status.STEP_FAILED
     counts = run.iterations, run.factorisations, run.error, done, run.cut, run.damped_from
-    history = MooringHistory(system, moved, time, y, ydot, yddot, status, *counts, ramp, event)
+    options = {"dt": dt, "duration": dt * count, "rho_inf": rho_inf, "tolerance": tolerance, "ramp": ramp,
+               "step_tolerance": step_tolerance, "start": start, "every": every}  # fmt: skip
+    history = MooringHistory(system, moved, time, y, ydot, yddot, status, *counts, ramp, event, options)
     given = f"dt = {dt:g} s, ramp = {ramp:g} s"
     if event is not None:
         given += f"; stopped at t = {event[0]:.6g} s, node {event[1] + 1} of {system.nodes}"
@@ -145,7 +147,7 @@ class _Run:
 
     def _integrate(self, path, t, h, record, every) -> int:
         source = self.system.source_at(t[:-1] + (1 - self.scheme.alpha_f) * h)
-        taken, iterations, factorisations, self.error = equations.integrate(
+        taken, iterations, factorisations, self.error = integrate(
             self.system.line, self.system.held, path, source, h, self.scheme, self.scale, self.tolerance, self.rest,
             self.state, self.auxiliary, record, every, self.watches)  # fmt: skip
         self.iterations += iterations

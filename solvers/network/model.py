@@ -56,7 +56,7 @@ class Element:
 
     w < 0: buoyant; such a line never touches the seabed, and hangs as if there were none, below it too.
     friction : coefficient of the seabed where the anchor end lies on it (MSQS 2.15); a raised anchor end has none.
-    cable : the section for dynamics (mass, drag, damping), of the same EA; None where only the equilibrium is asked for.
+    cable : the section for dynamics (mass, drag, damping), of the same EA; None where statics alone is asked for.
 
     >>> Element(w=59.1, EA=2.34e8, L=300, ends=(1, 2)).friction
     0.0

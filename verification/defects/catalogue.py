@@ -161,9 +161,10 @@ _FILES = {
         _PERIODIC,
     ),
     **dict.fromkeys(
-        ("numerics.lu.bordered", "numerics.compiled", "numerics.memory", "numerics.threads"),
+        ("numerics.lu.bordered", "numerics.lu.blas_by_address", "numerics.memory", "numerics.threads"),
         (*_PERIODIC, "harmonic_balance/test_start.py"),
     ),
+    "numerics.compiled": ("numerics/test_compiled.py", "numerics/test_bordered.py"),
     "catenary.excursion": _NETWORK,
     "common.diagnostics": ("common/test_diagnostics.py", "common/test_diagnostics.py", "suite/test_stability.py"),
     "numerics.modes": ("time_domain/test_solve.py",),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import os
 import subprocess
 import sys
@@ -12,6 +11,7 @@ import numpy as np
 import pytest
 from scipy.linalg import cython_blas
 
+from solvers.numerics.lu import blas_by_address
 from solvers.numerics.lu import bordered as block_chain
 from solvers.numerics.lu.bordered import BlockChain
 from verification import ROOT
@@ -193,27 +193,11 @@ def test_compiled_loops_are_those_on_the_page(name, monkeypatch):
     assert np.array_equal(chain.solved(), compiled)
 
 
-def test_compiled_loops_need_no_folder():
-    """Where numba finds no folder to keep them in (all are taken from it), they are compiled all the same."""
-    program = """
-import numpy as np
-from numba.core.caching import FunctionCache
-FunctionCache._impl_class._locator_classes = []
-from solvers.numerics.lu.bordered import _order
-order = np.empty(3, np.int32)
-_order(np.array([3, 3], np.int32), order)
-print(order, _order.stats.cache_path)
-"""
-    folder = ROOT
-    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=folder)
-    assert (ended.stdout.strip(), ended.stderr) == ("[2 0 1] None", "")
-
-
 def test_a_build_with_longer_integers_is_refused(monkeypatch):
-    """BLAS with integers of 64 bits would read beside those of 32 that it is given."""
+    """BLAS with integers of 64 bits would read past those of 32 that it is given."""
     monkeypatch.setitem(cython_blas.__pyx_capi__, "dgemm", "void (char *, char *, int64_t *, ...)")
     with pytest.raises(ImportError, match="64-bit integers"):
-        block_chain._external(cython_blas, "dgemm", 13)
+        blas_by_address.external(cython_blas, "dgemm", 13)
 
 
 REFUSED = {
@@ -293,15 +277,14 @@ def test_elimination_without_row_exchanges_is_found(monkeypatch):
     chain = Chain.random(7, 18, 9, 3)
     chain.blocks[0][0, 0] = 1e-12
 
-    def unpivoted(m, n, address, lda, exchanges, unit):
-        a = np.ctypeslib.as_array((ctypes.c_double * (n * lda)).from_address(address)).reshape(n, lda)[:, :m].T
-        for j in range(n):
-            a[j + 1 :, j] /= a[j, j]
-            a[j + 1 :, j + 1 :] -= np.outer(a[j + 1 :, j], a[j, j + 1 :])
-        exchanges[:n] = np.arange(1, n + 1)
+    def unpivoted(A, exchanges):
+        for j in range(len(A)):
+            A[j, j + 1 :] /= A[j, j]
+            A[j + 1 :, j + 1 :] -= np.outer(A[j + 1 :, j], A[j, j + 1 :])
+        exchanges[:] = np.arange(1, len(A) + 1)
         return False
 
     assert backward_error(chain, chain.solved()) <= BACKWARD
-    monkeypatch.setattr(block_chain, "_getrf", unpivoted)
+    monkeypatch.setattr(blas_by_address, "getrf", unpivoted)
     monkeypatch.setattr(block_chain, "_eliminate", block_chain._eliminate.py_func)
     assert backward_error(chain, chain.solved()) > BACKWARD

@@ -501,6 +501,11 @@ def closure(*roots: str) -> set[str]:
     return set(json.loads(python(code, *roots).stdout))
 
 
+def test_timings_of_spans_do_not_depend_on_cables():
+    """The harness asks no module that imports all solvers, as for the version: their results stay good."""
+    assert not [path for path in closure("benchmarks/run/harness.py") if path.startswith("solvers/cable/")]
+
+
 @pytest.mark.parametrize("name", RUNS)
 def test_every_file_that_is_used_is_one_that_the_result_depends_on(request, tmp_path, name):
     """What programs open and call while they run is in what was found by reading them; to a closure of other programs
