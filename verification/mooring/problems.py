@@ -6,6 +6,7 @@ Checks of the equations take the module they look at, so that they can look at o
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass, replace
 from functools import cache
 from types import ModuleType, SimpleNamespace
@@ -14,7 +15,7 @@ import numpy as np
 from mpmath import mp
 
 from solvers import CableProperties, Element, Environment, Motion, Network, Node, Scene, mooring_system
-from solvers.mooring import equations
+from solvers.mooring import elimination, equations
 from solvers.mooring.equations import Line
 
 from ..cases.cables import CableCase
@@ -22,18 +23,29 @@ from ..exact.lumped_node import Cell, Seabed, force_terms
 from ..exact.moving_line import ManufacturedLine
 from ..tools.planting import ROOT, Fault
 
-PLACE = "mooring.equations"
+EQUATIONS, ELIMINATION, STEPS = "mooring.equations", "mooring.elimination", "mooring.steps"
 
 
 def interpreted(fault: Fault | None = None) -> ModuleType:
-    """Return the equations as Python runs them, without compiled loops: they take complex arrays, and a fault."""
-    path = ROOT / Fault(PLACE, "", "", "").path
-    text = path.read_text(encoding="utf-8")
-    text = text if fault is None else fault.apply_to(text)
-    module = ModuleType("solvers.mooring.equations_as_written")
+    """Return equations, elimination and steps in one module as Python runs them, complex too, with a fault."""
+    module = ModuleType("solvers.mooring.as_written")
     module.__package__ = "solvers.mooring"
-    exec(compile(text.replace("@compiled\n", "\n"), f"<{path.name} as it is written>", "exec"), module.__dict__)
+    for place in (STEPS, EQUATIONS, ELIMINATION):  # what the first imports, the others define anew
+        path = ROOT / Fault(place, "", "", "").path
+        text = path.read_text(encoding="utf-8")
+        text = fault.apply_to(text) if fault is not None and fault.module == place else text
+        text = re.sub(r"^@compiled.*$", "", text, flags=re.MULTILINE)
+        exec(compile(text, f"<{path.name} as it is written>", "exec"), module.__dict__)
     return module
+
+
+compiled = SimpleNamespace(
+    residual=equations.residual,
+    tangents=equations.tangents,
+    factorise=elimination.factorise,
+    solve=elimination.solve,
+)
+"""The same functions as the solvers use them."""
 
 
 # ---------------------------------------------------------------- scenes and systems
@@ -242,7 +254,7 @@ def manufactured(line: ManufacturedLine, cells: int, mesh="uniform"):
                             fairlead=tuple(motion.mean.tolist()), environment=environment,
                             friction=(line.friction,))  # fmt: skip
     made = mooring_system(given, cells, mesh=mesh, fields="planar" if line.planar else "spatial", motion=motion,
-                          slip_speed=line.friction_speed)  # fmt: skip
+                          calibrate=False, slip_speed=line.friction_speed)  # fmt: skip
     made.source = lambda t: lumped_load(made, line, t)
     made.model = replace(made.model, environment=Environment(line.rho, current=current))
     return made
@@ -258,7 +270,3 @@ def exact_state(made, line, t):
     """Return y and ydot (n, N) of a manufactured line at a time, coordinates of its system."""
     lift = -made.origin[line.components]
     return line.position(made.s, t) + lift[:, None], line.velocity(made.s, t)
-
-
-compiled = equations
-"""The module as the solvers use it."""

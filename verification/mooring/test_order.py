@@ -16,7 +16,7 @@ from solvers.mooring import time_domain
 from ..exact.moving_line import ALL_TERMS, BARE
 from ..tools.orders import assert_order
 from ..tools.planting import sign_faults
-from .problems import PLACE, compiled, evaluate, exact_state, interpreted, lumped_load, manufactured
+from .problems import STEPS, compiled, evaluate, exact_state, interpreted, lumped_load, manufactured
 
 _BARE = ("EA", "mass")
 _ON = {
@@ -238,8 +238,8 @@ UNSEEN = {
 def test_planted_signs_of_the_time_step_are_seen(deep, monkeypatch):
     """The sign of each term of the loop over the steps: none leaves order, error and work as they are."""
     survivors = []
-    for fault in sign_faults(PLACE, ("integrate",), every=1 if deep else 8):
-        monkeypatch.setattr(time_domain, "equations", interpreted(fault))
+    for fault in sign_faults(STEPS, ("integrate",), every=1 if deep else 8):
+        monkeypatch.setattr(time_domain, "integrate", interpreted(fault).integrate)
         unseen = any(part in f"{fault.old} -> {fault.new}" for parts in UNSEEN.values() for part in parts)
         if not unseen and not is_red():
             survivors.append(str(fault))
@@ -248,5 +248,5 @@ def test_planted_signs_of_the_time_step_are_seen(deep, monkeypatch):
 
 def test_no_fault_no_red(monkeypatch):
     """The same checks pass on the loop as Python runs it."""
-    monkeypatch.setattr(time_domain, "equations", interpreted())
+    monkeypatch.setattr(time_domain, "integrate", interpreted().integrate)
     assert not is_red()
