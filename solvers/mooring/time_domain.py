@@ -57,9 +57,10 @@ def solve_mooring_time_domain(
     flags(throw=throw)
     if not (progress is None or callable(progress)):
         raise InputError(f"{progress!r} must be a function of time (s), or None", field="progress", value=progress)
+    scheme = _scheme(RHO_INF if rho_inf is None else rho_inf)
     ramp = _ramp_of(system, ramp, start)
     moved = system.ramped(ramp) if ramp else system
-    run = _Run(moved, rho_inf, tolerance, step_tolerance, _state(moved, start))
+    run = _Run(moved, scheme, rho_inf is None, tolerance, step_tolerance, _state(moved, start))
     kept = count // every
     record = tuple(np.empty((kept + 1 + (count % every > 0), *run.state[0].shape)) for _ in range(3))
     for part, first in zip(record, run.state, strict=False):
@@ -113,9 +114,9 @@ def _scheme(rho_inf) -> Scheme:
 class _Run:
     """The state of an integration and the counts of its work."""
 
-    def __init__(self, system, rho_inf, tolerance, step_tolerance, state):
+    def __init__(self, system, scheme, watches, tolerance, step_tolerance, state):
         self.system, self.tolerance, self.step_tolerance = system, tolerance, step_tolerance
-        self.scheme, self.watches = _scheme(RHO_INF if rho_inf is None else rho_inf), rho_inf is None
+        self.scheme, self.watches = scheme, watches
         self.damped_from = None
         self.state = state
         self.rest = system.rest.tension
