@@ -51,7 +51,8 @@ def solve_periodic(
     start: a PeriodicResponse of the same nodes and fields, or coefficients z (n_f, N, C), in place of rest.
     tolerance: error (76), the mean |dz| of the last Newton step. globalisation: "damped" (error-oriented damping, old
     Jacobians kept, and updated, while they serve) or "relaxation" (the paper's factor, a new Jacobian at every step).
-    multilevel: start from a solution with three harmonics on the fewest nodes, then with more of both.
+    multilevel: start from a solution with three harmonics on the fewest nodes, then with more of both; a line of nodes
+    and elements from a short time integration.
     linear_solver: "direct" (blocks, storage N Nh^2, work N Nh^3) or "iterative" (GMRES preconditioned by the harmonics
     of the averaged chain, storage N Nh; for motions that change the tension by less than about a third of its mean).
     symmetry: use a mirror symmetry of the chain where its rows show it.
@@ -95,7 +96,9 @@ def solve_periodic(
     keep_freed_memory()
     with one_blas_thread(), np.errstate(all="ignore"):  # a diverging step is found by its size
         mirror = find_mirror(system, basis) if symmetry else None
-        if multilevel and start is None:
+        if multilevel and start is None and hasattr(system, "periodic_start"):
+            z = system.periodic_start(basis, nu)
+        elif multilevel and start is None:
             z, coarse_iterations = multilevel_start(system, basis, nu, newton, mirror, iterative)
         solution = solve_with_continuation(system, basis, z, tolerance, newton, mirror, iterative)
         if solution.amplitude == 1.0 and not solution.residual.satisfies_omitted_rows(solution.z):

@@ -1,4 +1,4 @@
-"""Cells and loads for which the exact catenaries are the discrete equilibrium, so that the pretension has no mesh error.
+"""Cells and loads for which the exact catenaries are the discrete equilibrium: the pretension has no mesh error.
 
 The chord of a cell is shorter than the line in it, by a part of (turn of the cell)^2/24. Where the motion changes the
 tension little, the error that this makes at rest is greater than the error of the motion.
@@ -26,7 +26,8 @@ def calibrated_line(system):
     """Return the Line of a MooringSystem with cells and loads for which its nodes rest on the catenaries.
 
     The length of a cell is |d|/(1 + T/EA) with its chord d and the T whose level component is that of the catenary;
-    the load of a node is what balances its cells. Mass, drag and added mass stay. Without a level component the Line as it is.
+    the load of a node is what balances its cells. Mass, drag and added mass stay. Without a level
+    component the Line as it is.
     """
     line, model, joint = system.line, system.model, 0.0
     points = model.equilibrium()

@@ -92,6 +92,18 @@ class MooringResponse(LineOutputs, PeriodicResponse):
         return tuple(diagnostics.check_response(self))
 
 
+def start_from_time(system, basis, periods) -> np.ndarray:
+    """Return the coefficients z (n, N, C) of the last of ``periods`` of a time integration; zeros where that fails."""
+    steps = max(LEAST_STEPS, STEPS_PER_HARMONIC * basis.harmonics)
+    period = 2 * np.pi / basis.omega
+    history = system.solve_time_domain(dt=period / steps, duration=periods * period, throw=False)
+    if not history.success:
+        return np.zeros((len(system.axes), system.nodes, basis.harmonic.size))
+    t = period * np.arange(steps) / steps
+    displacement = history.y[..., -steps - 1 : -1] - system.rest_state()[..., None]
+    return 2 / steps * displacement @ basis.functions(t)[0]
+
+
 def solve_extrapolated(system, **options) -> MooringResponse:
     """Return the periodic response of a MooringSystem with ``coarse``, which its start is made from.
 
@@ -111,6 +123,7 @@ def solve_extrapolated(system, **options) -> MooringResponse:
 
 
 MIN_NODES = 4  # of a mesh to extrapolate from
+LEAST_STEPS, STEPS_PER_HARMONIC = 48, 6  # in a period of the time integration that a solve starts from
 
 
 class MooringHarmonics:

@@ -68,14 +68,14 @@ class MooringState(Outcome):
         return float(np.linalg.norm(self.fairlead_force))
 
 
-def solve_rest(system, throw=True) -> MooringState:
-    """Return the equilibrium of a MooringSystem between its ends, from the catenaries.
+def solve_rest(system, displacement=(0.0, 0.0, 0.0), throw=True) -> MooringState:
+    """Return the equilibrium of a MooringSystem, its last point displaced (3,) in m, from the catenaries.
 
     Newton's method with the tensions of the cells as unknowns of their own beside the positions; where it fails, the
     current grows and the seabed stiffens in steps. Raises ConvergenceError where no equilibrium is found
     (``throw=False``: a state whose status says so).
     """
-    start, tension = catenary_profile(system)
+    start, tension = catenary_profile(system, displacement)
     solve = lambda load_factor, x: _Statics(system, load_factor, tension).newton(x)
     x, reached, iterations, steps = continue_in_load(solve, start, min_step=MIN_LOAD_STEP)
     R, T, _ = _Statics(system, 1.0, np.zeros_like(tension)).evaluate(x)
@@ -87,13 +87,13 @@ def solve_rest(system, throw=True) -> MooringState:
     return state.or_raise(system.model.name) if throw else state
 
 
-def catenary_profile(system) -> tuple[np.ndarray, np.ndarray]:
+def catenary_profile(system, displacement) -> tuple[np.ndarray, np.ndarray]:
     """Return coordinates (N, n) of the nodes on the catenaries in m, and the tensions (C,) in their cells in N.
 
     Nodes that rest on the seabed are taken to be as deep as their weight presses them.
     """
     model, s = system.model, system.s
-    points, joint = model.equilibrium(), 0.0
+    points, joint = model.equilibrium(displacement), 0.0
     r, middles, tension = np.zeros((3, s.size)), (s[1:] + s[:-1]) / 2, np.zeros(s.size - 1)
     for segment, start, end in zip(model.segments, points, points[1:], strict=False):
         at = (s >= joint - 1e-9 * segment.length) & (s <= joint + segment.length * (1 + 1e-9))
@@ -107,7 +107,7 @@ def catenary_profile(system) -> tuple[np.ndarray, np.ndarray]:
         tension[cells] = segment.profile(start, end, model.environment, middles[cells] - joint)[1]
         joint += segment.length
     y = system.place(r).T
-    y[system.held] = system.path(np.zeros(1))[0, 0]
+    y[system.held] = system.place(np.transpose([points[0 if i == 0 else -1] for i in system.held])).T
     return y, tension
 
 

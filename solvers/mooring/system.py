@@ -15,7 +15,7 @@ from ..common.outcome import InputError
 from ..common.validation import one_of, positive_number
 from .calibration import SMALL_CHANGE, calibrated_line, tension_change
 from .equations import Line, node_forces, residual, tangents
-from .harmonic import MooringHarmonics, MooringResponse, full_then_damped_newton, solve_extrapolated
+from .harmonic import MooringHarmonics, MooringResponse, full_then_damped_newton, solve_extrapolated, start_from_time
 from .history import MooringHistory
 from .mesh import PLACES, mesh_of
 from .model import line_model
@@ -24,6 +24,7 @@ from .statics import MooringState, rest_response, solve_rest
 from .time_domain import solve_mooring_time_domain
 
 MIN_NODES = 8  # of a coarser line to start from
+PERIODS_TO_START = 3  # of the motion, whose last one a periodic response starts from
 SLIP_SPEED = 0.01  # m/s, at which the regularised friction reaches 0.7 of Coulomb's
 _IN_PLANE = 1e-12  # out-of-plane parts below this share of a vector come from rounding its direction
 
@@ -45,8 +46,8 @@ def mooring_system(
     touchdown travels), "uniform", or unstretched arc lengths (N,) of the nodes in m.
     fields: "planar" (along, z), "spatial" (x, y, z), or "auto": planar where line, current and motion lie in one
     vertical plane. motion: displacement(t) and velocity(t), (3, *S) in m and m/s, in place of the scene's.
-    calibrate: make the exact catenaries the equilibrium of the mesh (``calibration``): True, False, or "auto", where the
-    motion changes the tension by less than a tenth; not over a seabed, nor where a line hangs straight down.
+    calibrate: make the exact catenaries the equilibrium of the mesh (``calibration``): True, False, or "auto", where
+    the motion changes the tension by less than a tenth; not over a seabed, nor where a line hangs straight down.
     slip_speed: m/s, at which the friction of the seabed reaches 0.7 of Coulomb's.
     source: t (S,) -> loads (S, N, n) on the nodes in N, along the axes of the system, for manufactured solutions.
     Raises InputError naming the field for anything missing or out of range.
@@ -96,14 +97,7 @@ class MooringSystem:
 
     def ramped(self, duration) -> MooringSystem:
         """Return the same line, its motion grown from rest over a duration in s."""
-        if self.motion is None:
-            return self
-        other, start = self.with_motion(Ramped(self.motion, duration)), np.zeros(1)
-        if np.array_equal(other.path(start)[0, 0], self.path(start)[0, 0]):
-            other.rest = self.rest
-        else:  # the motion begins away from its mean place, where the ramp begins
-            vars(other).pop("rest", None)
-        return other
+        return self if self.motion is None else self.with_motion(Ramped(self.motion, duration))
 
     def scaled(self, load_factor) -> MooringSystem:
         """Return the same line with its motion multiplied by a number."""
@@ -112,7 +106,7 @@ class MooringSystem:
     # ------------------------------------------------------------ about the equilibrium
     @cached_property
     def rest(self) -> MooringState:
-        """The discrete equilibrium of this mesh; raises ConvergenceError where there is none."""
+        """The discrete equilibrium of this mesh, undisplaced; raises ConvergenceError where there is none."""
         return solve_rest(self)
 
     def solve_static(self, throw=True) -> MooringState:
@@ -145,6 +139,10 @@ class MooringSystem:
             problem = "'iterative' is not there for a line of nodes and elements; use 'direct'"
             raise InputError(problem, field="linear_solver", value="iterative")
         return MooringHarmonics(self, basis)
+
+    def periodic_start(self, basis, harmonics_of_driving) -> np.ndarray:
+        """Return coefficients z (n, N, C) from a short time integration."""
+        return start_from_time(self, basis, max(2, PERIODS_TO_START // harmonics_of_driving))
 
     def mirror(self):
         """Return None: no symmetry is used."""
@@ -258,7 +256,9 @@ def _calibrates(given, model, motion) -> bool:
         raise InputError(f"{given!r} must be 'auto', True or False", field="calibrate", value=given)
     if model.environment.depth is not None:
         if given is not False and given != "auto":
-            raise InputError("True, and over a seabed that would fix where the line lies", field="calibrate", value=given)
+            raise InputError(
+                "True, and over a seabed that would fix where the line lies", field="calibrate", value=given
+            )
         return False
     if given != "auto":
         return bool(given)

@@ -14,6 +14,7 @@ import numpy as np
 from ..common.outcome import InputError, Status
 from ..common.validation import flags, positive_number, real_array, real_number, whole_number
 from .history import MooringHistory
+from .statics import solve_rest
 from .steps import integrate
 
 TOLERANCE = 1e-4  # of the largest change of a tension from rest: what the last Newton step of a time step may change
@@ -234,8 +235,9 @@ def _ramp_of(system, ramp, start) -> float:
 def _state(system, start):
     """Return r, v, a and the a before, (N, n) each: at rest, or as given with the acceleration that balances it."""
     if start is None:
-        r = np.ascontiguousarray(system.rest.y.T)
-        v = np.zeros_like(r)
+        displacement = np.zeros(3) if system.motion is None else system.motion.displacement(0.0)
+        state = solve_rest(system, displacement) if displacement.any() else system.rest
+        r, v = np.ascontiguousarray(state.y.T), np.zeros_like(state.y.T, order="C")
         v[system.held] = system.path(np.zeros(1))[0, 1]
         return r, v, np.zeros_like(r), np.zeros_like(r)
     shape = (len(system.fields), system.nodes)
