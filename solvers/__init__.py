@@ -14,7 +14,8 @@ from .io.scene import Scene
 from .mooring.system import MooringSystem, mooring_system
 from .network.model import Element, Network, Node
 from .network.solve import NetworkState, solve_network
-from .time_domain.solve import TimeHistory, solve_time_domain
+from .time_domain.history import TimeHistory
+from .time_domain.solve import solve_time_domain
 
 __all__ = [
     "CableProperties",

@@ -178,8 +178,10 @@ def seabed_tangents(line, r, v, i, w_r, w_v, diagonal):
     """Add the tangents of the seabed's forces on node i to diagonal[i]."""
     n, k, c = len(line.current), line.seabed_stiffness[i], line.seabed_damping[i]
     penetration = line.floor - r[i, -1]
+    if penetration <= 0:
+        return
     normal = k * penetration - c * v[i, -1]
-    if penetration <= 0 or normal <= 0:
+    if normal <= 0:
         return
     by_height = w_r * k + w_v * c
     diagonal[i, -1, -1] += by_height

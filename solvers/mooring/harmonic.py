@@ -20,6 +20,7 @@ from ..harmonic_balance.blocks import Blocks
 from ..harmonic_balance.response import PeriodicResponse
 from ..harmonic_balance.solve import solve_periodic
 from ..numerics.newton import damped_newton, full_newton
+from ..time_domain.solve import solve_time_domain
 from . import diagnostics
 from .equations import sampled_residual, sampled_tangents
 from .history import LineOutputs
@@ -64,10 +65,9 @@ class MooringResponse(LineOutputs, PeriodicResponse):
         """Force on the anchor at the samples, (3, Nt), N."""
         return self.end_forces(self.time)[:, 0]
 
-    def fairlead_tension(self, t) -> np.ndarray:
-        """Return the size of the force on the vessel at times t in s, any shape, N."""
-        t = np.asarray(t, dtype=float)
-        return np.linalg.norm(self.end_forces(np.atleast_1d(t).ravel())[:, 1], axis=0).reshape(t.shape)
+    def _tension_at(self, t) -> np.ndarray:
+        """Return the size of the force on the vessel at times t (S,) in s, N."""
+        return np.linalg.norm(self.end_forces(t)[:, 1], axis=0)
 
     @cached_property
     def mesh_error(self) -> float | None:
@@ -77,7 +77,7 @@ class MooringResponse(LineOutputs, PeriodicResponse):
         """
         coarse: Any = self.coarse
         if coarse is None:
-            coarser = self.system.coarser(MIN_NODES)
+            coarser = self.system.coarser()
             if coarser is None:
                 return None
             start = replace(self, system=coarser[0], z=self.z[:, np.flatnonzero(coarser[0].kept)])
@@ -96,7 +96,7 @@ def start_from_time(system, basis, periods) -> np.ndarray:
     """Return the coefficients z (n, N, C) of the last of ``periods`` of a time integration; zeros where that fails."""
     steps = max(LEAST_STEPS, STEPS_PER_HARMONIC * basis.harmonics)
     period = 2 * np.pi / basis.omega
-    history = system.solve_time_domain(dt=period / steps, duration=periods * period, throw=False)
+    history = solve_time_domain(system, dt=period / steps, duration=periods * period, throw=False)
     if not history.success:
         return np.zeros((len(system.axes), system.nodes, basis.harmonic.size))
     t = period * np.arange(steps) / steps
@@ -109,7 +109,7 @@ def solve_extrapolated(system, **options) -> MooringResponse:
 
     options: of ``solve_periodic``. Raises as that does; InputError where the line has too few cells for a coarser one.
     """
-    coarser = system.coarser(MIN_NODES)
+    coarser = system.coarser()
     if coarser is None:
         problem = f"{system.nodes - 1} cells are too few for a mesh of half as many"
         raise InputError(problem, field="deferred_correction", value=True)
@@ -122,7 +122,6 @@ def solve_extrapolated(system, **options) -> MooringResponse:
     return replace(fine, coarse=coarse)
 
 
-MIN_NODES = 4  # of a mesh to extrapolate from
 LEAST_STEPS, STEPS_PER_HARMONIC = 48, 6  # in a period of the time integration that a solve starts from
 
 

@@ -9,13 +9,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
-from ..common.outcome import InputError, Outcome, Status
-from ..common.validation import real_array
+from ..common.outcome import Outcome, Status
+from ..common.response import Response, inside, last_period
 from . import diagnostics
-
-MIN_NODES = 4  # of a mesh to compare with
-_ROUNDING = 1e-12  # of the duration, that rounding may leave
-_SAMPLES = 64  # in a period for each harmonic asked for
 
 
 class Slack(NamedTuple):
@@ -26,19 +22,14 @@ class Slack(NamedTuple):
     cells: tuple[int, ...]
 
 
-class LineOutputs:
+class LineOutputs(Response):
     """Outputs over time that a history and a periodic response of a moving line share.
 
     system, time (K,), y, ydot, yddot (n, N, K). Forces are those of the line on what holds it, N, public frame.
     """
 
-    system: Any  # a MooringSystem
     if TYPE_CHECKING:  # of the class of the result
-        y: Any
-        ydot: Any
         yddot: Any
-        last_period: Any
-        fairlead_tension: Any
 
     @cached_property
     def _forces(self):
@@ -54,15 +45,6 @@ class LineOutputs:
         """Tension of the cells at the stored times, (C, K), N."""
         return self._forces[1]
 
-    @cached_property
-    def r(self) -> np.ndarray:
-        """Positions of the nodes at the stored times, (3, N, K), m."""
-        return self.system.positions(self.y)
-
-    def field(self, name: str) -> np.ndarray:
-        """Return one of ``system.fields`` at stored times, (N, K), m."""
-        return self.y[self.system.fields.index(name)]
-
     @property
     def fairlead_force(self) -> np.ndarray:
         """Force on the vessel at the stored times, (3, K), N."""
@@ -73,13 +55,6 @@ class LineOutputs:
         """Force on the anchor at the stored times, (3, K), N."""
         return self.forces[:, 0]
 
-    def tension_harmonics(self, k: int) -> np.ndarray:
-        """Return mean and amplitudes of harmonics 1..k of the fairlead tension over the last period, (k + 1,), N."""
-        first, period = self.last_period
-        n = _SAMPLES * (k + 1)
-        spectrum = np.fft.rfft(self.fairlead_tension(first + period * np.arange(n) / n)) / n
-        return np.concatenate([[spectrum[0].real], 2 * abs(spectrum[1 : k + 1])])
-
 
 @dataclass(frozen=True)
 class MooringHistory(LineOutputs, Outcome):
@@ -88,8 +63,8 @@ class MooringHistory(LineOutputs, Outcome):
     residual_norm: error of the last Newton step, the largest change of a tension or position, over the greatest tension
     at rest or the length. steps taken; cut: how often a step was taken again in more parts; damped_from: time in s
     from which the steps damp the shortest waves at once, for a cell went slack. ramp: time over which the motion grew
-    from rest, s. event: (time in s, node) where a step failed however short, None on success. options: of the
-    solve, without progress.
+    from rest, s. event: (time in s, node) where a step failed however short, None on success.
+    settings: of ``MooringSystem.integrate``.
     """
 
     system: Any = field(repr=False)
@@ -107,7 +82,7 @@ class MooringHistory(LineOutputs, Outcome):
     damped_from: float | None = None
     ramp: float = 0.0
     event: tuple[float, int] | None = None
-    options: dict = field(repr=False, default_factory=dict)
+    settings: dict = field(repr=False, default_factory=dict)
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
@@ -121,13 +96,13 @@ class MooringHistory(LineOutputs, Outcome):
         Over the last period, or the second half of the history; about three times the error of the mesh where the
         response is smooth. Integrates the line on every second node when first asked: half of the first run time.
         """
-        coarser = self.system.coarser(MIN_NODES)
+        coarser = self.system.coarser()
         if coarser is None:
             return None
-        options = self.options | {"throw": False}
-        if options.get("start") is not None:
-            options["start"] = [part if part is None else part[:, coarser[0].kept] for part in options["start"]]
-        coarse = coarser[0].solve_time_domain(**options)
+        settings = dict(self.settings)
+        if settings["start"] is not None:
+            settings["start"] = [part if part is None else part[:, coarser[0].kept] for part in settings["start"]]
+        coarse = coarser[0].integrate(**settings)
         if not coarse.success:
             return None
         period, end = self.system.period, float(self.time[-1])
@@ -137,33 +112,19 @@ class MooringHistory(LineOutputs, Outcome):
     @property
     def last_period(self) -> tuple[float, float]:
         """Start of the last whole period that is stored, and the period, s. Raises InputError without one."""
-        period = self.system.period
-        if period is None or self.time[-1] - self.time[0] < period * (1 - _ROUNDING):
-            problem = f"{self.time[-1] - self.time[0]:g} s are stored, no whole period ({period} s)"
-            raise InputError(problem, field="time", value=self.time, unit="s")
-        return max(self.time[0], self.time[-1] - period), period
+        return last_period(self.time, self.system.period)
 
     @cached_property
     def _spline(self):
         interpolant = CubicSpline if self.damped_from is None else PchipInterpolator  # which does not overshoot
         return interpolant(self.time, np.linalg.norm(self.fairlead_force, axis=0))
 
-    def fairlead_tension(self, t) -> np.ndarray:
-        """Return the size of the force on the vessel at times t in s, any shape, N, interpolated between the steps.
+    def _tension_at(self, t) -> np.ndarray:
+        """Return the size of the force on the vessel at times t (S,) in s, interpolated between the steps, N.
 
         By a cubic spline, or by monotone cubics where a cell went slack.
-        Raises InputError outside the history.
         """
-        try:
-            t = real_array(t)
-        except (TypeError, ValueError):
-            raise InputError(f"{t!r} must be real numbers (s)", field="t", value=t, unit="s") from None
-        rounding = _ROUNDING * self.time[-1]
-        inside = (t >= self.time[0] - rounding) & (t <= self.time[-1] + rounding)
-        if not np.all(inside):
-            problem = f"{t[~inside].flat[0]:g} s is outside the history, {self.time[0]:g} to {self.time[-1]:g} s"
-            raise InputError(problem, field="t", value=t, unit="s")
-        return self._spline(t)
+        return self._spline(inside(t, self.time))
 
     @cached_property
     def slack(self) -> tuple[Slack, ...]:

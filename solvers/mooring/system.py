@@ -21,9 +21,9 @@ from .mesh import PLACES, mesh_of
 from .model import line_model
 from .modes import LinePencil
 from .statics import MooringState, rest_response, solve_rest
-from .time_domain import solve_mooring_time_domain
+from .time_domain import integrate_line
 
-MIN_NODES = 8  # of a coarser line to start from
+MIN_NODES = 4  # of a coarser line
 PERIODS_TO_START = 3  # of the motion, whose last one a periodic response starts from
 SLIP_SPEED = 0.01  # m/s, at which the regularised friction reaches 0.7 of Coulomb's
 _IN_PLANE = 1e-12  # out-of-plane parts below this share of a vector come from rounding its direction
@@ -117,9 +117,9 @@ class MooringSystem:
         """Return the periodic response whose end forces are extrapolated from two meshes, as solve_periodic asks."""
         return solve_extrapolated(self, **options)
 
-    def solve_time_domain(self, **options) -> MooringHistory:
-        """Return the motion over time, as ``solvers.solve_time_domain`` does."""
-        return solve_mooring_time_domain(self, **options)
+    def integrate(self, **settings) -> MooringHistory:
+        """Return the motion over time, as ``solvers.solve_time_domain`` asks with settings that it has validated."""
+        return integrate_line(self, **settings)
 
     def rest_state(self) -> np.ndarray:
         """Return the coordinates of the nodes at rest, (n, N), m."""
@@ -156,9 +156,9 @@ class MooringSystem:
         """Return None: there are no rows of higher order."""
         return None
 
-    def coarser(self, least=MIN_NODES):
-        """Return the line on every second node, and cubic splines between its nodes; None with fewer than ``least``."""
-        if self.nodes + 1 < 2 * least:
+    def coarser(self):
+        """Return the line on every second node, and cubic splines between its nodes; None with fewer than ``MIN_NODES``."""
+        if self.nodes + 1 < 2 * MIN_NODES:
             return None
         joints = np.cumsum([0.0, *(segment.length for segment in self.model.segments)])
         kept = np.zeros(self.nodes, dtype=bool)

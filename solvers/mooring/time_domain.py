@@ -6,62 +6,35 @@ are too long, which are taken again in 2, 4, 8, ... parts, and the history.
 
 from __future__ import annotations
 
-import math
-from typing import NamedTuple
-
 import numpy as np
 
-from ..common.outcome import InputError, Status
-from ..common.validation import flags, positive_number, real_array, real_number, whole_number
+from ..common.outcome import Status
 from .history import MooringHistory
 from .statics import solve_rest
 from .steps import integrate
 
-TOLERANCE = 1e-4  # of the largest change of a tension from rest: what the last Newton step of a time step may change
 MOST_HALVINGS = 10  # of one step
 STEPS_AT_ONCE = 256  # between two calls of ``progress``
-MAX_STEPS = 1e9
 RHO_INF = 0.5  # spectral radius at infinite frequency while all cells are taut
 LEAST_CHANGE = 1e-3  # of the greatest tension at rest: smaller changes are not resolved any further
 LENGTHEN = 0.1  # of the step tolerance, below which the next step is in half as many parts
-_ROUNDING = 1e-12  # of the duration, that rounding may leave
 
 
-def solve_mooring_time_domain(
-    system,
-    *,
-    dt,
-    periods=None,
-    duration=None,
-    rho_inf=None,
-    tolerance=TOLERANCE,
-    step_tolerance=None,
-    ramp=None,
-    start=None,
-    every=1,
-    progress=None,
-    throw=True,
+def integrate_line(
+    system, *, dt, count, rho_inf, tolerance, step_tolerance, ramp, start, every, progress=None
 ) -> MooringHistory:
-    """Return the MooringHistory of a MooringSystem from rest, or from ``start`` = (y, ydot); see solve_time_domain.
+    """Return the MooringHistory of ``count`` steps of dt in s from rest, or from ``start`` = (y, ydot).
 
-    rho_inf: 0.5 by default, and 0 from the first time that a cell is slack (``history.damped_from``): a snap excites
-    the shortest axial waves, which feed on the step where nothing damps them.
-    tolerance: what the last Newton step of a time step may change in a tension or, relative to the length, a position,
-    of the largest change of a tension from rest so far. step_tolerance: error of a step in a position, over the largest
-    displacement so far; a step of dt is then taken in as many parts as that needs.
+    Settings as ``solve_time_domain`` has validated them. rho_inf: None for 0.5, and 0 from the first time that a cell
+    is slack (``history.damped_from``): a snap excites the shortest axial waves, which feed on the step where nothing
+    damps them. tolerance: what the last Newton step of a time step may change in a tension or, relative to the length,
+    a position, of the largest change of a tension from rest so far. step_tolerance: error of a step in a position, over
+    the largest displacement so far; a step of dt is then taken in as many parts as that needs.
     """
-    dt, count = _step_count(system, dt, periods, duration)
-    tolerance = positive_number("tolerance", tolerance, "(of the largest change of a tension)")
-    if step_tolerance is not None:
-        step_tolerance = positive_number("step_tolerance", step_tolerance, "(dimensionless)")
-    every = whole_number("every", every, 1, unit="steps")
-    flags(throw=throw)
-    if not (progress is None or callable(progress)):
-        raise InputError(f"{progress!r} must be a function of time (s), or None", field="progress", value=progress)
-    scheme = _scheme(RHO_INF if rho_inf is None else rho_inf)
-    ramp = _ramp_of(system, ramp, start)
+    settings = {"dt": dt, "count": count, "rho_inf": rho_inf, "tolerance": tolerance, "step_tolerance": step_tolerance}
+    settings |= {"ramp": ramp, "start": start, "every": every}
     moved = system.ramped(ramp) if ramp else system
-    run = _Run(moved, scheme, rho_inf is None, tolerance, step_tolerance, _state(moved, start))
+    run = _Run(moved, rho_inf, tolerance, step_tolerance, _state(moved, start))
     kept = count // every
     record = tuple(np.empty((kept + 1 + (count % every > 0), *run.state[0].shape)) for _ in range(3))
     for part, first in zip(record, run.state, strict=False):
@@ -84,40 +57,21 @@ def solve_mooring_time_domain(
     y, ydot, yddot = (part[: time.size].transpose(2, 1, 0) for part in record)
     status = Status.SUCCESS if event is None else Status.STEP_FAILED
     counts = run.iterations, run.factorisations, run.error, done, run.cut, run.damped_from
-    options = {"dt": dt, "duration": dt * count, "rho_inf": rho_inf, "tolerance": tolerance, "ramp": ramp,
-               "step_tolerance": step_tolerance, "start": start, "every": every}  # fmt: skip
-    history = MooringHistory(system, moved, time, y, ydot, yddot, status, *counts, ramp, event, options)
-    given = f"dt = {dt:g} s, ramp = {ramp:g} s"
-    if event is not None:
-        given += f"; stopped at t = {event[0]:.6g} s, node {event[1] + 1} of {system.nodes}"
-    return history.or_raise(given) if throw else history
+    return MooringHistory(system, moved, time, y, ydot, yddot, status, *counts, ramp, event, settings)
 
 
-class Scheme(NamedTuple):
-    """Weights of the generalized-alpha method for r, v, a; see ``_scheme``."""
-
-    alpha_m: float
-    alpha_f: float
-    beta: float
-    gamma: float
-
-
-def _scheme(rho_inf) -> Scheme:
-    """Return the weights of second order with this spectral radius at infinite frequency."""
-    rho = real_number("rho_inf", rho_inf, "(dimensionless)")
-    if not 0 <= rho <= 1:
-        problem = f"{rho:g} (dimensionless) must be between 0 and 1"
-        raise InputError(problem, field="rho_inf", value=rho, unit="(dimensionless)")
-    alpha_m, alpha_f = (2 * rho - 1) / (rho + 1), rho / (rho + 1)
-    return Scheme(alpha_m, alpha_f, (1 - alpha_m + alpha_f) ** 2 / 4, 0.5 - alpha_m + alpha_f)
+def _scheme(rho_inf) -> tuple[float, float, float, float]:
+    """Return alpha_m, alpha_f, beta, gamma of second order with this spectral radius at infinite frequency."""
+    alpha_m, alpha_f = (2 * rho_inf - 1) / (rho_inf + 1), rho_inf / (rho_inf + 1)
+    return alpha_m, alpha_f, (1 - alpha_m + alpha_f) ** 2 / 4, 0.5 - alpha_m + alpha_f
 
 
 class _Run:
     """The state of an integration and the counts of its work."""
 
-    def __init__(self, system, scheme, watches, tolerance, step_tolerance, state):
+    def __init__(self, system, rho_inf, tolerance, step_tolerance, state):
         self.system, self.tolerance, self.step_tolerance = system, tolerance, step_tolerance
-        self.scheme, self.watches = scheme, watches
+        self.scheme, self.watches = _scheme(RHO_INF if rho_inf is None else rho_inf), rho_inf is None
         self.damped_from = None
         self.state = state
         self.rest = system.rest.tension
@@ -150,7 +104,7 @@ class _Run:
         return done
 
     def _integrate(self, path, t, h, record, every) -> int:
-        source = self.system.source_at(t[:-1] + (1 - self.scheme.alpha_f) * h)
+        source = self.system.source_at(t[:-1] + (1 - self.scheme[1]) * h)
         taken, iterations, factorisations, self.error = integrate(
             self.system.line, self.system.held, path, source, h, self.scheme, self.scale, self.tolerance, self.rest,
             self.state, self.auxiliary, record, every, self.watches)  # fmt: skip
@@ -200,38 +154,7 @@ class _Run:
             return 0.0
         change = np.diff(np.concatenate([first[None], record[2]]), axis=0)
         self.travel = max(self.travel, float(abs(record[0] - self.system.rest.y.T).max()), 1e-6 * self.scale[1])
-        return h * h * abs(self.scheme.beta - 1 / 6) * float(abs(change).max()) / self.travel
-
-
-def _step_count(system, dt, periods, duration) -> tuple[float, int]:
-    """Return dt made to divide the duration, and the number of steps."""
-    if (periods is None) == (duration is None):
-        raise InputError("give either periods (a number of them) or duration (s)", field="periods", value=periods)
-    if duration is None:
-        periods = positive_number("periods", periods, "(a number of periods)")
-        if system.period is None:
-            raise InputError("the motion has no period; give duration (s)", field="periods", value=periods)
-        end = periods * system.period
-    else:
-        end = positive_number("duration", duration, "s")
-    dt = positive_number("dt", dt, "s")
-    if dt > end:
-        problem = f"{dt:g} s must not exceed the duration (or periods), {end:g} s"
-        raise InputError(problem, field="dt", value=dt, unit="s")
-    if end / MAX_STEPS > dt:
-        problem = f"{dt:g} s makes more than {MAX_STEPS:g} steps of the duration (or periods), {end:g} s"
-        raise InputError(problem, field="dt", value=dt, unit="s")
-    count = math.ceil(end / dt * (1 - _ROUNDING))
-    return end / count, count
-
-
-def _ramp_of(system, ramp, start) -> float:
-    if ramp is None:
-        return 0.0 if start is not None or system.period is None else system.period / 2
-    ramp = real_number("ramp", ramp, "s")
-    if ramp < 0:
-        raise InputError(f"{ramp:g} s must be >= 0", field="ramp", value=ramp, unit="s")
-    return ramp
+        return h * h * abs(self.scheme[2] - 1 / 6) * float(abs(change).max()) / self.travel
 
 
 def _state(system, start):
@@ -242,16 +165,8 @@ def _state(system, start):
         r, v = np.ascontiguousarray(state.y.T), np.zeros_like(state.y.T, order="C")
         v[system.held] = system.path(np.zeros(1))[0, 1]
         return r, v, np.zeros_like(r), np.zeros_like(r)
-    shape = (len(system.fields), system.nodes)
-    try:
-        y, ydot = start
-        y, ydot = real_array(y), np.zeros(shape) if ydot is None else real_array(ydot)
-    except (TypeError, ValueError):
-        problem = "must be (y, ydot), two arrays of numbers, ydot may be None"
-        raise InputError(problem, field="start", value=start) from None
-    for name, part in (("y", y), ("ydot", ydot)):
-        if part.shape != shape or not np.isfinite(part).all():
-            raise InputError(f"{name} of shape {part.shape} must be {shape}, all finite", field="start", value=start)
+    y, ydot = start
+    ydot = np.zeros_like(y) if ydot is None else ydot
     r, v = np.ascontiguousarray(y.T), np.ascontiguousarray(ydot.T)
     a = system.acceleration(r, v)
     return r, v, a, a.copy()

@@ -6,95 +6,24 @@ import math
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field, replace
-from functools import cached_property
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..common import diagnostics
-from ..common.outcome import InputError, Outcome, Status
-from ..common.response import Response
+from ..common.outcome import InputError, Status
+from ..common.response import ROUNDING
 from ..common.types import as_system
 from ..common.validation import flags, one_of, positive_number, real_array, real_number, whole_number
 from ..numerics.chain import ChainSystem
 from .drift_control import DRIFT_CONTROLS
 from .generalized_alpha import Scheme, Stepper
+from .history import TimeHistory
 from .step_control import StepControl
 
-_ROUNDING = 1e-12  # of the duration, that rounding may leave
+TOLERANCE = 1e-10  # mean change of a state
+LINE_TOLERANCE = 1e-4  # of the largest change of a tension from rest
 MAX_STEPS = 1e9  # a day of work for the shortest chain
-
-
-@dataclass(frozen=True)
-class TimeHistory(Response, Outcome):
-    """Motion over time: time (K,) s; y, ydot (n_f, N, K); Newton iterations and factorisations in total.
-
-    residual_norm: mean |dy| of the last Newton step, HB (76). steps taken, and rejected by the step control.
-    event: (time in s, node from 0) where the status arose, None on success. moved: the system with its ramp.
-    hold: what kept the last node from drifting, as given. ramp: time over which the motion grew from rest, s.
-    failed_ramp: the default ramp of half a period, s, where the integration failed with it and a longer one was taken.
-    """
-
-    system: ChainSystem = field(repr=False)
-    ramped_system: ChainSystem = field(repr=False)
-    time: np.ndarray = field(repr=False)
-    y: np.ndarray = field(repr=False)
-    ydot: np.ndarray = field(repr=False)
-    status: Status
-    iterations: int
-    factorisations: int
-    residual_norm: float
-    steps: int
-    rejected: int
-    event: tuple[float, int] | None = None
-    hold: str | None = None
-    ramp: float = 0.0
-    failed_ramp: float | None = None
-
-    @property
-    def last_period(self) -> tuple[float, float]:
-        """Start of the last whole period that is stored, and the period, s. Raises InputError without one."""
-        period = self.system.period
-        if period is None or self.time[-1] - self.time[0] < period * (1 - _ROUNDING):
-            problem = f"{self.time[-1] - self.time[0]:g} s are stored, no whole period ({period} s)"
-            raise InputError(problem, field="time", value=self.time, unit="s")
-        return max(self.time[0], self.time[-1] - period), period
-
-    def at(self, t: ArrayLike) -> np.ndarray:
-        """State at times t (S,) in s, (n_f, N, S): cubic between the stored times. Raises InputError outside them."""
-        return self._cubic(t, 0)
-
-    def rate_at(self, t: ArrayLike) -> np.ndarray:
-        """Rate of the state at times t (S,) in s, (n_f, N, S)."""
-        return self._cubic(t, 1)
-
-    @cached_property
-    def warnings(self) -> tuple[str, ...]:
-        """What a cable's history has lost: drift, compression between steps, steps too long, not periodic yet."""
-        return tuple(diagnostics.check_history(self))
-
-    def drift(self) -> np.ndarray:
-        """Distance of the last node from its prescribed place at the stored times, (K,), m."""
-        return np.linalg.norm(self.ramped_system.drift(self.y, self.time), axis=0)  # type: ignore[arg-type]
-
-    def _cubic(self, t, order):
-        """Hermite's cubic through y and ydot, or its first derivative."""
-        t, time = np.asarray(t, dtype=float), self.time
-        slack = _ROUNDING * time[-1]
-        inside = (t >= time[0] - slack) & (t <= time[-1] + slack)
-        if not np.all(inside):
-            problem = f"{t[~inside].flat[0]:g} s is outside the history, {time[0]:g} to {time[-1]:g} s"
-            raise InputError(problem, field="t", value=t, unit="s")
-        i = np.clip(np.searchsorted(time, t, side="right") - 1, 0, time.size - 2)
-        h = time[i + 1] - time[i]
-        x = (t - time[i]) / h
-        if order == 0:
-            weights = (1 - x) ** 2 * (1 + 2 * x), x * x * (3 - 2 * x), h * x * (1 - x) ** 2, h * x * x * (x - 1)
-        else:
-            weights = -6 * x * (1 - x) / h, 6 * x * (1 - x) / h, (1 - x) * (1 - 3 * x), x * (3 * x - 2)
-        parts = self.y[..., i], self.y[..., i + 1], self.ydot[..., i], self.ydot[..., i + 1]
-        return sum(weight * part for weight, part in zip(weights, parts, strict=True))
 
 
 def solve_time_domain(
@@ -151,12 +80,8 @@ def solve_time_domain(
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             return list(pool.map(lambda one: solve_time_domain(one, **options), system))  # type: ignore[return-value]
     system = as_system(system)
-    if hasattr(system, "solve_time_domain"):  # a moving line of nodes and elements
-        options = _options_of_a_line(tolerance, scheme, hold, allow_invalid)
-        return system.solve_time_domain(dt=dt, periods=periods, duration=duration, rho_inf=rho_inf, ramp=ramp,
-                                        step_tolerance=step_tolerance, start=start, every=every, progress=progress,
-                                        throw=throw, **options)  # fmt: skip
-    tolerance = 1e-10 if tolerance is None else tolerance
+    is_line = hasattr(system, "integrate")  # of nodes and elements, with steps of its own
+    tolerance = (LINE_TOLERANCE if is_line else TOLERANCE) if tolerance is None else tolerance
     end = _duration(system, periods, duration)
     dt, tolerance = positive_number("dt", dt, "s"), positive_number("tolerance", tolerance, "(mean change of a state)")
     if dt > end:
@@ -169,11 +94,18 @@ def solve_time_domain(
         step_tolerance = positive_number("step_tolerance", step_tolerance, "(dimensionless)")
     every = whole_number("every", every, 1, unit="steps")
     flags(allow_invalid=allow_invalid, throw=throw)
-    scheme = _scheme(scheme, rho_inf)
+    given_scheme, scheme = scheme, _scheme(scheme, rho_inf)
     if not (progress is None or callable(progress)):
         raise InputError(f"{progress!r} must be a function of time (s), or None", field="progress", value=progress)
     first_ramp = _first_ramp(system, ramp, start)
     hold, state = _checked_hold(system, hold), _start_state(system, start)
+    if is_line:
+        _refuse(("scheme", given_scheme, None), ("hold", hold, "position"), ("allow_invalid", allow_invalid, False))
+        count = math.ceil(end / dt * (1 - ROUNDING))
+        settings: dict = {"dt": end / count, "count": count, "rho_inf": rho_inf, "tolerance": tolerance, "every": every}
+        settings |= {"step_tolerance": step_tolerance, "ramp": first_ramp, "start": start and state}
+        history = system.integrate(progress=progress, **settings)  # type: ignore[attr-defined]
+        return history.or_raise(_given(history, dt, f"ramp = {first_ramp:g} s")) if throw else history
 
     def integrate(ramp) -> TimeHistory:
         stepper = Stepper(system.ramped(ramp) if ramp else system, scheme, tolerance, hold, dt)
@@ -200,17 +132,12 @@ def solve_time_domain(
     return history.or_raise(_given(history, dt, tried))
 
 
-def _options_of_a_line(tolerance, scheme, hold, allow_invalid) -> dict:
-    """Return the options for a line of nodes and elements; raises InputError for those that mean nothing to it."""
-    for name, value, default in (
-        ("scheme", scheme, None),
-        ("hold", hold, "position"),
-        ("allow_invalid", allow_invalid, False),
-    ):
+def _refuse(*options):
+    """Raise InputError for an option (name, value, default) that means nothing to a line of nodes and elements."""
+    for name, value, default in options:
         if value is not default and value != default:
             problem = f"{value!r} has no meaning for a line of nodes and elements; leave it out"
             raise InputError(problem, field=name, value=value)
-    return {} if tolerance is None else {"tolerance": tolerance}
 
 
 def _given(history, dt, ramps) -> str:
@@ -229,7 +156,7 @@ class _Run:
 
     def __init__(self, stepper, y, ydot, end, dt, step_tolerance, every):
         self.stepper, self.end, self.every = stepper, end, every
-        self.count = math.ceil(end / dt * (1 - _ROUNDING))  # of fixed steps
+        self.count = math.ceil(end / dt * (1 - ROUNDING))  # of fixed steps
         self.control = None
         if step_tolerance is not None:
             self.control = StepControl(stepper.system, dt, step_tolerance, stepper.scheme.error_constant())
@@ -244,7 +171,7 @@ class _Run:
     def continues(self, allow_invalid) -> bool:
         """True until the end of the history, a step that failed, or a state that is invalid and not allowed."""
         ended = self.status is Status.STEP_FAILED or (self.event is not None and not allow_invalid)
-        return not ended and self.t < self.end * (1 - _ROUNDING)
+        return not ended and self.t < self.end * (1 - ROUNDING)
 
     def step(self):
         """Take one step, or reject it and shorten the next; sets the status where neither can be done."""

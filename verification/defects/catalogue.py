@@ -145,7 +145,13 @@ _FILES = {
     "cable.statics": (*_CABLE, "harmonic_balance/test_start.py"),
     "cable.shooting": _CABLE,
     **dict.fromkeys(
-        ("time_domain.generalized_alpha", "time_domain.solve", "time_domain.step_control", "time_domain.drift_control"),
+        (
+            "time_domain.generalized_alpha",
+            "time_domain.solve",
+            "time_domain.history",
+            "time_domain.step_control",
+            "time_domain.drift_control",
+        ),
         (*_TIME, "cable/test_failures.py"),
     ),
     "numerics.continuation": ("numerics/test_continuation.py", *_PERIODIC, "cable/test_statics.py"),

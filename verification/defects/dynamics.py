@@ -71,7 +71,7 @@ TIME_FAULTS = [
         "the hold pushes away",
     ),
     (
-        Fault("time_domain.solve", "TimeHistory._cubic", "h * x * (1 - x) ** 2", "-h * x * (1 - x) ** 2"),
+        Fault("time_domain.history", "TimeHistory._cubic", "h * x * (1 - x) ** 2", "-h * x * (1 - x) ** 2"),
         "Hermite's cubic",
     ),
     (
@@ -217,7 +217,7 @@ DEFECTS = (
     ),
     Defect(
         "slope of Hermite's cubic",
-        Fault("time_domain.solve", "TimeHistory._cubic", "3 * x - 2", "2 - 3 * x"),
+        Fault("time_domain.history", "TimeHistory._cubic", "3 * x - 2", "2 - 3 * x"),
         "sign",
         "the rate between two stored times",
         _OUTPUTS,

@@ -196,7 +196,7 @@ RUN = {"dt": 0.5, "periods": 1}
 def run(**changes):
     """Integrate a line that moves with some options changed; None leaves one out."""
     options = {name: value for name, value in (RUN | changes).items() if value is not None}
-    return SURGE().solve_time_domain(**options)
+    return solve_time_domain(SURGE(), **options)
 
 
 def without(**changes):
@@ -260,7 +260,7 @@ REFUSED = {
     "no end": (lambda: run(periods=None), "periods", ["periods", "duration"]),
     "two ends": (lambda: run(duration=3.0), "periods", ["periods", "duration"]),
     "negative periods": (lambda: run(periods=-1), "periods", ["-1", "> 0"]),
-    "periods of nothing": (lambda: system(OC3, 10).solve_time_domain(**RUN), "periods", ["no period", "duration"]),
+    "periods of nothing": (lambda: solve_time_domain(system(OC3, 10), **RUN), "periods", ["no period", "duration"]),
     "a negative duration": (lambda: run(periods=None, duration=-3.0), "duration", ["-3", "s"]),
     "rho_inf": (lambda: run(rho_inf=1.2), "rho_inf", ["1.2", "between 0 and 1"]),
     "tolerance": (lambda: run(tolerance=0.0), "tolerance", ["0", "> 0"]),

@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from solvers import solve_time_domain
 from solvers.mooring import time_domain
 
 from ..exact.moving_line import ALL_TERMS, BARE
@@ -104,8 +105,8 @@ def run_errors(line, cells, dts, *, mesh="uniform", **options):
     errors = []
     for count, dt in zip(cells, dts, strict=True):
         made = manufactured(line, count, mesh if mesh == "uniform" else graded(line.length, count))
-        history = made.solve_time_domain(
-            dt=dt, duration=DURATION, start=exact_state(made, line, 0.0), tolerance=1e-9, **options
+        history = solve_time_domain(
+            made, dt=dt, duration=DURATION, start=exact_state(made, line, 0.0), tolerance=1e-9, **options
         )
         difference = history.y[:, :, -1] - exact_state(made, line, DURATION)[0]
         errors.append(common(difference, count, cells[0]) / line.length)
@@ -155,8 +156,8 @@ def history_error(line, dt, cells, **options):
         return np.stack([evaluate(compiled, made.line, *state, taut)[0] for state in zip(y, *given, strict=True)])
 
     made.source = leftover
-    history = made.solve_time_domain(
-        dt=dt, duration=DURATION, start=exact_state(made, line, 0.0), tolerance=1e-10, **options
+    history = solve_time_domain(
+        made, dt=dt, duration=DURATION, start=exact_state(made, line, 0.0), tolerance=1e-10, **options
     )
     return history, (history.y[:, :, -1] - exact_state(made, line, DURATION)[0]) / line.length
 

@@ -7,7 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solvers import CableProperties, Element, Environment, FunctionMotion, Network, Node, mooring_system
+from solvers import (
+    CableProperties,
+    Element,
+    Environment,
+    FunctionMotion,
+    Network,
+    Node,
+    mooring_system,
+    solve_time_domain,
+)
 
 from ..cases.cables import OC3_SEABED, SLACK_CHAIN
 from ..exact.elastic_bounce import SeabedBounce
@@ -35,7 +44,7 @@ def test_a_mass_bounces_on_the_seabed(name):
     made = hanging_mass(exact.mass, EA=1e-3, length=20.0, position=exact.position, environment=bed)
     y, ydot = np.zeros((2, 2, 3))
     y[1], ydot[1] = (value * np.array([1.0, 0.5, 0.0]) for value in (exact.position, exact.velocity))
-    history = made.solve_time_domain(dt=1.25e-4, duration=4.0, start=(y, ydot), tolerance=1e-9)
+    history = solve_time_domain(made, dt=1.25e-4, duration=4.0, start=(y, ydot), tolerance=1e-9)
     z, v, _ = exact.motion(history.time)
     assert exact.events(4.0) and history.success
     errors = abs(history.y[1, 0] - z).max() / np.ptp(z), abs(history.ydot[1, 0] - v).max() / np.ptp(v)
@@ -66,8 +75,8 @@ def dragged(friction, slip_speed, direction=(1.0, 0.0)):
 def test_work_of_friction(friction, slip_speed):
     """What the fairlead gives in a period to a line that is dragged to and fro is the work of smoothed friction."""
     period, steps = 2 * np.pi / OMEGA, 400
-    history = dragged(friction, slip_speed).solve_time_domain(
-        dt=period / steps, duration=3 * period, ramp=period, tolerance=1e-7
+    history = solve_time_domain(
+        dragged(friction, slip_speed), dt=period / steps, duration=3 * period, ramp=period, tolerance=1e-7
     )
     cycle = history.time >= 2 * period * (1 - 1e-12)
     energy = energy_of(history)
@@ -99,7 +108,7 @@ def dropped(damping, dt, **options):
     made = mooring_system(scene(LYING, seabed_damping=damping), 40, mesh="uniform")
     y = made.rest.y.copy()
     y[-1] += 0.5 * np.sin(np.pi * made.s / made.s[-1])
-    return made.solve_time_domain(dt=dt, duration=3.0, start=(y, None), tolerance=1e-8, **options)
+    return solve_time_domain(made, dt=dt, duration=3.0, start=(y, None), tolerance=1e-8, **options)
 
 
 STORED = LYING.submerged_weight * 0.5 * LYING.length * 2 / np.pi  # J, of the line above where it rests
@@ -127,5 +136,5 @@ def test_a_line_over_the_seabed_closes_its_energy():
     """Surge and heave with drag, a damped seabed and friction: work and energy differ by less with shorter steps."""
     given = replace(scene(replace(OC3_SEABED, amplitude=(3.0, 0.0, 2.0)), seabed_damping=2e3), friction=(0.5,))
     made = mooring_system(given, 16, slip_speed=0.3)
-    gaps = [energy_gap(made.solve_time_domain(dt=dt, duration=20.0, tolerance=1e-9)) for dt in (0.05, 0.0125)]
+    gaps = [energy_gap(solve_time_domain(made, dt=dt, duration=20.0, tolerance=1e-9)) for dt in (0.05, 0.0125)]
     assert gaps[1] < gaps[0] / 6 and gaps[1] <= 8e-5

@@ -8,6 +8,8 @@ from functools import cache
 import numpy as np
 import pytest
 
+from solvers import solve_time_domain
+
 from ..cases.cables import OC3
 from ..exact.elastic_bounce import ElasticBounce
 from ..tools.orders import assert_order
@@ -32,7 +34,7 @@ def bounce(name, dt, **options):
     made = hanging_mass(exact.mass, EA=exact.EA, length=exact.length, damping=exact.beta, position=exact.position)
     y, ydot = np.zeros((2, 2, 3))
     y[1], ydot[1] = (value * np.array([1.0, 0.5, 0.0]) for value in (exact.position, exact.velocity))
-    return made.solve_time_domain(dt=dt, duration=DURATION, start=(y, ydot), tolerance=1e-9, **options)
+    return solve_time_domain(made, dt=dt, duration=DURATION, start=(y, ydot), tolerance=1e-9, **options)
 
 
 def bounce_errors(name, dt):
@@ -77,7 +79,7 @@ def test_times_of_slack_are_those_of_the_bounce(name):
 
 def test_a_taut_line_has_no_slack():
     """Neither times nor damping of the shortest waves where no cell goes slack."""
-    history = system(replace(OC3, amplitude=(2.0, 0.0, 0.0)), 10).solve_time_domain(dt=0.2, periods=1)
+    history = solve_time_domain(system(replace(OC3, amplitude=(2.0, 0.0, 0.0)), 10), dt=0.2, periods=1)
     assert history.slack == () and history.damped_from is None and history.tension.min() > 0
 
 
@@ -88,7 +90,7 @@ SNAPS = 5e-3  # of the greatest tension, over meshes and steps; measured 1.5e-3
 @cache
 def greatest_tension(amplitude, cells, dt) -> float:
     """Return the greatest fairlead tension in the third period of a surge, N; no step is given up."""
-    history = system(replace(OC3, amplitude=(amplitude, 0.0, 0.0)), cells).solve_time_domain(dt=dt, periods=3)
+    history = solve_time_domain(system(replace(OC3, amplitude=(amplitude, 0.0, 0.0)), cells), dt=dt, periods=3)
     assert history.success and history.event is None
     assert len(history.slack) >= 3 and history.slack[-1].start > 40
     assert abs(history.damped_from - history.slack[0].start) <= dt * (1 + 1e-9)  # within the first step or at its end
@@ -117,7 +119,7 @@ def test_slack_is_more_with_more_surge():
 def test_states_are_kept_at_their_times(every):
     """Every n-th step is kept as it is, though the loop over the steps stops where a cell goes slack."""
     moved = system(replace(OC3, amplitude=(12.0, 0.0, 0.0)), 50)  # before the slack line forgets where it came from
-    whole, part = (moved.solve_time_domain(dt=0.1, periods=0.49, tolerance=1e-10, every=n) for n in (1, every))
+    whole, part = (solve_time_domain(moved, dt=0.1, periods=0.49, tolerance=1e-10, every=n) for n in (1, every))
     kept = [*range(0, whole.steps, every), whole.steps]
     assert whole.damped_from < 9.2 and np.allclose(part.time, whole.time[kept], rtol=1e-12)
     assert abs(part.y - whole.y[..., kept]).max() <= 1e-5 and abs(part.ydot - whole.ydot[..., kept]).max() <= 1e-4

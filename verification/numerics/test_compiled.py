@@ -45,7 +45,7 @@ CALLED = "from numba import njit\n@njit\ndef factor():\n    return {}\n"
 LOOP = """
 import called
 from solvers.numerics.compiled import compiled
-@compiled(calls=called)
+@compiled(calls=(called,))
 def double(x):
     return called.factor() * x
 """
