@@ -105,7 +105,7 @@ def solve_time_domain(
     if is_line:
         count = math.ceil(end / dt * (1 - ROUNDING))
         settings: dict = {"dt": end / count, "count": count, "rho_inf": rho_inf, "tolerance": tolerance, "every": every}
-        settings |= {"step_tolerance": step_tolerance, "ramp": first_ramp, "start": start and state}
+        settings |= {"step_tolerance": step_tolerance, "ramp": first_ramp, "start": None if start is None else state}
         history = system.integrate(progress=progress, **settings)  # type: ignore[attr-defined]
         return history.or_raise(_given(history, dt, f"ramp = {first_ramp:g} s")) if throw else history
 
