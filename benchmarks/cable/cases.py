@@ -169,6 +169,7 @@ _SOLVERS = (
     "numerics/newton",
     "cable/statics",
     "common/motion",
+    "common/motion_arrays",
     "common/properties",
     "io/scene",
     "harmonic_balance/response",

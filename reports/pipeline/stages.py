@@ -97,7 +97,6 @@ LONG_TESTS = {
     "cable/test_failures": 6,
     "harmonic_balance/test_start": 6,
     "cable/test_statics": 5,
-    "common/test_found_by_defects": 5,
     "suite/test_fuzz": 5,
 }
 """Test files that take long -> expected seconds."""

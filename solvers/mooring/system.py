@@ -157,7 +157,7 @@ class MooringSystem:
         return None
 
     def coarser(self):
-        """Return the line on every second node, and cubic splines between its nodes; None with fewer than ``MIN_NODES``."""
+        """Return the line on every second node, and cubic splines between its nodes; None with too few."""
         if self.nodes + 1 < 2 * MIN_NODES:
             return None
         joints = np.cumsum([0.0, *(segment.length for segment in self.model.segments)])

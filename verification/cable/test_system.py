@@ -77,6 +77,14 @@ def test_a_source_goes_with_every_second_node():
     assert np.array_equal(coarse.rest_state(), chain.rest_state()[:, ::2])
 
 
+def test_drift_is_that_of_the_last_position_on_any_mesh():
+    """Where cells differ, too, the drift of the end is that of the positions of the nodes."""
+    chain = system(replace(SURGE_5, amplitude=None), mesh=graded(SURGE_5.length, 9))
+    y, _ = random_state(chain, 3)
+    off = chain.positions(y)[:, -1] - chain.scene.fairlead
+    assert abs(chain.axes.T @ chain.drift(y, 0.0) - off).max() <= 1e-12 * chain.s[-1]
+
+
 class Heavy(CableSystem):
     """A kind of cable of its own."""
 

@@ -71,7 +71,7 @@ def test_a_smooth_history_and_response_warn_of_nothing():
 
 
 def test_resolution_is_judged_at_the_fairlead():
-    """Waves at the other nodes say nothing of the fairlead's tension; one there is told with its share."""
+    """Waves at other nodes do not count for the fairlead's tension; one there is reported with its share."""
     assert list(diagnostics.check_history(history(inner_nodes_with(SHARP)))) == []
     assert list(diagnostics.check_response(response(inner_nodes_with(wave(c1=1.0, c8=0.1))))) == []
     line = Line([CALM] * (NODES - 1) + [SHARP])
@@ -83,8 +83,8 @@ def test_resolution_is_judged_at_the_fairlead():
 
 
 @pytest.mark.parametrize("last", [7, 8])
-def test_the_last_two_harmonics_are_told_by_their_amplitude(last):
-    """A tenth of the range, told as such; the same amplitude in the harmonic before them is not."""
+def test_the_warning_of_the_last_two_harmonics_gives_their_amplitude(last):
+    """A tenth of the range is reported as such; the same amplitude in the harmonic before them is not."""
     line = Line([CALM] * (NODES - 1) + [wave(c1=1.0, **{f"c{last}": 0.2})])
     spread = np.ptp(line.tensions[-1](PERIOD * np.arange(128) / 128))
     (warnings,) = diagnostics.check_response(response(line))
@@ -101,15 +101,15 @@ def test_amplitudes_are_compared_with_the_range():
             assert bool(list(diagnostics.check_response(response(line)))) is warnings, (size, share)
 
 
-def test_bends_are_told_only_where_every_step_is_stored():
-    """Of a history that keeps every second step the stored times say nothing of dt; nor does a constant tension."""
+def test_changes_of_slope_are_judged_only_where_every_step_is_stored():
+    """Of a history that keeps every second step the stored times give no warning of dt; nor does a constant tension."""
     line = Line([CALM] * 3 + [SHARP])
     assert list(diagnostics.check_history(history(line, steps=320))) == []
     assert list(diagnostics.check_history(history(Line([wave()] * NODES)))) == []
 
 
 def test_a_tension_of_zero_is_no_compression():
-    """A line may hang slack; a tension below zero at one node is told with node, time and number."""
+    """A line may hang slack; a tension below zero at one node is reported with node, time and number."""
     zero = wave(mean=1.0, c1=1.0)  # least at half a period, between two of the stored times and at an instant
     assert zero(np.array([4.0])) == 0.0
     line = Line([CALM, zero, CALM, CALM])
@@ -121,7 +121,7 @@ def test_a_tension_of_zero_is_no_compression():
     assert warnings == "tension: -0.5 N between instants, at t = 4 s, node 2: use more nodes, or more harmonics"
 
 
-def test_a_fairlead_off_its_place_is_told_with_its_share():
+def test_the_warning_of_a_displaced_fairlead_gives_distance_and_share():
     """The distance, over half the excursion; none where the fairlead stands still where it should."""
     for amplitude, away, warnings in ((2.0, 0.2, True), (2.0, 0.09, False), (0.0, 0.0, False)):
         line = Line([CALM] * NODES, amplitude, away)

@@ -82,7 +82,7 @@ def test_integers_and_numpy_numbers_are_numbers():
     ],
 )
 def test_values_out_of_range(changes, message):
-    """Each rule of Span is told with the name, the value, the unit and what to give instead."""
+    """Each rule of Span is reported with the name, the value, the unit and what to give instead."""
     refused(message, **changes)
 
 
@@ -205,7 +205,7 @@ BAD_ROWS = [
 
 @pytest.mark.parametrize("changes", BAD_ROWS, ids=str)
 def test_bad_rows_are_refused_as_span_refuses_them(changes):
-    """What Span refuses, solve_spans marks INVALID_INPUT with NaN, and the row beside it is right."""
+    """What Span refuses, solve_spans marks INVALID_INPUT with NaN, and the next row is right."""
     with pytest.raises(InputError):
         Span(**(GOOD | changes))
     row = GOOD | {"seabed": True, "friction": 0.0, "clearance": 0.0} | changes
@@ -398,7 +398,7 @@ def test_scene_that_is_not_text(tmp_path):
 
 
 def test_empty_scene_file(tmp_path):
-    """An empty file lacks its tables, which is said by name."""
+    """An empty file lacks its tables, which are named."""
     path = tmp_path / "empty.toml"
     path.write_text("")
     with pytest.raises(InputError, match=r"missing key 'line' in the top level|missing key 'length' in \[line\]"):

@@ -40,6 +40,8 @@ PLANTING = {
     "cable/test_order.py": ("planted", "no_fault"),
     "cable/test_statics.py": ("wrong_equation",),
     "harmonic_balance/test_deferred_correction.py": ("planted",),
+    "numerics/test_compiled.py": ("planted",),
+    "numerics/test_newton.py": ("planted",),
     "suite/test_stability.py": ("at_most_is_seen", "counts_cells"),
     "time_domain/test_solve.py": ("fault",),
 }
@@ -85,11 +87,13 @@ _CABLE = (
     "cable/test_order.py",
     "cable/test_jacobian.py",
     "cable/test_statics.py",
+    "cable/test_system.py",
     "cable/test_invariants.py",
     "io/test_scene.py",
 )
 _TIME = (
     "time_domain/test_solve.py",
+    "time_domain/test_steps.py",
     "cable/test_order.py",
     "cable/test_invariants.py",
     "harmonic_balance/test_oscillators.py",
@@ -138,9 +142,14 @@ _FILES = {
             "cable.planar",
             "cable.spatial",
             "cable.loads",
-            "numerics.chain",
         ),
-        (*_CABLE, "time_domain/test_solve.py", "harmonic_balance/test_solve.py"),
+        (*_CABLE, "common/test_response.py", "time_domain/test_solve.py", "harmonic_balance/test_solve.py"),
+    ),
+    "numerics.chain": (
+        "numerics/test_chain.py",
+        *_CABLE,
+        "time_domain/test_solve.py",
+        "harmonic_balance/test_solve.py",
     ),
     "cable.statics": (*_CABLE, "harmonic_balance/test_start.py"),
     "cable.shooting": _CABLE,
@@ -172,11 +181,14 @@ _FILES = {
     ),
     "numerics.compiled": ("numerics/test_compiled.py", "numerics/test_bordered.py"),
     "catenary.excursion": _NETWORK,
-    "common.diagnostics": ("common/test_diagnostics.py", "common/test_diagnostics.py", "suite/test_stability.py"),
+    "common.diagnostics": ("common/test_diagnostics.py", "suite/test_stability.py"),
     "numerics.modes": ("time_domain/test_solve.py",),
     "cable.midpoint_stencils": ("harmonic_balance/test_deferred_correction.py",),
-    "common.motion": ("common/test_motion.py", "io/test_scene.py", "time_domain/test_solve.py"),
-    "numerics.newton": (*_SPAN, *_PERIODIC, "cable/test_statics.py"),
+    **dict.fromkeys(
+        ("common.motion", "common.motion_arrays"),
+        ("common/test_motion.py", "io/test_scene.py", "time_domain/test_solve.py"),
+    ),
+    "numerics.newton": ("numerics/test_newton.py", *_SPAN, *_PERIODIC, "cable/test_statics.py"),
     "common.outcome": ("common/test_failures.py", "network/test_solve.py", "harmonic_balance/test_oscillators.py"),
     "common.validation": (
         "common/test_validation.py",
@@ -201,8 +213,5 @@ def files(module: str) -> tuple[str, ...]:
     return _FILES[module]
 
 
-WIDER = {
-    module: (*(whole(file) for file in files), "common/test_found_by_defects.py", STORED)
-    for module, files in _FILES.items()
-}
+WIDER = {module: (*(whole(file) for file in files), STORED) for module, files in _FILES.items()}
 """Module of solvers -> checks that each of its defects is shown with --all, beside the one named for it."""

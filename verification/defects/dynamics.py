@@ -109,7 +109,7 @@ DEFECTS = (
         Fault("numerics.newton", "is_contraction", "(1 - length / 4) * full", "np.inf"),
         "tolerance",
         "every step of the damped Newton method is taken in full",
-        "common/test_found_by_defects.py::test_damping_finds_what_full_steps_do_not",
+        "numerics/test_newton.py::test_damping_converges_where_full_steps_diverge",
     ),
     Defect(
         "update with the wrong sign",
@@ -150,7 +150,7 @@ DEFECTS = (
         ),
         "derivative",
         "the weights of the step are left out of its Jacobian: it converges, slowly",
-        "common/test_found_by_defects.py::test_a_new_jacobian_converges_quadratically",
+        "time_domain/test_steps.py::test_a_new_jacobian_converges_quadratically",
     ),
     Defect(
         "Jacobian of the last step length",
@@ -159,7 +159,7 @@ DEFECTS = (
         ),
         "stale",
         "after a change of the step the old factors are kept until they hardly converge",
-        "common/test_found_by_defects.py::test_a_new_step_length_takes_a_new_jacobian",
+        "time_domain/test_steps.py::test_a_new_step_length_takes_a_new_jacobian",
     ),
     Defect(
         "offset taken back at once",
@@ -171,7 +171,7 @@ DEFECTS = (
         ),
         "factor",
         "the hold divides by what it should multiply with: four times too strong",
-        "common/test_found_by_defects.py::test_a_hold_takes_an_offset_back",
+        "time_domain/test_steps.py::test_drift_control_takes_an_offset_back",
     ),
     Defect(
         "mean over two periods",
@@ -192,21 +192,21 @@ DEFECTS = (
         ),
         "sign",
         "Milne's device subtracts the error constants that it should add",
-        "common/test_found_by_defects.py::test_the_next_step_is_that_of_its_error",
+        "time_domain/test_steps.py::test_the_next_step_size_follows_from_the_error",
     ),
     Defect(
         "step control of another order",
         Fault("time_domain.step_control", "StepControl.accept", "-1 / 3", "-1 / 2"),
         "order",
         "steps are changed as if the local error fell with the square of the step",
-        "common/test_found_by_defects.py::test_the_next_step_is_that_of_its_error",
+        "time_domain/test_steps.py::test_the_next_step_size_follows_from_the_error",
     ),
     Defect(
         "ramp over a whole period",
         Fault("time_domain.solve", "_first_ramp", "system.period / 2", "system.period"),
         "factor",
         "the default ramp of HB 4.3 is twice too long",
-        "common/test_found_by_defects.py::test_the_default_ramp_takes_half_a_period",
+        "time_domain/test_solve.py::test_the_ramp_takes_half_a_period",
     ),
     Defect(
         "every n-th step, one late",
@@ -249,21 +249,21 @@ DEFECTS = (
         ),
         "factor",
         "harmonics of the tension are those of a two-sided spectrum",
-        "common/test_found_by_defects.py::test_harmonics_of_the_tension_are_those_of_its_samples",
+        "common/test_response.py::test_harmonics_of_the_tension_are_those_of_a_known_sum",
     ),
     Defect(
         "harmonics from the mean on",
         Fault("common.response", "Response.tension_harmonics", "spectrum[1 : k + 1]", "spectrum[0:k]"),
         "index",
         "the amplitude of the first harmonic is that of the mean",
-        "common/test_found_by_defects.py::test_harmonics_of_the_tension_are_those_of_its_samples",
+        "common/test_response.py::test_harmonics_of_the_tension_are_those_of_a_known_sum",
     ),
     Defect(
         "mean force counted in",
         Fault("common.response", "Response.tension_harmonics", "spectrum[0].real", "2 * spectrum[0].real"),
         "factor",
         "the mean tension is twice itself",
-        "common/test_found_by_defects.py::test_harmonics_of_the_tension_are_those_of_its_samples",
+        "common/test_response.py::test_harmonics_of_the_tension_are_those_of_a_known_sum",
     ),
     Defect(
         "tension without its rate",
@@ -275,7 +275,7 @@ DEFECTS = (
         ),
         "term",
         "the tension at any time leaves the material's damping out",
-        "common/test_found_by_defects.py::test_tension_has_its_part_of_damping",
+        "common/test_response.py::test_tension_includes_the_material_damping",
     ),
     # ------------------------------------------------------------ fourier
     Defect(
@@ -374,7 +374,7 @@ DEFECTS = (
         ),
         "index",
         "without a constant term a response in another basis starts with its second coefficient",
-        "common/test_found_by_defects.py::test_a_start_without_the_constant_is_its_own",
+        "harmonic_balance/test_oscillators.py::test_a_response_without_the_constant_is_confirmed_by_one_step",
     ),
     Defect(
         "symmetry taken on trust",
@@ -472,7 +472,7 @@ DEFECTS = (
         Fault("harmonic_balance.residual", "HarmonicResidual.jacobian", "nodes - 1", "nodes - 2"),
         "index",
         "made in parts, the blocks of a chain of 66 nodes lack the last cell",
-        "common/test_found_by_defects.py::test_blocks_in_parts_are_all_blocks",
+        "harmonic_balance/test_jacobian.py::test_blocks_made_in_parts_are_those_made_at_once",
     ),
     Defect(
         "single precision taken on trust",
@@ -691,7 +691,7 @@ DEFECTS = (
         ),
         "regime",
         "a zero pivot on the way is not told",
-        "common/test_found_by_defects.py::test_a_field_that_no_row_sees_is_told_without_full_rows",
+        "numerics/test_bordered.py::test_an_empty_column_is_singular_without_full_rows",
     ),
     # ------------------------------------------------------------ modes
     Defect(
@@ -713,7 +713,7 @@ DEFECTS = (
         Fault("numerics.modes", "natural_modes", "-eigenvalues.real", "eigenvalues.real"),
         "sign",
         "damped modes have negative damping",
-        "common/test_found_by_defects.py::test_damping_of_modes_is_that_of_the_bar",
+        "time_domain/test_solve.py::test_damping_of_modes_is_that_of_a_kelvin_voigt_bar",
     ),
     # ------------------------------------------------------------ invariants
     Defect(
@@ -721,7 +721,7 @@ DEFECTS = (
         Fault("common.diagnostics", "largest_slope_change", "abs(np.diff(slope))", "abs(np.diff(slope, 2))"),
         "index",
         "a warning of long steps from the third difference: of two steps nothing is left",
-        "suite/test_stability.py::test_steps_too_long_for_the_motion_are_told",
+        "suite/test_stability.py::test_steps_too_long_for_the_motion_are_warned_of",
     ),
     Defect(
         "drift over the diameter of the motion",
@@ -733,14 +733,14 @@ DEFECTS = (
         ),
         "factor",
         "the excursion four times too large: a drift of a tenth passes",
-        "suite/test_stability.py::test_drift_is_told",
+        "suite/test_stability.py::test_drift_is_warned_of",
     ),
     Defect(
         "a cure that is there",
         Fault("common.diagnostics", "check_history", 'history.hold == "position"', 'history.hold == "mean"'),
         "regime",
         "the end that is held is told to be held",
-        "suite/test_stability.py::test_the_cure_of_a_drift_is_one_that_is_left",
+        "suite/test_stability.py::test_the_warning_of_a_drift_names_a_remedy_that_is_left",
     ),
     # ------------------------------------------------------------ deferred correction
     Defect(
@@ -776,14 +776,14 @@ DEFECTS = (
         Fault("harmonic_balance.solve", "_corrected", "x - step", "x + step"),
         "sign",
         "the deferred correction doubles the error",
-        "harmonic_balance/test_deferred_correction.py::test_an_old_jacobian_is_mended",
+        "harmonic_balance/test_deferred_correction.py::test_repeated_corrections_make_up_for_an_old_jacobian",
     ),
     Defect(
         "one correction",
         Fault("harmonic_balance.solve", "", "MAX_CORRECTIONS = 3", "MAX_CORRECTIONS = 1"),
         "stale",
         "one step with a Jacobian that is old: a share of the second order stays",
-        "harmonic_balance/test_deferred_correction.py::test_an_old_jacobian_is_mended",
+        "harmonic_balance/test_deferred_correction.py::test_repeated_corrections_make_up_for_an_old_jacobian",
     ),
     Defect(
         "states given as rates",

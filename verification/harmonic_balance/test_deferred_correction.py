@@ -190,8 +190,8 @@ def test_the_order_is_that_of_any_jacobian(options):
     assert (orders("bare", True, lambda n: None, **options) >= FOURTH[0]).all()
 
 
-def test_an_old_jacobian_is_mended():
-    """Without coarse starts the last Jacobian is of the way: one step leaves a share of second order, three none."""
+def test_repeated_corrections_make_up_for_an_old_jacobian():
+    """Without coarse starts the Jacobian is of an earlier state: one step leaves an error of order 2, three none."""
     made = problem("bare", 33, True)
     fresh, old = (error(solved(made, **o), made) for o in ({"globalisation": "relaxation"}, {"multilevel": False}))
     assert old <= 1.5 * fresh

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,10 +13,11 @@ import scipy.sparse as sparse
 from solvers import solve_network
 from solvers.catenary.excursion import excursion
 from solvers.network import equations as network_equations
+from solvers.network import jacobian as network_jacobian
 from solvers.network.equations import NetworkEquations
 from solvers.network.jacobian import _dogleg, analytic_jacobian, dense_step, difference_jacobian
 from solvers.network.monolithic import MonolithicSystem
-from solvers.network.nested import Count
+from solvers.network.nested import Count, solve_sparse
 from solvers.network.scalar import ScalarEquations
 
 from ..cases.networks import (
@@ -499,3 +502,29 @@ def test_the_dogleg_lies_on_its_path():
     step = _dogleg(newton, cauchy, 2.0)
     part = (step - cauchy) / (newton - cauchy)
     assert np.linalg.norm(step) == pytest.approx(2.0) and part[0] == pytest.approx(part[1]) and 0 < part[0] < 1
+
+
+def test_operations_are_counted_as_in_the_paper():
+    """A factorisation of n unknowns counts (2/3) n^3, so the paper's nested example 24 x 18 + 90 x 42.67 = 4272."""
+    count = Count()
+    for n, times in ((3, 24), (4, 90)):
+        for _ in range(times):
+            solve_sparse(np.eye(n), 0.0, np.ones(n), count)
+    assert count.operations == pytest.approx(4272, rel=1e-12)
+
+
+@pytest.mark.parametrize(("start", "gained"), [(1.39, 0.0021), (1.2, 0.26), (0.5, 0.95)])
+def test_the_trust_region_shrinks_where_its_model_fails(start, gained, monkeypatch):
+    """arctan x = 0: radius halved below a quarter of the promised gain, kept up to three quarters, then grown."""
+    monkeypatch.setattr(network_jacobian, "scaled_jacobian", lambda now, jacobian: np.array([[1 / (1 + now.x**2)]]))
+    monkeypatch.setattr(network_jacobian, "split_step", lambda now, p: p[0])
+    network = SimpleNamespace(count=Count())
+
+    def at(x):
+        return SimpleNamespace(x=x, residual=np.arctan([x]), system=network, take_step=lambda _, dx: at(x + dx))
+
+    new, radius = network_jacobian.trust_region_step(at(start), "analytic", None)
+    step = math.atan(start) * (1 + start**2)
+    assert new.x == pytest.approx(start - step, rel=1e-12)
+    assert 1 - (new.residual[0] / math.atan(start)) ** 2 == pytest.approx(gained, rel=0.1)
+    assert radius == pytest.approx(step * (0.5 if gained < 0.25 else 1.0 if gained < 0.75 else 3.0), rel=1e-12)

@@ -571,6 +571,26 @@ def test_methods_agree_on_random_networks(deep):
     assert misses == [] and compared >= number / 8
 
 
+@pytest.mark.parametrize("options", METHODS.values(), ids=METHODS)
+@pytest.mark.parametrize("case", [two_line(), bridle()], ids=lambda case: case.name)
+def test_each_method_reaches_its_tolerance_by_itself(case, options):
+    """Without the fallback, which would mend it, each method is balanced to what was asked, each line on its curve."""
+    state = solve_network(network_of(case), **options, fallback=False, tolerance=1e-9)
+    assert state.success and state.residual_norm <= 1e-9
+    tight = solve_network(network_of(case), tolerance=1e-13)
+    assert abs(state.H - tight.H).max() <= 1e-7 * abs(tight.H).max()  # the softest direction is a hundred times softer
+
+
+def test_friction_acts_only_where_the_anchor_end_lies():
+    """A line that hangs to the seabed from two raised ends has the forces of one without friction."""
+    nodes = Node("fixed", (0.0, 0.0, -15.0)), Node("coupled", (90.0, 0.0, -5.0))
+    states = [
+        solve_network(Network(nodes, [Element(30.0, 1e6, 100.0, (0, 1), friction)], Environment(depth=20.0)))
+        for friction in (0.0, 0.5)
+    ]
+    assert states[0].H[0] > 0 and [s.H[0] for s in states] == [states[0].H[0]] * 2
+
+
 # ---------------------------------------------------------------- fails well
 ANCHOR, JOINT, FAIRLEAD = NodeCase("fixed", (0, 0, -50)), NodeCase("free", (5, 0, -20)), NodeCase("coupled", (9, 0, -5))
 LINE = {"w": 10.0, "EA": 1e6, "L": 40.0}
@@ -731,7 +751,7 @@ def test_a_reference_point_has_three_coordinates(reference):
         solved(bridle()).body_stiffness(reference)
 
 
-def test_a_buoyant_line_knows_no_seabed():
+def test_a_buoyant_line_is_not_affected_by_the_seabed():
     """It hangs as without one: upwards between nodes just above the seabed, and with an end on it."""
     line = ElementCase(-50.0, 1e7, 140.0, (0, 1))
     for height in (0.0, 1.0):
@@ -741,7 +761,7 @@ def test_a_buoyant_line_knows_no_seabed():
         assert solved(near).H == solved(far).H and solved(near).V == solved(far).V
 
 
-def test_success_is_never_more_than_the_promise(monkeypatch):
+def test_success_is_reported_only_within_the_tolerance(monkeypatch):
     """Exact spans between rounded positions leave 1.7e-9 of the largest force unbalanced here: no success.
 
     The refinement within the rounding balances the network.
@@ -788,7 +808,7 @@ def test_forces_below_the_rounding_of_positions(name, method, monkeypatch):
         assert alone.status is Status.NOT_CONVERGED
 
 
-def test_a_force_that_is_none():
+def test_a_load_below_rounding_is_not_unbalanced():
     """A load far below the rounding of the weights does not count as unbalanced where the lines carry nothing."""
     nodes = (BUOY[0], NodeCase("free", (0.0, 0.0, 0.0), force=(0.0, 7e-263, 0.0)))
     lines = (ElementCase(0.0, 1e4, 10.0, (0, 1)), ElementCase(1.0, 1e4, 10.0, (0, 1)))
@@ -872,7 +892,7 @@ def test_what_is_accepted_as_within_rounding_is(tolerance):
     assert accepted[count - 1][0] > allowed / 100  # larger errors are refused
 
 
-def test_what_more_than_rounding_explains_is_not_mended():
+def test_a_residual_beyond_rounding_is_not_refined():
     """A node off by half a rounding is refined; by a hundred it is not, though one step would balance it."""
     rounding = 4 * EPS * (12.0 + 11.0) * 0.25
     assert error_within_rounding((0.0, rounding / 2), 1e-12, 1.0) is not None

@@ -141,7 +141,7 @@ def test_the_solution_meets_every_row(name):
 
 @pytest.mark.parametrize("name", [name for name in CHAINS if "scaled" not in name])
 def test_the_solution_is_that_of_the_dense_matrix(name):
-    """x is that of LAPACK on the whole matrix as far as its condition tells them apart."""
+    """x is that of LAPACK on the whole matrix as far as its condition allows."""
     chain = CHAINS[name]
     A, b = chain.dense()
     size = abs(A).max(axis=1)
@@ -216,7 +216,7 @@ REFUSED = {
 
 @pytest.mark.parametrize("spoil", REFUSED.values(), ids=REFUSED)
 def test_blocks_that_do_not_fit_are_refused(spoil):
-    """Compiled loops do not look at their indices: a block of another shape would be read beside its end."""
+    """Compiled loops do not look at their indices: a block of another shape would be read past its end."""
     chain = Chain.random(6, 5, 2, 1)
     blocks, right = list(chain.blocks), list(chain.right)
     spoil(blocks, right)
@@ -260,6 +260,14 @@ def test_a_singular_chain_is_called_singular(spoil):
     spoil(chain)
     with np.errstate(all="ignore"):  # as the solver calls it
         assert BlockChain(*chain.blocks).singular
+
+
+def test_an_empty_column_is_singular_without_full_rows():
+    """A chain is singular where a node's column is empty, although the elimination runs through to its end."""
+    chain = Chain.random(6, 5, 2, 0)
+    start, cells, _, _ = chain.blocks
+    start[:, 1] = cells[0, 0, :, 1] = 0.0
+    assert BlockChain(*chain.blocks).singular and not BlockChain(*Chain.random(6, 5, 2, 0).blocks).singular
 
 
 # ---------------------------------------------------------------- the checks turn red

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from solvers import InputError, solve_periodic, solve_time_domain
-from solvers.numerics.chain import ChainSystem, Residual
+from solvers.numerics.chain import ChainSystem, Residual, product, stack
 
-from ..cases.oscillators import MassChain, towed_chain
+from ..cases.oscillators import LINEAR, MassChain, towed_chain
+from ..reference import EPS
 
 PERIOD = 2 * math.pi / 0.7
 AGREES = 2e-3  # of the largest of each field, at 200 steps a period; measured 1.2e-3
@@ -156,6 +157,16 @@ def test_towed_masses_in_time_tend_to_their_periodic_response(hold):
     coarse, fine = distance(100, hold), distance(200, hold)
     assert (fine <= AGREES).all(), fine
     assert (coarse / fine > SECOND_ORDER[0]).all() and (coarse / fine < SECOND_ORDER[1]).all(), coarse / fine
+
+
+def test_tangents_times_a_state_are_the_change_of_the_rows():
+    """The matrix product of the eigenvalue solver, on a chain whose rows are linear: F(y + x) - F(y), node by node."""
+    y, x = np.random.default_rng(12).normal(size=(2, 3, 3))
+    rows = [part(y, 0 * y, 0.0) for part in (LINEAR.start, LINEAR.cells_or_empty, LINEAR.end)]
+    values = [[part(state, 0 * y, 0.0).value for part in (LINEAR.start, LINEAR.cells_or_empty, LINEAR.end)]
+              for state in (y, y + x)]  # fmt: skip
+    change = stack(*(Residual(b - a) for a, b in zip(*values, strict=True)))
+    assert abs(product([part.dy for part in rows], x) - change).max() <= 100 * EPS
 
 
 class Misplaced(MassChain):

@@ -1,4 +1,4 @@
-"""Do Newton iterations of systems stop where they should? The driver, the halving of a step, the natural test."""
+"""Do Newton iterations stop where they should? The driver, the halving of a step, the natural test, the damping."""
 
 from __future__ import annotations
 
@@ -8,8 +8,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from solvers import ConvergenceError, Span, Status, solve_span, solve_spans
+from solvers.numerics import newton
 from solvers.numerics.newton import MIN_STEP, damped_newton, halve_step, is_contraction, iterate, relaxed_newton
 
+from ..cases.spans import OC3
 from ..tools.planting import Fault, plant_in_place
 
 
@@ -95,6 +98,27 @@ def test_what_is_not_finite_ends_the_iteration_where_it_is(solver, fault):
     solve = {"residual": lambda F: np.ones(1), "Jacobian": None, "step": lambda F: F * math.nan}[fault]
     x, steps, converged = solver(lambda x: (F, solve), lambda x: F, np.array([2.0]), 1e-9, lambda dx: abs(dx).max())
     assert (x.tolist(), steps, converged) == ([2.0], [], False)
+
+
+def test_a_line_whose_iteration_runs_out_of_steps_is_not_converged(monkeypatch):
+    """With one step allowed a line ends in NOT_CONVERGED with NaN, alone and in a batch, and is raised."""
+    monkeypatch.setattr(newton, "MAX_ITERATIONS", 1)
+    span = Span(**OC3)
+    state = solve_span(span, throw=False)
+    assert state.status is Status.NOT_CONVERGED and math.isnan(state.H) and not state.success
+    with pytest.raises(ConvergenceError, match="stopped above the requested tolerance"):
+        solve_span(span)
+    assert solve_spans(*(getattr(span, name) for name in ("w", "EA", "L", "x", "z"))).status.tolist() == [state.status]
+
+
+@pytest.mark.parametrize("start", [1.5, 3.0, -20.0])
+def test_damping_converges_where_full_steps_diverge(start):
+    """arctan x = 0 from beyond 1.39, where full Newton steps run away."""
+    residual = np.arctan
+    linearise = lambda x: (residual(x), lambda F: F * (1 + x * x))
+    x, steps, converged = damped_newton(linearise, residual, np.array([start]), 1e-12, lambda d: float(abs(d[0])))
+    assert converged and abs(x[0]) <= 1e-12
+    assert min(step.relaxation for step in steps) < 1
 
 
 FAULTS = {

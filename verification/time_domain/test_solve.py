@@ -190,6 +190,17 @@ def test_small_forced_motion(direction):
     assert_order([4, 2, 1], errors, 2, ceiling=MEASURED, what="tension")
 
 
+def test_damping_of_modes_is_that_of_a_kelvin_voigt_bar():
+    """A Kelvin-Voigt bar: the axial mode of frequency f has the share pi f beta of the critical damping."""
+    beta = 1e-4
+    bar = CableCase("bar", 1e7, mass_per_length=10.0, submerged_weight=0.0, length=100.0, fairlead=(101.3, 0.0, 0.0),
+                    Cdn=0.0, Ca=0.0, rho=0.0, diameter=0.1, damping=beta)  # fmt: skip
+    modes = natural_modes(system(bar, 101), 3, near=5.0)
+    axial = np.argmax([np.linalg.norm(modes.shapes[1, :, i]) / np.linalg.norm(modes.shapes[2, :, i]) for i in range(3)])
+    assert modes.frequencies[axial] == pytest.approx(5.0, rel=2e-3)
+    assert modes.damping[axial] == pytest.approx(math.pi * modes.frequencies[axial] * beta, rel=1e-3)
+
+
 # ---------------------------------------------------------------- waves and decay: exact solutions of all equations
 BARE = TERMS["bare"]
 SPEED = float(travelling_wave.string_speed(5e-3 * BARE.EA, BARE.EA, BARE.m))
@@ -367,7 +378,7 @@ def test_the_error_controlled_step_follows_its_tolerance():
 
 
 def test_outputs_belong_together():
-    """Stored, thinned and interpolated states, rates, forces, places and progress tell the same story."""
+    """Stored, thinned and interpolated states, rates, forces, positions and progress are consistent."""
     chain, output = system(HEAVE_5, 20), []
     whole = solve(chain, dt=0.1, periods=1, progress=output.append)
     assert output == whole.time[1:].tolist() and whole.steps == 200 and whole.rejected == 0
@@ -489,6 +500,14 @@ def test_bad_runs_are_refused(options, message):
 def heaving(**options):
     chain = system(STUDLESS_CHAIN, 25)
     return solve(chain, dt=chain.period / 100, periods=2, throw=False, **options)
+
+
+def test_the_ramp_takes_half_a_period():
+    """HB 4.3: by default the motion grows over half a period; from a given start it is there at once."""
+    chain = system(SURGE_5, 5)
+    run = {"dt": 0.1, "duration": 0.1}
+    assert solve(chain, **run).ramped_system.motion.duration == chain.period / 2
+    assert solve(chain, **run, start=(chain.rest_state(), 0 * chain.rest_state())).ramped_system is chain
 
 
 def test_a_failure_in_the_first_ramp_takes_a_longer_one():
