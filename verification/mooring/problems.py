@@ -214,6 +214,8 @@ class EndMotion:
 
     def __init__(self, line: ManufacturedLine):
         self.line, self.mean = line, in_space(line, line.position(line.length, 0.0))
+        if line.omega:
+            self.period = 2 * np.pi / line.omega
 
     def displacement(self, t):
         """Return the displacement (3, *S), m."""
@@ -264,6 +266,15 @@ def lumped_load(made, line, t) -> np.ndarray:
     """Return the load of a manufactured line on the nodes, (S, N, n), N: that of a node times its share of the line."""
     share = np.append(made.line.length, 0.0) / 2 + np.append(0.0, made.line.length) / 2
     return (line.load(made.s, np.atleast_1d(t)) * share[:, None]).transpose(2, 1, 0)
+
+
+def exact_load(made, line, t) -> np.ndarray:
+    """Return the load (S, N, n), N, that makes a manufactured motion exact on its mesh, all cells taut."""
+    t = np.atleast_1d(t)
+    y = np.stack([exact_state(made, line, one)[0].T for one in t])
+    v, a = (rate(made.s, t).transpose(2, 1, 0) for rate in (line.velocity, line.acceleration))
+    taut = np.ones(made.nodes - 1)
+    return np.stack([evaluate(compiled, made.line, *state, taut)[0] for state in zip(y, v, a, strict=True)])
 
 
 def exact_state(made, line, t):

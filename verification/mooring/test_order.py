@@ -17,7 +17,7 @@ from solvers.mooring import time_domain
 from ..exact.moving_line import ALL_TERMS, BARE
 from ..tools.orders import assert_order
 from ..tools.planting import sign_faults
-from .problems import STEPS, compiled, evaluate, exact_state, interpreted, lumped_load, manufactured
+from .problems import STEPS, compiled, evaluate, exact_load, exact_state, interpreted, lumped_load, manufactured
 
 _BARE = ("EA", "mass")
 _ON = {
@@ -148,14 +148,7 @@ def errors_in_dt(line, dts, cells=6, **options):
 def history_error(line, dt, cells, **options):
     """Return the history of a run whose load makes the motion exact on the mesh, and its error (n, N) of the length."""
     made = manufactured(line, cells)
-
-    def leftover(t):
-        given = [f(made.s, np.atleast_1d(t)).transpose(2, 1, 0) for f in (line.velocity, line.acceleration)]
-        y = np.stack([exact_state(made, line, one)[0].T for one in np.atleast_1d(t)])
-        taut = np.ones(cells)
-        return np.stack([evaluate(compiled, made.line, *state, taut)[0] for state in zip(y, *given, strict=True)])
-
-    made.source = leftover
+    made.source = lambda t: exact_load(made, line, t)
     history = solve_time_domain(
         made, dt=dt, duration=DURATION, start=exact_state(made, line, 0.0), tolerance=1e-10, **options
     )
