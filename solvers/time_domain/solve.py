@@ -98,12 +98,14 @@ def solve_time_domain(
     if not (progress is None or callable(progress)):
         raise InputError(f"{progress!r} must be a function of time (s), or None", field="progress", value=progress)
     first_ramp = _first_ramp(system, ramp, start)
-    hold, state = _checked_hold(system, hold), _start_state(system, start)
+    hold = _checked_hold(system, hold)
     if is_line:
         _refuse(("scheme", given_scheme, None), ("hold", hold, "position"), ("allow_invalid", allow_invalid, False))
+    state = _start_state(system, start)
+    if is_line:
         count = math.ceil(end / dt * (1 - ROUNDING))
         settings: dict = {"dt": end / count, "count": count, "rho_inf": rho_inf, "tolerance": tolerance, "every": every}
-        settings |= {"step_tolerance": step_tolerance, "ramp": first_ramp, "start": start and state}
+        settings |= {"step_tolerance": step_tolerance, "ramp": first_ramp, "start": None if start is None else state}
         history = system.integrate(progress=progress, **settings)  # type: ignore[attr-defined]
         return history.or_raise(_given(history, dt, f"ramp = {first_ramp:g} s")) if throw else history
 
