@@ -23,6 +23,7 @@ from solvers import (
     solve_time_domain,
 )
 from solvers.mooring.mesh import LEAST_DENSITY
+from solvers.mooring.model import Segment
 
 from ..cases.cables import OC3, OC3_SEABED, SLACK_CHAIN, SURGE_5
 from ..reference import EPS
@@ -126,6 +127,17 @@ def test_the_path_has_the_rates_of_the_motion():
             wanted = made.axes @ (exact + (np.array(OC3.fairlead)[:, None] if order == 0 else 0.0))
             assert abs(path[:, order, 1] - wanted.T).max() <= error * max(1.0, abs(wanted).max())
         assert not path[:, 1:, 0].any()
+
+
+def test_a_segment_may_run_backward():
+    """Positions and tensions along it are those of the same segment forward, and fit its ends."""
+    forward = Segment(900.0, 5e8, 130.0, 0.0, CHAIN)
+    start, end, s = np.array([0.0, 0.0, -50.0]), np.array([80.0, 30.0, -10.0]), np.linspace(0, 130.0, 14)
+    (r, T, _), (other, tension, _) = (
+        replace(forward, reversed=turned).profile(start, end, Environment(), s) for turned in (False, True)
+    )
+    assert abs(r - other).max() <= 1e-9 and abs(T - tension).max() <= 1e-9 * T.max()
+    assert abs(other[:, [0, -1]].T - [start, end]).max() <= 1e-9 and tension[-1] > tension[0]
 
 
 # ---------------------------------------------------------------- meshes

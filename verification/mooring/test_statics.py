@@ -319,3 +319,20 @@ def test_natural_modes_are_those_of_the_tangents():
     frequency, _ = modes(made)
     got = natural_modes(made, 5)
     assert abs(got.frequencies / frequency[:5] - 1).max() <= 1e-9
+
+
+def test_natural_modes_are_damped():
+    """With damping in its cells, frequency and damping are those of the dense problem of K, C and M."""
+    made = system(replace(OC3, damping=0.3), 12, fields="planar")
+    r = np.ascontiguousarray(made.rest.y.T)
+    still, inner = np.zeros_like(r), slice(2, -2)
+    K, C, M = (
+        matrix(compiled, made.line, r, still, still, made.rest.tension, tuple(w))[inner, inner] for w in np.eye(3)
+    )
+    M_C, M_K = np.linalg.solve(M, C), np.linalg.solve(M, K)
+    values = np.linalg.eigvals(np.block([[np.zeros_like(K), np.eye(len(K))], [-M_K, -M_C]]))
+    values = values[values.imag > 0]
+    values = values[abs(values).argsort()][:6]
+    got = natural_modes(made, 6)
+    assert abs(got.frequencies / (abs(values) / (2 * np.pi)) - 1).max() <= 1e-9
+    assert abs(got.damping - (-values.real / abs(values))).max() <= 1e-9 and got.damping.max() > 1e-3
