@@ -7,6 +7,8 @@ vanish, (63), and Newton's method solves for z with the blocks (72)-(74) of the 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -104,6 +106,10 @@ def solve_periodic(
         if solution.amplitude == 1.0 and not solution.residual.satisfies_omitted_rows(solution.z):
             solution = solve_with_continuation(system, basis, z, tolerance, newton, None, iterative)
         response = _response(system, nu, coarse_iterations, solution, finer, tolerance)
+    again = partial(
+        solve_periodic, harmonics=Nh, samples=Nt, subharmonic=nu, mean=mean, tolerance=tolerance, throw=False,
+        globalisation=globalisation, linear_solver=linear_solver, multilevel=multilevel, symmetry=symmetry)  # fmt: skip
+    response = replace(response, repeat=again)
     given = f"{Nh} harmonics, {Nt} samples, amplitude reached: {solution.amplitude:.4g}"
     if response.event is not None:
         t, node = response.event

@@ -6,11 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..common.diagnostics import CURVED, SETTLED, TAIL, largest_slope_change
+from ..common.diagnostics import CURVED, SETTLED, TAIL, check_mesh, largest_slope_change
 from ..common.outcome import ConvergenceError
 
 MAX_PRETENSION_ERROR = 0.01  # of the tension
-MAX_MESH_ERROR = 0.03  # of the range of the tension: the rms change that half as many cells make
 MAX_SPREAD = 0.02  # of the tension: the part that yielding of the seabed may have for a catenary to tell the rest
 _INSTANTS = 500  # at which two waveforms are compared
 
@@ -60,7 +59,7 @@ def check_history(history):
     spread = float(np.ptp(tension))
     if spread <= 1e-9 * tension.max():
         return
-    yield from _check_mesh(history.mesh_error)
+    yield from check_mesh(history.mesh_error, "cells")
     if history.slack:
         longest = max(history.slack, key=lambda spell: spell.end - spell.start)
         cells = f"cells {min(longest.cells) + 1} to {max(longest.cells) + 1}"
@@ -81,7 +80,7 @@ def check_history(history):
 def check_response(response):
     """Yield warnings about a MooringResponse: rest, mesh, harmonics."""
     yield from rest_warnings(response.system)
-    yield from _check_mesh(response.mesh_error)
+    yield from check_mesh(response.mesh_error, "cells")
     count = response.basis.harmonics
     amplitudes = response.tension_harmonics(count)[1:]
     first, period = response.last_period
@@ -91,17 +90,3 @@ def check_response(response):
         yield f"harmonics: the last of {count} carry {last / spread:.2g} of the tension's range: use more"
     if not response.mean:
         yield "mean: without the constant term the mean forces are not in balance"
-
-
-def _check_mesh(error):
-    if error is None:
-        yield "mesh: the error of the mesh is not known, for the line on half as many cells was not solved"
-    elif error > MAX_MESH_ERROR:
-        yield f"mesh: half as many cells change the fairlead tension by {error:.2g} of its range: use more cells"
-
-
-def relative_change(fine, coarse, start, end) -> float:
-    """Return the rms difference of two fairlead tensions from start to end in s, over the range of the first."""
-    t = np.linspace(start, end, _INSTANTS)
-    tension = fine.fairlead_tension(t)
-    return float(np.sqrt(np.mean((tension - coarse.fairlead_tension(t)) ** 2)) / np.ptp(tension))

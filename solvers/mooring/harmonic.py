@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from scipy.linalg.lapack import dgetrf, dgetrs
 
+from ..common.diagnostics import relative_change
 from ..common.outcome import InputError
 from ..harmonic_balance.blocks import Blocks
 from ..harmonic_balance.response import PeriodicResponse
@@ -75,16 +76,10 @@ class MooringResponse(LineOutputs, PeriodicResponse):
 
         Solved for on every second node when first asked, unless ``coarse`` is there.
         """
-        coarse: Any = self.coarse
-        if coarse is None:
-            coarser = self.system.coarser()
-            if coarser is None:
-                return None
-            start = replace(self, system=coarser[0], z=self.z[:, np.flatnonzero(coarser[0].kept)])
-            settings: dict[str, Any] = {"harmonics": self.basis.harmonics, "samples": self.basis.samples}
-            settings |= {"mean": self.mean, "subharmonic": self.subharmonic}
-            coarse = solve_periodic(coarser[0], start=start, throw=False, **settings)
-        return diagnostics.relative_change(self, coarse, *self.last_period) if coarse.success else None
+        if self.coarse is not None:
+            return relative_change(self, self.coarse)
+        coarser, repeat = self.system.coarser(), self.repeat
+        return None if coarser is None or repeat is None else relative_change(self, repeat(coarser[0]))
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:

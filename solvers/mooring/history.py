@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
+from ..common.diagnostics import relative_change
 from ..common.outcome import Outcome, Status
 from ..common.response import Response, inside, last_period
 from . import diagnostics
@@ -102,12 +103,7 @@ class MooringHistory(LineOutputs, Outcome):
         settings = dict(self.settings)
         if settings["start"] is not None:
             settings["start"] = [part if part is None else part[:, coarser[0].kept] for part in settings["start"]]
-        coarse = coarser[0].integrate(**settings)
-        if not coarse.success:
-            return None
-        period, end = self.system.period, float(self.time[-1])
-        start = end - period if period is not None and end >= period else end / 2
-        return diagnostics.relative_change(self, coarse, start, end)
+        return relative_change(self, coarser[0].integrate(**settings))
 
     @property
     def last_period(self) -> tuple[float, float]:

@@ -195,12 +195,13 @@ class MooringSystem:
         return np.einsum("dc,knd->cnk", self.axes, forces), tensions.T
 
     def acceleration(self, r, v) -> np.ndarray:
-        """Return the accelerations (N, n) in m/s^2 that balance positions and velocities (N, n); 0 where prescribed."""
+        """Return the accelerations (N, n) in m/s^2 that balance positions and velocities (N, n) at t = 0."""
         nodes, n = r.shape
         R, T, unit, zeros = np.empty_like(r), np.empty(nodes - 1), np.empty((nodes - 1, n)), np.zeros_like(r)
         mass, right, left = np.empty((nodes, n, n)), np.empty((nodes - 1, n, n)), np.empty((nodes - 1, n, n))
         no_tension = np.zeros(nodes - 1)
         residual(self.line, r, v, zeros, no_tension, R, T, unit)
+        R -= self.source_at(np.zeros(1)).sum(axis=0)  # of none the sum is zero
         tangents(self.line, r, v, zeros, no_tension, (0.0, 0.0, 1.0), mass, right, left)
         a = np.linalg.solve(mass, -R[..., None])[..., 0]
         a[self.held] = self.path(np.zeros(1))[0, 2]

@@ -87,11 +87,13 @@ class _Run:
         h = t[1] - t[0]
         while done < steps:
             if self.step_tolerance is None:
-                done += self._integrate(
-                    path[done:], t[done:], h, tuple(part[done // every :] for part in record), every
-                )
-                if done == steps:
-                    break
+                behind = -done % every  # steps to the next one that is kept
+                end = min(done + behind, steps) if behind else steps
+                kept = tuple(part[done // every :] for part in record)
+                taken = self._integrate(path[done : end + 1], t[done : end + 1], h, kept, behind or every)
+                done += taken
+                if done == end or self._is_slack(taken, t[done]):
+                    continue
                 self.cut += 1
             if not self._in_parts(t[done], h):
                 break

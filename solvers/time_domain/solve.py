@@ -98,16 +98,18 @@ def solve_time_domain(
     if not (progress is None or callable(progress)):
         raise InputError(f"{progress!r} must be a function of time (s), or None", field="progress", value=progress)
     first_ramp = _first_ramp(system, ramp, start)
-    hold, state = _checked_hold(system, hold), _start_state(system, start)
+    hold = _checked_hold(system, hold)
     if is_line:
         _refuse(("scheme", given_scheme, None), ("hold", hold, "position"), ("allow_invalid", allow_invalid, False))
+    state = _start_state(system, start)
+    if is_line:
         count = math.ceil(end / dt * (1 - ROUNDING))
         settings: dict = {"dt": end / count, "count": count, "rho_inf": rho_inf, "tolerance": tolerance, "every": every}
-        settings |= {"step_tolerance": step_tolerance, "ramp": first_ramp, "start": start and state}
+        settings |= {"step_tolerance": step_tolerance, "ramp": first_ramp, "start": None if start is None else state}
         history = system.integrate(progress=progress, **settings)  # type: ignore[attr-defined]
         return history.or_raise(_given(history, dt, f"ramp = {first_ramp:g} s")) if throw else history
 
-    def integrate(ramp) -> TimeHistory:
+    def integrate(ramp, system=system, state=state) -> TimeHistory:
         stepper = Stepper(system.ramped(ramp) if ramp else system, scheme, tolerance, hold, dt)
         with np.errstate(all="ignore"):  # a Newton step that diverges is found by its size
             y, ydot = state
@@ -117,7 +119,8 @@ def solve_time_domain(
                 run.step()
                 if progress is not None:
                     progress(run.t)
-        return run.history(system, hold, ramp)
+        again = lambda other: integrate(ramp, other, _start_state(other, None))
+        return run.history(system, hold, ramp, None if start is not None else again)
 
     history, tried = integrate(first_ramp), f"ramp = {first_ramp:g} s"
     early = history.event is not None and first_ramp > 0 and history.event[0] <= 2 * system.period  # type: ignore[operator]
@@ -199,7 +202,7 @@ class _Run:
         if invalid is not None:
             self.status, self.event = invalid[0], (self.t, invalid[1])
 
-    def history(self, system, hold, ramp) -> TimeHistory:
+    def history(self, system, hold, ramp, repeat) -> TimeHistory:
         """Return what was recorded."""
         if self.record[-1][0] != self.t:
             self.record.append((self.t, self.y, self.ydot))
@@ -207,7 +210,7 @@ class _Run:
         s = self.stepper
         counts = s.iterations, s.factorisations, s.error, self.steps, self.rejected
         series = np.array(time), np.stack(y, axis=-1), np.stack(ydot, axis=-1)
-        return TimeHistory(system, s.system, *series, self.status, *counts, self.event, hold, ramp)
+        return TimeHistory(system, s.system, *series, self.status, *counts, self.event, hold, ramp, repeat=repeat)
 
 
 def _duration(system, periods, duration) -> float:

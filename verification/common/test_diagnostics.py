@@ -25,6 +25,8 @@ class Line:
 
     s = np.linspace(0.0, 100.0, NODES)
 
+    needs_mesh_check = False
+
     def rest_warnings(self):
         return ()
 
@@ -134,3 +136,28 @@ def test_the_warning_of_a_displaced_fairlead_gives_distance_and_share():
                 assert result[0].startswith("drift: the fairlead is up to 0.2 m from its place, 0.1 of its excursion")
     (warnings,) = diagnostics.check_response(response(Line([CALM] * NODES, 0.0, 0.5)))
     assert warnings.startswith("drift: the fairlead is up to 0.5 m from its place: use more nodes")
+
+
+class Waves:
+    """A result with a fairlead tension, a last period and whether it succeeded."""
+
+    def __init__(self, tension, success=True):
+        self.fairlead_tension, self.success, self.last_period = tension, success, (2.0, 4.0)
+
+
+def test_the_change_that_a_mesh_makes_is_an_rms_over_the_range():
+    """Sines of amplitudes 10 and 8 differ by 2 sqrt(1/2) of a range of 20; a coarse mesh that failed tells nothing."""
+    fine = Waves(lambda t: 50.0 + 10.0 * np.sin(np.pi * t / 2))
+    coarse = lambda t: 50.0 + 8.0 * np.sin(np.pi * t / 2)
+    assert np.isclose(diagnostics.relative_change(fine, Waves(coarse)), np.sqrt(0.5) / 10, rtol=1e-4)
+    assert diagnostics.relative_change(fine, Waves(coarse, success=False)) is None
+
+
+def test_a_mesh_is_judged_by_the_change_that_half_of_it_makes():
+    """No word below the bound, one with the number above it, and one where the error is not known."""
+    bound = diagnostics.MAX_MESH_ERROR
+    assert list(diagnostics.check_mesh(bound, "nodes")) == []
+    (above,) = diagnostics.check_mesh(0.21, "nodes")
+    assert "0.21 of its range: use more nodes" in above
+    (unknown,) = diagnostics.check_mesh(None, "cells")
+    assert "not known" in unknown

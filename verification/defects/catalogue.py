@@ -5,10 +5,11 @@ from __future__ import annotations
 from .cables import DEFECTS as CABLES
 from .defect import Defect
 from .dynamics import DEFECTS as DYNAMICS
+from .mooring import DEFECTS as MOORING
 from .networks import DEFECTS as NETWORKS
 from .spans import DEFECTS as SPANS
 
-CATALOGUE: tuple[Defect, ...] = (*SPANS, *NETWORKS, *CABLES, *DYNAMICS)
+CATALOGUE: tuple[Defect, ...] = (*SPANS, *NETWORKS, *CABLES, *DYNAMICS, *MOORING)
 
 # ---------------------------------------------------------------- kinds of checks
 FROZEN = (
@@ -24,6 +25,7 @@ FROZEN = (
     "harmonic_balance/test_solve.py::test_needed_harmonics",
     "harmonic_balance/test_solve.py::test_the_constant_term_explains_fig_8",
     "harmonic_balance/test_solve.py::test_case_1_converges_to_the_independent_reference",
+    "mooring/test_time_domain.py::test_case_1_tends_to_the_limit_of_other_formulations",
     "io/test_map_file.py::test_the_oc3_file_gives_the_forces_of_openfast",
     "network/test_solve.py::test_two_line_example_to_every_digit",
     "network/test_solve.py::test_from_the_start_of_the_paper",
@@ -42,6 +44,8 @@ PLANTING = {
     "harmonic_balance/test_deferred_correction.py": ("planted",),
     "numerics/test_compiled.py": ("planted",),
     "numerics/test_newton.py": ("planted",),
+    "mooring/test_equations.py": ("planted", "no_fault"),
+    "mooring/test_order.py": ("planted", "no_fault"),
     "suite/test_stability.py": ("at_most_is_seen", "counts_cells"),
     "time_domain/test_solve.py": ("fault",),
 }
@@ -104,7 +108,29 @@ _PERIODIC = (
     "numerics/test_bordered.py",
     "harmonic_balance/test_solve.py",
 )
+_LINE = tuple(
+    f"mooring/test_{name}.py"
+    for name in ("equations", "order", "statics", "model", "time_domain", "slack", "seabed", "periodic")
+)
 _FILES = {
+    **dict.fromkeys(
+        (
+            "mooring.equations",
+            "mooring.elimination",
+            "mooring.steps",
+            "mooring.model",
+            "mooring.system",
+            "mooring.statics",
+            "mooring.time_domain",
+        ),
+        _LINE,
+    ),
+    "mooring.mesh": ("mooring/test_model.py", "mooring/test_statics.py", "mooring/test_periodic.py"),
+    "mooring.calibration": ("mooring/test_statics.py", "mooring/test_periodic.py"),
+    "mooring.modes": ("mooring/test_statics.py",),
+    "mooring.harmonic": ("mooring/test_periodic.py",),
+    "mooring.history": ("mooring/test_slack.py", "mooring/test_time_domain.py", "mooring/test_periodic.py"),
+    "mooring.diagnostics": ("mooring/test_periodic.py",),
     **dict.fromkeys(
         (
             "catenary.span",

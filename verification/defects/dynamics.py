@@ -269,9 +269,9 @@ DEFECTS = (
         "tension without its rate",
         Fault(
             "common.response",
-            "Response.fairlead_tension",
-            "self.system.tension(self.at(flat), self.rate_at(flat))",
-            "self.system.tension(self.at(flat))",
+            "Response._tension_at",
+            "self.system.tension(self.at(t), self.rate_at(t))",
+            "self.system.tension(self.at(t))",
         ),
         "term",
         "the tension at any time leaves the material's damping out",
@@ -566,8 +566,8 @@ DEFECTS = (
         Fault(
             "numerics.compiled",
             "compiled",
-            "try:\n    return njit(cache=True)(loop)\nexcept RuntimeError:\n    return njit(loop)",
-            "try:\n    return njit(cache=True)(loop)\nexcept ZeroDivisionError:\n    return njit(loop)",
+            "RuntimeError",
+            "ZeroDivisionError",
         ),
         "regime",
         "where numba finds no folder to keep its code in, solvers cannot be imported",

@@ -6,6 +6,7 @@ Checks of the equations take the module they look at, so that they can look at o
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass, replace
 from functools import cache
 from types import ModuleType, SimpleNamespace
@@ -14,7 +15,7 @@ import numpy as np
 from mpmath import mp
 
 from solvers import CableProperties, Element, Environment, Motion, Network, Node, Scene, mooring_system
-from solvers.mooring import equations
+from solvers.mooring import elimination, equations
 from solvers.mooring.equations import Line
 
 from ..cases.cables import CableCase
@@ -22,18 +23,29 @@ from ..exact.lumped_node import Cell, Seabed, force_terms
 from ..exact.moving_line import ManufacturedLine
 from ..tools.planting import ROOT, Fault
 
-PLACE = "mooring.equations"
+EQUATIONS, ELIMINATION, STEPS = "mooring.equations", "mooring.elimination", "mooring.steps"
 
 
 def interpreted(fault: Fault | None = None) -> ModuleType:
-    """Return the equations as Python runs them, without compiled loops: they take complex arrays, and a fault."""
-    path = ROOT / Fault(PLACE, "", "", "").path
-    text = path.read_text(encoding="utf-8")
-    text = text if fault is None else fault.apply_to(text)
-    module = ModuleType("solvers.mooring.equations_as_written")
+    """Return equations, elimination and steps in one module as Python runs them, complex too, with a fault."""
+    module = ModuleType("solvers.mooring.as_written")
     module.__package__ = "solvers.mooring"
-    exec(compile(text.replace("@compiled\n", "\n"), f"<{path.name} as it is written>", "exec"), module.__dict__)
+    for place in (STEPS, EQUATIONS, ELIMINATION):  # what the first imports, the others define anew
+        path = ROOT / Fault(place, "", "", "").path
+        text = path.read_text(encoding="utf-8")
+        text = fault.apply_to(text) if fault is not None and fault.module == place else text
+        text = re.sub(r"^@compiled.*$", "", text, flags=re.MULTILINE)
+        exec(compile(text, f"<{path.name} as it is written>", "exec"), module.__dict__)
     return module
+
+
+compiled = SimpleNamespace(
+    residual=equations.residual,
+    tangents=equations.tangents,
+    factorise=elimination.factorise,
+    solve=elimination.solve,
+)
+"""The same functions as the solvers use them."""
 
 
 # ---------------------------------------------------------------- scenes and systems
@@ -202,6 +214,8 @@ class EndMotion:
 
     def __init__(self, line: ManufacturedLine):
         self.line, self.mean = line, in_space(line, line.position(line.length, 0.0))
+        if line.omega:
+            self.period = 2 * np.pi / line.omega
 
     def displacement(self, t):
         """Return the displacement (3, *S), m."""
@@ -242,7 +256,7 @@ def manufactured(line: ManufacturedLine, cells: int, mesh="uniform"):
                             fairlead=tuple(motion.mean.tolist()), environment=environment,
                             friction=(line.friction,))  # fmt: skip
     made = mooring_system(given, cells, mesh=mesh, fields="planar" if line.planar else "spatial", motion=motion,
-                          slip_speed=line.friction_speed)  # fmt: skip
+                          calibrate=False, slip_speed=line.friction_speed)  # fmt: skip
     made.source = lambda t: lumped_load(made, line, t)
     made.model = replace(made.model, environment=Environment(line.rho, current=current))
     return made
@@ -254,11 +268,92 @@ def lumped_load(made, line, t) -> np.ndarray:
     return (line.load(made.s, np.atleast_1d(t)) * share[:, None]).transpose(2, 1, 0)
 
 
+def exact_load(made, line, t) -> np.ndarray:
+    """Return the load (S, N, n), N, that makes a manufactured motion exact on its mesh, all cells taut."""
+    t = np.atleast_1d(t)
+    y = np.stack([exact_state(made, line, one)[0].T for one in t])
+    v, a = (rate(made.s, t).transpose(2, 1, 0) for rate in (line.velocity, line.acceleration))
+    taut = np.ones(made.nodes - 1)
+    return np.stack([evaluate(compiled, made.line, *state, taut)[0] for state in zip(y, v, a, strict=True)])
+
+
 def exact_state(made, line, t):
     """Return y and ydot (n, N) of a manufactured line at a time, coordinates of its system."""
     lift = -made.origin[line.components]
     return line.position(made.s, t) + lift[:, None], line.velocity(made.s, t)
 
 
-compiled = equations
-"""The module as the solvers use it."""
+# ---------------------------------------------------------------- energy
+@dataclass(frozen=True)
+class Energy:
+    """Energy of a line at stored times (K,), J, and the powers that change it, W, each by its own formula.
+
+    total: kinetic with added mass, elastic, of the loads and of the seabed's springs. given: by the holders of the
+    ends; drag, damper (of the cells), seabed (its damper) and friction: taken. turning: what the energy of the added
+    mass changes by as its cell turns, for the equations leave the force of that out.
+    """
+
+    total: np.ndarray
+    given: np.ndarray
+    drag: np.ndarray
+    damper: np.ndarray
+    seabed: np.ndarray
+    friction: np.ndarray
+    turning: np.ndarray
+
+    @property
+    def power(self) -> np.ndarray:
+        """What the total changes by, W."""
+        return self.given - self.drag - self.damper - self.seabed - self.friction + self.turning
+
+
+def energy_of(history) -> Energy:
+    """Return the Energy of a MooringHistory."""
+    line, system = history.system.line, history.system
+    r, v = (part.transpose(2, 1, 0) for part in (history.y, history.ydot))
+    l = line.length
+    d, opening = np.diff(r, axis=1), np.diff(v, axis=1)
+    size = np.linalg.norm(d, axis=2)
+    t = d / size[..., None]
+    strain, rate = size / l - 1, (t * opening).sum(axis=2) / l
+    turn = (opening - (t * opening).sum(axis=2)[..., None] * t) / size[..., None]  # rate of t
+    T = np.maximum(line.EA * (strain + line.damping * rate), 0.0)
+    elastic = np.maximum(strain, 0.0) ** 2 * line.EA * l / 2
+    total = elastic.sum(axis=1) - (line.load * r).sum(axis=(1, 2))
+    total = total + (line.point_mass / 2 * (v**2).sum(axis=2)).sum(axis=1)
+    damper = ((T - np.maximum(line.EA * strain, 0.0)) * rate * l).sum(axis=1)
+    drag, turning = np.zeros(len(r)), np.zeros(len(r))
+    for ends in (slice(None, -1), slice(1, None)):
+        velocity, half = v[:, ends], l / 2
+        along = (velocity * t).sum(axis=2)
+        square = (velocity**2).sum(axis=2)
+        total = total + (half / 2 * (line.mass * square + line.added_mass * (square - along**2))).sum(axis=1)
+        turning -= (half * line.added_mass * along * (velocity * turn).sum(axis=2)).sum(axis=1)
+        u = velocity - np.array(line.current)
+        u_t = (u * t).sum(axis=2)
+        u_n = u - u_t[..., None] * t
+        wet = half * np.sqrt(size / l)
+        force = (wet * line.normal_drag * np.linalg.norm(u_n, axis=2))[..., None] * u_n
+        force += (wet * line.tangential_drag * abs(u_t) * u_t)[..., None] * t
+        drag += (force * velocity).sum(axis=(1, 2))
+    penetration = np.maximum(line.floor - r[..., -1], 0.0)
+    normal = np.maximum(line.seabed_stiffness * penetration - line.seabed_damping * v[..., -1], 0.0) * (penetration > 0)
+    total = total + (line.seabed_stiffness * penetration**2).sum(axis=1) / 2
+    seabed = -((normal - line.seabed_stiffness * penetration) * v[..., -1]).sum(axis=1)
+    level = (v[..., :-1] ** 2).sum(axis=2)
+    friction = (line.friction * normal * level / np.sqrt(level + line.slip_speed**2)).sum(axis=1)
+    held = system.held
+    on_line = -np.tensordot(system.axes, history.forces, 1).transpose(2, 1, 0)[:, held]
+    return Energy(total, (on_line * v[:, held]).sum(axis=(1, 2)), drag, damper, seabed, friction, turning)
+
+
+def energy_gap(history) -> float:
+    """Return the largest difference of the change of energy and the work done, over the largest change, J/J."""
+    energy = energy_of(history)
+    h = np.diff(history.time)
+    work = np.concatenate([[0.0], np.cumsum(h * (energy.power[1:] + energy.power[:-1]) / 2)])
+    change = energy.total - energy.total[0]
+    exchanged = sum(
+        np.sum(h * abs(part)[1:]) for part in (energy.given, energy.drag, energy.damper, energy.seabed, energy.friction)
+    )
+    return float(abs(change - work).max() / max(abs(change).max(), exchanged))
