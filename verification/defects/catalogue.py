@@ -40,6 +40,7 @@ PLANTING = {
     "cable/test_order.py": ("planted", "no_fault"),
     "cable/test_statics.py": ("wrong_equation",),
     "harmonic_balance/test_deferred_correction.py": ("planted",),
+    "numerics/test_newton.py": ("planted",),
     "suite/test_stability.py": ("at_most_is_seen", "counts_cells"),
     "time_domain/test_solve.py": ("fault",),
 }
@@ -171,7 +172,7 @@ _FILES = {
     ),
     "catenary.excursion": _NETWORK,
     "common.diagnostics": ("common/test_diagnostics.py", "common/test_diagnostics.py", "suite/test_stability.py"),
-    "numerics.modes": ("time_domain/test_solve.py",),
+    "numerics.modes": ("numerics/test_modes.py", "time_domain/test_solve.py"),
     "cable.midpoint_stencils": ("harmonic_balance/test_deferred_correction.py",),
     "common.motion": ("common/test_motion.py", "io/test_scene.py", "time_domain/test_solve.py"),
     "numerics.newton": ("numerics/test_newton.py", *_SPAN, *_PERIODIC, "cable/test_statics.py"),
