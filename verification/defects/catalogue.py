@@ -79,6 +79,7 @@ _SPAN = (
     "catenary/test_limits.py",
     "catenary/test_invariants.py",
     "catenary/test_cross_solver.py",
+    "catenary/test_starts.py",
     "common/test_failures.py",
 )
 _NETWORK = ("network/test_solve.py", "network/test_jacobian.py", "io/test_network_scene.py", "io/test_map_file.py")
@@ -170,7 +171,7 @@ _FILES = {
         ("numerics.lu.bordered", "numerics.compiled", "numerics.memory", "numerics.threads"),
         (*_PERIODIC, "harmonic_balance/test_start.py"),
     ),
-    "catenary.excursion": _NETWORK,
+    "catenary.excursion": ("catenary/test_excursion.py", *_NETWORK),
     "common.diagnostics": ("common/test_diagnostics.py", "common/test_diagnostics.py", "suite/test_stability.py"),
     "numerics.modes": ("numerics/test_modes.py", "time_domain/test_solve.py"),
     "cable.midpoint_stencils": ("harmonic_balance/test_deferred_correction.py",),
