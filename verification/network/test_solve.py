@@ -543,6 +543,31 @@ def test_units_of_the_iteration_do_not_matter(units):
     assert exact_misses(TWO_LINE[:1], units=units, start=PAPER_START) == []
 
 
+@pytest.mark.parametrize("method", ["monolithic", "nested"])
+@pytest.mark.parametrize("case", NAMED, ids=lambda case: case.name)
+def test_forces_scale_exactly(case, method):
+    """All forces times a power of two: the same iterations to the same positions, bit for bit."""
+    state = solved(case, method=method)
+    for factor in (2.0**40, 2.0**-40):
+        lines = tuple(replace(line, w=factor * line.w, EA=factor * line.EA) for line in case.elements)
+        nodes = tuple(replace(node, force=tuple(factor * f for f in node.force)) for node in case.nodes)
+        environment = replace(case.environment, g=factor * case.environment.g)
+        scaled = solved(replace(case, elements=lines, nodes=nodes, environment=environment), method=method)
+        assert scaled.iterations == state.iterations and np.array_equal(scaled.r, state.r)
+        assert np.array_equal(scaled.H, factor * state.H) and np.array_equal(scaled.V, factor * state.V)
+
+
+@pytest.mark.parametrize("jacobian", ["analytic", "finite-difference"])
+def test_only_differences_take_an_evaluation_for_each_unknown(jacobian):
+    """Of the two-line example: three coordinates and two forces a line, beside one evaluation for each iterate."""
+    state = solve_network(network_of(two_line()), jacobian=jacobian, start=PAPER_START, fallback=False)
+    unknowns = 3 + 2 * 2
+    if jacobian == "analytic":
+        assert state.function_evaluations <= 3 * state.iterations
+    else:
+        assert state.function_evaluations >= (unknowns + 1) * state.iterations
+
+
 def test_warm_start_of_a_moved_body():
     base, moved = network_of(bridle_system()), bridle_system(offset=(1.0, 0.0, 0.0))
     state = solve_network(base)
