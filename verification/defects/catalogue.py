@@ -82,7 +82,14 @@ _SPAN = (
     "catenary/test_starts.py",
     "common/test_failures.py",
 )
-_NETWORK = ("network/test_solve.py", "network/test_jacobian.py", "io/test_network_scene.py", "io/test_map_file.py")
+_NETWORK = (
+    "network/test_solve.py",
+    "network/test_jacobian.py",
+    "network/test_nested.py",
+    "network/test_start.py",
+    "io/test_network_scene.py",
+    "io/test_map_file.py",
+)
 _CABLE = (
     "cable/test_order.py",
     "cable/test_jacobian.py",

@@ -558,14 +558,25 @@ def test_forces_scale_exactly(case, method):
 
 
 @pytest.mark.parametrize("jacobian", ["analytic", "finite-difference"])
-def test_only_differences_take_an_evaluation_for_each_unknown(jacobian):
-    """Of the two-line example: three coordinates and two forces a line, beside one evaluation for each iterate."""
+def test_work_is_counted(jacobian):
+    """Of the two-line example with three coordinates and two forces a line: (2/3) n^3 operations for each matrix.
+
+    Differences alone take an evaluation for each unknown.
+    """
     state = solve_network(network_of(two_line()), jacobian=jacobian, start=PAPER_START, fallback=False)
     unknowns = 3 + 2 * 2
-    if jacobian == "analytic":
+    if jacobian == "analytic":  # which eliminates the forces
         assert state.function_evaluations <= 3 * state.iterations
+        assert state.operations == pytest.approx(state.iterations * 2 / 3 * 3**3)
     else:
         assert state.function_evaluations >= (unknowns + 1) * state.iterations
+        assert state.operations >= state.iterations * 2 / 3 * unknowns**3  # the natural test takes some more
+
+
+@pytest.mark.parametrize("tolerance", [0.0, 1.0, -1e-9, math.nan])
+def test_the_tolerance_lies_between_0_and_1(tolerance):
+    with pytest.raises(InputError, match=r"^tolerance: .* must (lie in \(0, 1\)|be finite)"):
+        solve_network(network_of(two_line()), tolerance=tolerance)
 
 
 def test_warm_start_of_a_moved_body():
