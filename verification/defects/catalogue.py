@@ -98,6 +98,9 @@ _CABLE = (
     "io/test_scene.py",
 )
 _TIME = (
+    "time_domain/test_drift_control.py",
+    "time_domain/test_step_control.py",
+    "time_domain/test_history.py",
     "time_domain/test_solve.py",
     "cable/test_order.py",
     "cable/test_invariants.py",
