@@ -91,6 +91,9 @@ _NETWORK = (
     "io/test_map_file.py",
 )
 _CABLE = (
+    "cable/test_loads.py",
+    "cable/test_mesh.py",
+    "cable/test_system.py",
     "cable/test_order.py",
     "cable/test_jacobian.py",
     "cable/test_statics.py",
@@ -175,7 +178,7 @@ _FILES = {
             "harmonic_balance.blocks",
             "harmonic_balance.start",
         ),
-        _PERIODIC,
+        (*_PERIODIC, "harmonic_balance/test_start.py"),
     ),
     **dict.fromkeys(
         ("numerics.lu.bordered", "numerics.compiled", "numerics.memory", "numerics.threads"),
@@ -184,7 +187,10 @@ _FILES = {
     "catenary.excursion": ("catenary/test_excursion.py", *_NETWORK),
     "common.diagnostics": ("common/test_diagnostics.py", "common/test_diagnostics.py", "suite/test_stability.py"),
     "numerics.modes": ("numerics/test_modes.py", "time_domain/test_solve.py"),
-    "cable.midpoint_stencils": ("harmonic_balance/test_deferred_correction.py",),
+    "cable.midpoint_stencils": (
+        "cable/test_mesh.py",
+        "harmonic_balance/test_deferred_correction.py",
+    ),
     "common.motion": ("common/test_motion.py", "io/test_scene.py", "time_domain/test_solve.py"),
     "numerics.newton": ("numerics/test_newton.py", *_SPAN, *_PERIODIC, "cable/test_statics.py"),
     "common.outcome": ("common/test_failures.py", "network/test_solve.py", "harmonic_balance/test_oscillators.py"),

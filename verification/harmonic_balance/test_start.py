@@ -55,16 +55,16 @@ def test_single_precision_is_as_good_as_it_can_be(shape):
     assert x.dtype == float and SINGLE / FORWARD < error <= allowed  # and single it is
 
 
-def step_error() -> float:
+def step_error(force=1.0) -> float:
     """Of the first Newton step of a mass without damping, driven at 1 rad/s, DETUNED below its resonance; relative.
 
     The problem is linear, so the step is the solution: a place of F / (k - omega^2 m).
     """
-    chain = MassChain("detuned", 2 * math.pi, harmonic_force(1.0, 1.0), k=1.0 + DETUNED)
+    chain = MassChain("detuned", 2 * math.pi, harmonic_force(force, 1.0), k=1.0 + DETUNED)
     balance = HarmonicResidual(chain, Basis(1, 8, 1.0, True))
     F, solve = balance.linearise(np.zeros((1, balance.n)))
     place = abs(balance.unpack(solve(F))[0]).max()
-    return abs(place * DETUNED - 1)
+    return abs(place * DETUNED / force - 1)
 
 
 def test_double_precision_where_single_does_not_do(monkeypatch):
@@ -72,7 +72,8 @@ def test_double_precision_where_single_does_not_do(monkeypatch):
     monkeypatch.setattr(
         harmonic_rows, "SINGLE_PRECISION_FROM", 0
     )  # or a chain as small as this one is never in single precision
-    assert step_error() < NEAR_RESONANCE
+    for force in (1.0, 1e-9, 1e9):  # the refinement is compared with the step
+        assert step_error(force) < NEAR_RESONANCE
     monkeypatch.setattr(harmonic_rows, "MAX_REFINEMENT", np.inf)
     assert not step_error() < NEAR_RESONANCE
 
