@@ -94,6 +94,7 @@ _CABLE = (
     "cable/test_loads.py",
     "cable/test_mesh.py",
     "cable/test_system.py",
+    "cable/test_predictor.py",
     "cable/test_order.py",
     "cable/test_jacobian.py",
     "cable/test_statics.py",
