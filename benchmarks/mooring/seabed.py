@@ -24,9 +24,9 @@ LINES = {
     "shallow": ((0.5, 10.0), (0.5, 5.0)),
 }
 """Line -> amplitudes or radii in m and periods in s, each taken as surge, heave and circle."""
-QUICK_LINES = ("oc3", "soft_clay", "buoy")
+QUICK_LINES = ("oc3", "soft_clay", "wave_energy")
 KINDS = ("surge", "heave", "circle")
-CELLS, STEPS, FINER, HALVED = 50, 200, 4, 2
+CELLS, STEPS, FINER, HALVED, SHORTEST = 50, 200, 4, 2, 8
 PERIODS, HARMONICS = 6, 12
 PERIODIC = 1e-2  # change of the last period from the one before, over the range, below which a history is periodic
 LARGE = 0.03  # rms error over the range that a user should be warned of
@@ -49,8 +49,9 @@ def measure_motion(name, kind, amplitude, period) -> dict:
     """Return what one motion of a line gives on the default mesh, beside a run that is far finer.
 
     change: of the last period from the one before, rms over the range; error: of the last period against a run on
-    FINER times the cells with steps HALVED; warnings: how many, with their subjects; balance: status of harmonic
-    balance on the same mesh, and its difference from the history; it is not tried where a cell goes slack.
+    FINER times the cells with steps HALVED, or SHORTEST where that fails; warnings: with their subjects; balance:
+    status of harmonic balance on the same mesh, and its difference from the history; it is not tried where a cell
+    goes slack.
     """
     case, motion = scene(name), cases.motion(kind, amplitude, period)
     system = mooring_system(case, CELLS, motion=motion)
@@ -66,9 +67,12 @@ def measure_motion(name, kind, amplitude, period) -> dict:
     row |= {"pretension": system.rest.fairlead_tension, "least": last.min(), "greatest": last.max(),
             "change": rms(last - before) / spread, "slack": history.damped_from is not None,
             "warnings": list(warnings), "subjects": sorted({text.partition(":")[0] for text in warnings})}  # fmt: skip
-    fine = solve_time_domain(mooring_system(case, FINER * CELLS, motion=motion), dt=period / (STEPS * HALVED),
-                             periods=PERIODS, throw=False)  # fmt: skip
-    row |= {"fine_status": fine.status.name, "error": None}
+    finer = mooring_system(case, FINER * CELLS, motion=motion)
+    for factor in (HALVED, SHORTEST):
+        fine = solve_time_domain(finer, dt=period / (STEPS * factor), periods=PERIODS, throw=False)
+        if fine.success:
+            break
+    row |= {"fine_status": fine.status.name, "fine_steps": factor * STEPS, "error": None}
     if fine.success:
         reference = _wave(fine, PERIODS - 1)
         row["error"] = rms(last - reference) / float(np.ptp(reference))

@@ -30,7 +30,7 @@ SETTINGS = {
     EXTRAPOLATED: ((20, 50), (28, 50), (28, 100), (40, 100), (56, 200), (80, 200)),
     BALANCE: ((10, 4), (14, 4), (20, 6), (28, 6), (28, 9), (40, 9), (40, 12), (80, 12)),
     CORRECTED: ((14, 4), (14, 6), (14, 9), (20, 9), (20, 12), (28, 12), (28, 15), (40, 15)),
-    BOX_TIME: ((25, 50), (50, 100), (100, 100)),
+    BOX_TIME: ((25, 50), (50, 100)),
     BOX_CORRECTED: ((9, 5), (13, 9), (17, 12), (25, 15), (41, 12)),
 }  # fmt: skip
 """(cells, or nodes of the box scheme; steps in a period, or harmonics); extrapolated: of the finer of two runs."""
@@ -54,8 +54,8 @@ FINE_PEER = (98, 2000)
 NEED_FINE_PEER = ("case_3", *cases.SEABED)  # cases in which other codes have larger errors
 QUICK_PEER = ((12, 200), (24, 500), (34, 1000))
 WANTED = (1e-3, 1e-2)  # errors between which other codes are compared with
-LONG = 0.15  # s: of a call that is timed once
-ROUNDS = 2
+LONG = 0.5  # s: of a call that is timed once
+ROUNDS = 3
 
 
 @dataclass(frozen=True)

@@ -212,7 +212,7 @@ def _benchmarks() -> Stage:
 MOVING = {
     "dynamics": ("moving cable", "benchmarks.cable.measure", (21, 6), (10, 4)),
     "harmonic_balance": ("harmonic balance", "benchmarks.harmonic_balance.measure", (24, 10), (60, 10)),
-    "mooring": ("moving line", "benchmarks.mooring.measure", (40, 6), (50, 10)),
+    "mooring": ("moving line", "benchmarks.mooring.measure", (40, 8), (60, 10)),
 }
 """Group -> title, program, expected seconds of the whole and of the quick run: of what is not timed, and what is."""
 
