@@ -64,7 +64,8 @@ def solve_time_domain(
     is that of ``solve_periodic``; None: nothing, the paper's scheme.
     allow_invalid: go on where a state leaves what the chain is valid for (a cable in compression, which is ill-posed)
     and say so in the status; otherwise the history ends there.
-    every: keep each n-th step, the first and the last. progress: called with the time reached in s after each step.
+    every: keep each n-th step, the first and the last. progress: called with the time reached in s after each step,
+    of a line of nodes and elements after some hundred.
     Raises InputError for bad input, ConvergenceError when a step fails or a state is invalid (``throw=False``, and an
     invalid state that is allowed: the history up to there with its status).
 

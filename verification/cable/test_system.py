@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solvers import CableSystem, Motion, solve_static
+from solvers import CableSystem, Motion, Status, solve_static
 from solvers.cable.mesh import every_second_node, refine, trapezoidal_weights
 
 from ..cases.cables import EVERYTHING, OC3_SEABED, SURGE_5
@@ -98,6 +98,19 @@ def test_a_kind_of_cable_stays_what_it_is():
     copy = pickle.loads(pickle.dumps(chain.fourth_order()))
     assert type(copy) is Heavy and copy.is_fourth_order
     assert np.array_equal(copy.rest_state(), solve_static(chain).y)
+
+
+def test_what_is_invalid_is_named_with_its_node():
+    """Compression where a strain is below zero, however little; overstretched above 0.3; the worst node and sample."""
+    chain = system(SURGE_5, 9)
+    y = np.zeros((4, 9, 3))
+    assert chain.invalid(y) is None
+    y[0, 4, 1] = 0.3
+    assert chain.invalid(y) is None
+    y[0, 6, 2] = 0.3001
+    assert chain.invalid(y) == (Status.OVERSTRETCHED, 6)
+    y[0, 2, 0], y[0, 3, 1] = -1e-300, -2e-300
+    assert chain.invalid(y) == (Status.COMPRESSION, 3)
 
 
 # ---------------------------------------------------------------- meshes

@@ -103,6 +103,32 @@ def test_amplitudes_are_compared_with_the_range():
             assert bool(list(diagnostics.check_response(response(line)))) is warnings, (size, share)
 
 
+@pytest.mark.parametrize("harmonics", [3, 4])
+def test_fewer_than_four_harmonics_are_too_few(harmonics):
+    """Four show how the response falls off; three do not, however smooth it is."""
+    warnings = list(diagnostics.check_response(response(Line([CALM] * NODES), harmonics=harmonics)))
+    too_few = ["harmonics: 3 are too few to show how the response falls off: use 4 or more"]
+    assert warnings == (too_few if harmonics == 3 else [])
+
+
+def test_two_periods_are_compared_from_the_second_on():
+    """Of a wave that grows, the difference of two periods over the range of the last; nothing before there are two."""
+    growing = Line([CALM] * (NODES - 1) + [lambda t: 10.0 + (1.0 + 0.5 * t / PERIOD) * np.cos(2 * np.pi * t / PERIOD)])
+    (warning,) = diagnostics.check_history(history(growing, periods=2))
+    last = growing.tensions[-1](np.linspace(PERIOD, 2 * PERIOD, 81))
+    share = 0.5 / np.ptp(last)  # the amplitude grows by 0.5 in a period
+    assert warning == f"periods: the last two differ by {share:.2g} of the range of the tension: not periodic yet"
+    assert list(diagnostics.check_history(history(growing, periods=1.99))) == []
+
+
+def test_a_range_of_rounding_is_no_motion():
+    """A billionth of the tension is where rounding ends: above it the share of the last harmonics is judged."""
+    for share, judged in ((0.8, False), (1.25, True)):
+        amplitude = share * 1e-9 / 2
+        line = Line([CALM] * (NODES - 1) + [wave(mean=1.0, c1=0.9 * amplitude, c8=0.1 * amplitude)])
+        assert bool(list(diagnostics.check_response(response(line)))) is judged, share
+
+
 def test_changes_of_slope_are_judged_only_where_every_step_is_stored():
     """Of a history that keeps every second step the stored times give no warning of dt; nor does a constant tension."""
     line = Line([CALM] * 3 + [SHARP])
@@ -161,3 +187,12 @@ def test_a_mesh_is_judged_by_the_change_that_half_of_it_makes():
     assert "0.21 of its range: use more nodes" in above
     (unknown,) = diagnostics.check_mesh(None, "cells")
     assert "not known" in unknown
+
+
+def test_the_excursion_is_that_to_the_end_of_the_history():
+    """Of a motion without a period, 1 m/s for 16 s in two steps: half of 16 m, of which 5 % may be missed."""
+    for away, warned in ((0.39, False), (0.41, True)):
+        line = Line([CALM] * NODES, away=away)
+        line.period, line.motion = None, SimpleNamespace(displacement=lambda t: np.outer([0.6, 0.0, 0.8], t))
+        warnings = list(diagnostics.check_history(history(line, count=2)))
+        assert any(warning.startswith("drift") for warning in warnings) is warned, away

@@ -279,6 +279,10 @@ def test_ordinary_ratios_always_have_an_answer(arguments):
         (lambda: CableProperties(1e6), r"^submerged_weight: not given \(N/m\), and it takes both diameter"),
         (lambda: CableProperties(1e6, diameter=0.1), r"^submerged_weight: not given"),
         (lambda: CableProperties(1e6, diameter=-0.1, mass_per_length=1.0), r"^diameter: -0.1 m must be > 0"),
+        (
+            lambda: CableProperties(1e6, diameter=1.1e100, submerged_weight=1.0),
+            r"^diameter: 1.1e\+100 m must not exceed",
+        ),
         (lambda: CableProperties(1e6, diameter=0.1, mass_per_length=True), r"^mass_per_length: True must be a real"),
         (lambda: CableProperties(1e6, submerged_weight=math.inf), r"^submerged_weight: inf N/m must be finite"),
     ],
@@ -287,6 +291,11 @@ def test_properties_are_validated_when_built(build, message):
     """Cable and environment name the field, the value and the unit, too."""
     with pytest.raises(InputError, match=message):
         build()
+
+
+def test_a_diameter_may_be_the_largest():
+    """1e100 m is taken, and squares of it stay finite."""
+    assert math.isfinite(CableProperties(1e6, diameter=1e100, submerged_weight=1.0).area)
 
 
 # ---------------------------------------------------------------- scene files

@@ -41,7 +41,7 @@ PLANTING = {
     "cable/test_jacobian.py": ("wrong_tangent",),
     "cable/test_order.py": ("planted", "no_fault"),
     "cable/test_statics.py": ("wrong_equation",),
-    "harmonic_balance/test_deferred_correction.py": ("planted",),
+    "harmonic_balance/test_deferred_correction.py": ("planted", "each_sign"),
     "numerics/test_compiled.py": ("planted",),
     "numerics/test_newton.py": ("planted",),
     "mooring/test_equations.py": ("planted", "no_fault"),
@@ -84,10 +84,22 @@ _SPAN = (
     "catenary/test_limits.py",
     "catenary/test_invariants.py",
     "catenary/test_cross_solver.py",
+    "catenary/test_starts.py",
     "common/test_failures.py",
 )
-_NETWORK = ("network/test_solve.py", "network/test_jacobian.py", "io/test_network_scene.py", "io/test_map_file.py")
+_NETWORK = (
+    "network/test_solve.py",
+    "network/test_jacobian.py",
+    "network/test_nested.py",
+    "network/test_start.py",
+    "io/test_network_scene.py",
+    "io/test_map_file.py",
+)
 _CABLE = (
+    "cable/test_loads.py",
+    "cable/test_mesh.py",
+    "cable/test_system.py",
+    "cable/test_predictor.py",
     "cable/test_order.py",
     "cable/test_jacobian.py",
     "cable/test_statics.py",
@@ -96,6 +108,9 @@ _CABLE = (
     "io/test_scene.py",
 )
 _TIME = (
+    "time_domain/test_drift_control.py",
+    "time_domain/test_step_control.py",
+    "time_domain/test_history.py",
     "time_domain/test_solve.py",
     "time_domain/test_steps.py",
     "cable/test_order.py",
@@ -193,23 +208,22 @@ _FILES = {
     **dict.fromkeys(
         (
             "numerics.fourier",
-            "harmonic_balance.solve",
             "harmonic_balance.residual",
             "harmonic_balance.krylov",
             "harmonic_balance.blocks",
             "harmonic_balance.start",
         ),
-        _PERIODIC,
+        (*_PERIODIC, "harmonic_balance/test_start.py"),
     ),
     **dict.fromkeys(
         ("numerics.lu.bordered", "numerics.lu.blas_by_address", "numerics.memory", "numerics.threads"),
         (*_PERIODIC, "harmonic_balance/test_start.py"),
     ),
     "numerics.compiled": ("numerics/test_compiled.py", "numerics/test_bordered.py"),
-    "catenary.excursion": _NETWORK,
+    "catenary.excursion": ("catenary/test_excursion.py", *_NETWORK),
     "common.diagnostics": ("common/test_diagnostics.py", "suite/test_stability.py"),
-    "numerics.modes": ("time_domain/test_solve.py",),
-    "cable.midpoint_stencils": ("harmonic_balance/test_deferred_correction.py",),
+    "numerics.modes": ("numerics/test_modes.py", "time_domain/test_solve.py"),
+    "cable.midpoint_stencils": ("cable/test_mesh.py", "harmonic_balance/test_deferred_correction.py"),
     **dict.fromkeys(
         ("common.motion", "common.motion_arrays"),
         ("common/test_motion.py", "io/test_scene.py", "time_domain/test_solve.py"),
@@ -229,6 +243,7 @@ _FILES = {
         "cable/test_order.py",
     ),
     "common.response": ("common/test_response.py", "time_domain/test_solve.py", "harmonic_balance/test_solve.py"),
+    "harmonic_balance.solve": (*_PERIODIC, "harmonic_balance/test_deferred_correction.py"),
     "harmonic_balance.response": _PERIODIC,
     "io.scene": ("common/test_failures.py", "catenary/test_invariants.py", "io/test_scene.py"),
 }

@@ -414,7 +414,14 @@ def test_blocks_are_the_sums_over_the_samples(setting, precision):
     basis, rng, nodes = setting.basis(2.5), np.random.default_rng(12), 5
     k = basis.harmonic
     choices = [np.flatnonzero(keep) for keep in (k >= 0, k % 2 == 0, k % 2 == 1, k > 0, k < 0)]
-    for rows, columns in ((choices[:2], choices[1:4]), (choices[3:], choices[:3]), (choices[1:3], choices[2:])):
+    none, every = choices[4], choices[0]  # a row or field without any, before one with the constant
+    for rows, columns in (
+        (choices[:2], choices[1:4]),
+        (choices[3:], choices[:3]),
+        (choices[1:3], choices[2:]),
+        ([none, every], choices[:3]),
+        (choices[:2], [none, every, every]),
+    ):
         by_y, by_ydot = (sampled_tangents(rng, (2, 3, nodes, basis.samples)) for _ in range(2))
         wanted, blocks = sums(basis, by_y, by_ydot, rows, columns), Blocks(basis, columns)
         given = by_y, by_ydot, blocks.harmonics(rows, basis), precision

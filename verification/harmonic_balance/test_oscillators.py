@@ -551,6 +551,7 @@ def test_a_response_without_the_constant_is_confirmed_by_one_step():
 GOOD = duffing(0.8, 0.3)
 BAD = {
     "harmonics: 0 must be a whole number >= 1": {"harmonics": 0},
+    "harmonics: 100001 must be at most 100000": {"harmonics": 100001},
     "harmonics: -3 must": {"harmonics": -3},
     "harmonics: 2.5 must": {"harmonics": 2.5},
     "harmonics: True must": {"harmonics": True},

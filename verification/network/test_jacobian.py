@@ -15,7 +15,7 @@ from solvers.catenary.excursion import excursion
 from solvers.network import equations as network_equations
 from solvers.network import jacobian as network_jacobian
 from solvers.network.equations import NetworkEquations
-from solvers.network.jacobian import _dogleg, analytic_jacobian, dense_step, difference_jacobian
+from solvers.network.jacobian import _dogleg, analytic_jacobian, dense_step, difference_jacobian, trust_region_step
 from solvers.network.monolithic import MonolithicSystem
 from solvers.network.nested import Count, solve_sparse
 from solvers.network.scalar import ScalarEquations
@@ -528,3 +528,78 @@ def test_the_trust_region_shrinks_where_its_model_fails(start, gained, monkeypat
     assert new.x == pytest.approx(start - step, rel=1e-12)
     assert 1 - (new.residual[0] / math.atan(start)) ** 2 == pytest.approx(gained, rel=0.1)
     assert radius == pytest.approx(step * (0.5 if gained < 0.25 else 1.0 if gained < 0.75 else 3.0), rel=1e-12)
+
+
+class Model:
+    """An Iterate of two unknowns as ``trust_region_step`` reads it: Z(x), its Jacobian J, and how x moves."""
+
+    def __init__(self, x, curvature):
+        self.x, self.curvature = np.array(x, dtype=float), curvature
+        self.residual = np.array([2.0, 1.0]) * self.x + curvature * self.x**2
+        self.system = SimpleNamespace(count=Count())
+
+    def take_step(self, length, step):
+        """The iterate at x + length step."""
+        return Model(self.x + length * step, self.curvature)
+
+
+@pytest.fixture
+def of_model(monkeypatch):
+    """Gives ``trust_region_step`` the Jacobian of a Model, and its step as it is."""
+    slope = lambda now, jacobian: np.diag(np.array([2.0, 1.0]) + 2 * now.curvature * now.x)
+    monkeypatch.setattr("solvers.network.jacobian.scaled_jacobian", slope)
+    monkeypatch.setattr("solvers.network.jacobian.split_step", lambda now, p: p)
+
+
+def test_a_linear_residual_is_solved_by_the_newton_step(of_model):
+    """Without a radius that is the Newton step, which is solved exactly; (2/3) n^3 operations are counted, (5.6)."""
+    now = Model([3.0, 4.0], 0.0)
+    new, radius = trust_region_step(now, "analytic", None)
+    assert new.residual == pytest.approx([0.0, 0.0], abs=1e-15) and radius == 15.0  # three times the step
+    assert now.system.count.operations == pytest.approx(2 / 3 * 2**3)
+
+
+def test_a_step_within_the_radius_of_a_linear_residual_lets_it_grow(of_model):
+    """Prediction and reduction agree, whatever the length of the step: it is taken, and three times as long a next."""
+    for radius in (0.1, 1.0, 4.0):
+        new, grown = trust_region_step(Model([3.0, 4.0], 0.0), "analytic", radius)
+        assert np.linalg.norm(new.x - [3.0, 4.0]) == pytest.approx(radius) and grown == pytest.approx(3 * radius)
+
+
+@pytest.mark.parametrize(
+    ("curvature", "moved", "radius"),
+    [  # from x = 1, Z = 2 + c: the Newton step leaves c p^2, so the ratio is 1 - (c p^2 / Z)^2
+        (2.0, 1.0, 3.0),  # 0.95: three times the step
+        (-0.5, 1.0, 1.0),  # 0.44: as it was
+        (-0.53, 1.0, 0.5),  # 0.22: half the step
+        (-0.6, 0.5, 1.5),  # -0.72: half the step is tried, whose ratio is 1.3
+    ],
+)
+def test_the_radius_follows_the_agreement_of_model_and_residual(of_model, curvature, moved, radius):
+    """Ratio of the reduction of |Z|^2 to the predicted one: bounds 1e-4, 1/4 and 3/4; in units of the Newton step."""
+    newton = (2 + curvature) / (2 + 2 * curvature)
+    new, left = trust_region_step(Model([1.0, 0.0], curvature), "analytic", None)
+    assert new.x == pytest.approx([1 - moved * newton, 0.0]) and left == pytest.approx(radius * newton)
+
+
+def test_no_step_is_taken_where_none_reduces_the_residual(of_model):
+    """Of a residual that grows in all directions none is given, and the radius is hardly anything."""
+    now = Model([1.0, 0.0], 0.0)
+    now.take_step = lambda length, step: SimpleNamespace(residual=np.array([2.0, 0.0]))
+    new, radius = trust_region_step(now, "analytic", None)
+    assert new is None and 0 < radius <= 2e-12
+
+
+# ---------------------------------------------------------------- a vertical line
+@pytest.mark.parametrize(("EA", "z"), [(1e6, -120.0), (1e3, -400.0)])
+def test_the_tangent_of_a_vertical_line_is_its_limit(EA, z):
+    """At l = 0 forces across are H/l = dH/dl of each end, from any side; a taut line, so that H/l has a limit."""
+    nodes = (NodeCase("fixed", (0.0, 0.0, 0.0)), NodeCase("free", (0.0, 0.0, z)))
+    case = NetworkCase("hanging line", nodes, (ElementCase(50.0, EA, 100.0, (0, 1)),), EnvironmentCase())
+    equations = NetworkEquations(network_of(case))
+    _every_node(equations, case)
+    vertical = equations.tangent(equations.solve_elements(equations.position))
+    for side in ([1.0, 0.0, 0.0], [-0.6, 0.8, 0.0]):
+        near = equations.tangent(equations.solve_elements(equations.position + 1e-6 * np.outer([0, 1], side)))
+        assert np.abs(vertical - near).max() <= 1e-7 * np.abs(vertical).max()
+    assert vertical[3, 3] > 1e-3 * np.abs(vertical).max()

@@ -543,6 +543,42 @@ def test_units_of_the_iteration_do_not_matter(units):
     assert exact_misses(TWO_LINE[:1], units=units, start=PAPER_START) == []
 
 
+@pytest.mark.parametrize("method", ["monolithic", "nested"])
+@pytest.mark.parametrize("case", NAMED, ids=lambda case: case.name)
+def test_forces_scale_exactly(case, method):
+    """All forces times a power of two: the same iterations to the same positions, bit for bit."""
+    state = solved(case, method=method)
+    for factor in (2.0**40, 2.0**-40):
+        lines = tuple(replace(line, w=factor * line.w, EA=factor * line.EA) for line in case.elements)
+        nodes = tuple(replace(node, force=tuple(factor * f for f in node.force)) for node in case.nodes)
+        environment = replace(case.environment, g=factor * case.environment.g)
+        scaled = solved(replace(case, elements=lines, nodes=nodes, environment=environment), method=method)
+        assert scaled.iterations == state.iterations and np.array_equal(scaled.r, state.r)
+        assert np.array_equal(scaled.H, factor * state.H) and np.array_equal(scaled.V, factor * state.V)
+
+
+@pytest.mark.parametrize("jacobian", ["analytic", "finite-difference"])
+def test_work_is_counted(jacobian):
+    """Of the two-line example with three coordinates and two forces a line: (2/3) n^3 operations for each matrix.
+
+    Differences alone take an evaluation for each unknown.
+    """
+    state = solve_network(network_of(two_line()), jacobian=jacobian, start=PAPER_START, fallback=False)
+    unknowns = 3 + 2 * 2
+    if jacobian == "analytic":  # which eliminates the forces
+        assert state.function_evaluations <= 3 * state.iterations
+        assert state.operations == pytest.approx(state.iterations * 2 / 3 * 3**3)
+    else:
+        assert state.function_evaluations >= (unknowns + 1) * state.iterations
+        assert state.operations >= state.iterations * 2 / 3 * unknowns**3  # the natural test takes some more
+
+
+@pytest.mark.parametrize("tolerance", [0.0, 1.0, -1e-9, math.nan])
+def test_the_tolerance_lies_between_0_and_1(tolerance):
+    with pytest.raises(InputError, match=r"^tolerance: .* must (lie in \(0, 1\)|be finite)"):
+        solve_network(network_of(two_line()), tolerance=tolerance)
+
+
 def test_warm_start_of_a_moved_body():
     base, moved = network_of(bridle_system()), bridle_system(offset=(1.0, 0.0, 0.0))
     state = solve_network(base)

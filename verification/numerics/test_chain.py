@@ -136,6 +136,24 @@ def test_the_vector_of_a_chain_is_its_rows_in_order():
     ]
 
 
+@pytest.mark.parametrize("samples", [(), (5,)])
+def test_a_single_node_has_rows_of_no_cells(samples):
+    """cells_or_empty: the shapes of a chain of no cells, for a single field, too."""
+    chain = ChainSystem()
+    chain.fields, chain.nodes = ("q",), 1
+    empty = chain.cells_or_empty(np.zeros((1, 1, *samples)), np.zeros((1, 1, *samples)), np.zeros(samples))
+    assert [part.shape for part in empty] == [(1, 0, *samples), *[(2, 1, 1, 0, *samples)] * 2]
+
+
+def test_vectors_of_many_samples_are_those_of_each():
+    """residual with sample axes: each sample's rows in the order of one instant."""
+    t = np.array([0.0, 0.3])
+    y, ydot = np.random.default_rng(5).normal(size=(2, 3, 4, t.size))
+    chain = towed_chain(4)
+    one_by_one = [chain.residual(y[..., i], ydot[..., i], t[i]) for i in range(t.size)]
+    assert np.array_equal(chain.residual(y, ydot, t), np.stack(one_by_one, axis=-1))
+
+
 # ---------------------------------------------------------------- masses in a row are such a chain
 def distance(steps, hold, chain=None) -> np.ndarray:
     """Largest distance of the fields in the 20th period of a time integration from the periodic response, (n_f,).
