@@ -227,7 +227,7 @@ def _acceleration(motion, t) -> np.ndarray:
     given = motion.motion if isinstance(motion, Ramped) else motion
     if hasattr(given, "acceleration"):
         return motion.acceleration(t)
-    h = 1e-5 * max(float(np.ptp(t)), 1e-9)
+    h = 1e-5 * (float(np.ptp(t)) or 1.0)
     return (motion.velocity(t + h) - motion.velocity(t - h)) / (2 * h)
 
 

@@ -127,6 +127,8 @@ def test_the_path_has_the_rates_of_the_motion():
             wanted = made.axes @ (exact + (np.array(OC3.fairlead)[:, None] if order == 0 else 0.0))
             assert abs(path[:, order, 1] - wanted.T).max() <= error * max(1.0, abs(wanted).max())
         assert not path[:, 1:, 0].any()
+        alone = np.stack([made.path(t[i : i + 1])[0, 2, 1] for i in range(3, 9)])
+        assert abs(alone - path[3:9, 2, 1]).max() <= error  # at one time alone too
 
 
 def test_a_segment_may_run_backward():
