@@ -295,7 +295,8 @@ REFUSED = {
 def test_bad_input_is_refused(name, monkeypatch):
     """An InputError with the field, and in its words the value, the unit and what is wanted, before any solve."""
     act, field, words = REFUSED[name]
-    monkeypatch.setattr("solvers.mooring.system.solve_rest", lambda *_: pytest.fail("solved"))
+    for module in ("system", "time_domain"):
+        monkeypatch.setattr(f"solvers.mooring.{module}.solve_rest", lambda *_, **__: pytest.fail("solved"))
     with pytest.raises(InputError) as caught:
         act()
     assert caught.value.field == field
