@@ -164,10 +164,10 @@ class MooringSystem:
         kept = np.zeros(self.nodes, dtype=bool)
         kept[::2] = True
         kept[abs(self.s[:, None] - joints).argmin(axis=0)] = True
-        source = self.source
+        source, share = self.source, np.stack([np.interp(self.s, self.s[kept], unit) for unit in np.eye(kept.sum())])
         coarse = MooringSystem(
             self.model, self.s[kept], self.axes, self.motion, self.line.slip_speed,
-            source and (lambda t: source(t)[:, kept]), self.period, self.calibrated)  # fmt: skip
+            source and (lambda t: share @ source(t)), self.period, self.calibrated)  # fmt: skip
         coarse.kept = kept
         return coarse, lambda z: make_interp_spline(coarse.s, z, axis=1)(self.s)
 
