@@ -46,8 +46,10 @@ def scene(name: str) -> Scene:
         case = Scene.load(SCENES / "dynamics" / "shallow_chain_surge.toml")
     elif name == "oc3_seabed":
         case = replace(Scene.load(SCENES / "mooring" / "oc3.toml"), motion=motion("surge", 5.0, 20.0))
+        case = replace(case, name=f"{case.name}: surge of 5 m")
     else:
         case = replace(Scene.load(SCENES / "mooring" / "semi_15MW.toml"), motion=motion("circle", 3.0, 12.0))
+        case = replace(case, name=f"{case.name}: circle of 3 m")
     return replace(case, cable=replace(case.cable, damping=0.0))
 
 
@@ -90,7 +92,7 @@ def box(name: str, nodes: int) -> CableSystem:
 
 
 def finest(name: str, levels) -> Reference:
-    """Return the tension on the finer of two levels; uncertainty: a third of what the coarser one differs by.
+    """Return the tension on the last of one or two levels; uncertainty: a third of what the first one differs by.
 
     A third is what an error of second order leaves; where the touchdown travels it is a guide and no bound.
     """
@@ -100,9 +102,8 @@ def finest(name: str, levels) -> Reference:
         waves.append(
             last_period_tension(solve_time_domain(system, dt=system.period / steps, periods=REFERENCE_PERIODS))
         )
-    coarse, fine = waves
-    uncertainty = rms(fine - coarse) / 3 / float(np.ptp(fine))
-    return Reference(system.period, fine, uncertainty, tuple(cells for cells, _ in levels))
+    uncertainty = rms(waves[-1] - waves[0]) / 3 / float(np.ptp(waves[-1]))
+    return Reference(system.period, waves[-1], uncertainty, tuple(cells for cells, _ in levels))
 
 
 class ConvergedTensions:

@@ -27,7 +27,7 @@ GROWTH, QUICK_GROWTH = (30, 100, 300, 1000, 3000, 10000), (100, 300, 1000)
 FITTED_FROM = 300  # cells: below, what a step costs once weighs more
 DRAGS, QUICK_DRAGS = (1.6, 0.4, 0.1, 0.03, 0.01), (1.6, 0.1)
 LEVEL = 1e-3  # rms error over the range that both methods shall reach
-MOST_PERIODS = 100
+MOST_PERIODS = 60
 STEPPED = ((28, 100), (56, 200), (80, 400), (112, 400))  # (cells, steps in a period) of the finer of two runs
 BALANCED = ((14, 9), (20, 12), (28, 15), (40, 15), (56, 15), (80, 20))  # (cells, harmonics), extrapolated
 REFERENCE = (100, 24)  # (cells, harmonics) of extrapolated harmonic balance
@@ -40,12 +40,14 @@ def work(quick: bool, folder: Path):
         reference = references.of(name)
         uncertainty[name] = reference.uncertainty
         if name in cases.PAPER:  # does the core come to what another discretisation gives?
-            difference[name] = reference.errors(cases.finest(name, cases.QUICK_REFERENCE).tension)["rms"]
+            difference[name] = reference.errors(cases.finest(name, cases.QUICK_REFERENCE[1:]).tension)["rms"]
         for point in work_of.points(name, reference, quick):
             points += [] if point is None else [point]
             yield None
     others = dict.fromkeys(p["method"] for p in points if p["method"] not in work_of.OWN)
-    yield {"points": points, "uncertainty": uncertainty, "difference": difference,
+    titles = {name: cases.scene(name).name for name in uncertainty if name in cases.SEABED}
+    yield {"points": points, "uncertainty": uncertainty, "difference": difference, "titles": titles,
+           "wanted": work_of.WANTED,
            "ratios": [row for method in others for row in work_of.ratios(points, method)]}  # fmt: skip
 
 
@@ -65,7 +67,7 @@ def three_periods(quick: bool, folder: Path):
         yield None
     rows = np.array(list(seconds.values()))
     spread = float(np.ptp(waves["box scheme"]))
-    yield {"seconds": seconds, "ratio": float(np.median(rows[1] / rows[0])),
+    yield {"cells": CELLS, "dt": DT, "seconds": seconds, "ratio": float(np.median(rows[1] / rows[0])),
            "difference": rms(np.subtract(*waves.values())) / spread}  # fmt: skip
 
 
@@ -78,7 +80,7 @@ def growth(quick: bool, folder: Path):
         seconds, history = least_seconds(lambda system=system: solve_time_domain(system, dt=DT, periods=1))
         rows.append({"cells": cells, "seconds": seconds, "iterations": history.iterations})
         yield None
-    yield {"rows": rows, "fitted_from": FITTED_FROM, "exponent": cases.exponent(rows, "cells", FITTED_FROM)}
+    yield {"rows": rows, "dt": DT, "fitted_from": FITTED_FROM, "exponent": cases.exponent(rows, "cells", FITTED_FROM)}
 
 
 def damping(quick: bool, folder: Path):

@@ -54,7 +54,7 @@ def measure_motion(name, kind, amplitude, period) -> dict:
     """
     case, motion = scene(name), cases.motion(kind, amplitude, period)
     system = mooring_system(case, CELLS, motion=motion)
-    row = {"line": name, "kind": kind, "amplitude": amplitude, "period": period,
+    row = {"line": name, "title": case.name, "kind": kind, "amplitude": amplitude, "period": period,
            "seabed_stiffness": case.environment.seabed_stiffness}  # fmt: skip
     history = solve_time_domain(system, dt=period / STEPS, periods=PERIODS, throw=False)
     row["status"] = history.status.name

@@ -61,7 +61,7 @@ def laboratory(quick: bool):
     deviations = np.array([row["deviation"] for row in rows])
     yield {"rows": rows, "mean": deviations.mean(), "mean_absolute": abs(deviations).mean(),
            "greatest": abs(deviations).max(), "band": BAND, "cells": CELLS, "steps": STEPS, "counted": COUNTED,
-           "friction": case.friction[0], "damping": case.cable.damping,
+           "length": case.length, "friction": case.friction[0], "damping": case.cable.damping,
            "seabed_stiffness": case.environment.seabed_stiffness}  # fmt: skip
 
 
@@ -99,7 +99,7 @@ def orcaflex(quick: bool):
     for name, of in about["sets"].items():
         given = [row for row in histories if row["name"] == name]
         static = {end: value / 1e3 for end, value in about["static"][of["scene"]].items()}
-        row = {"name": name, "scene": of["scene"], "static": static, "computed": {}}
+        row = {"name": name, "scene": of["scene"], "static": static, "computed": {}, "period": ORCAFLEX_PERIOD}
         row["amplitude"], lag = sine_of(given)
         row |= {key: [one[key] for one in given] for key in ("time", "fairlead", "anchor")}
         for label, friction in list(FRICTIONS.items())[: 1 if quick else None]:

@@ -9,11 +9,9 @@ from ..drawing import style
 from ..page.figures import Figure
 from ..page.formatting import slug
 
-CASES = cable_cases.CASES | {
-    "shallow_chain": "Shallow chain, 60 m: circle",
-    "oc3_seabed": "OC3 over a seabed: surge 5 m",
-    "semi_15MW": "15 MW semisubmersible: circle 3 m",
-}
+CASES = cable_cases.CASES
+"""Cases of the paper; those over a seabed have their titles in the results."""
+GROWING = "case 1"
 METHODS = {
     "in time": {"color": style.PALETTE[1], "marker": "s"},
     "in time, extrapolated": {"color": style.PALETTE[4], "marker": "X"},
@@ -23,20 +21,14 @@ METHODS = {
     "box scheme, harmonic balance, corrected": {"color": style.PALETTE[5], "marker": "^"},
     "MoorDyn": {"color": style.PALETTE[2], "marker": "D"},
 }
+LEGEND = {
+    "harmonic balance": "harmonic balance (HB)",
+    "harmonic balance, extrapolated": "HB, extrapolated",
+    "box scheme, harmonic balance, corrected": "box scheme, HB corrected",
+}
+"""Names of methods that are too long for a legend."""
 OWN = tuple(METHODS)[:4]
 """Methods of nodes and elements."""
-LINES = {
-    "oc3": "OC3 chain, 320 m",
-    "oc4": "OC4 chain, 200 m",
-    "semi_15MW": "15 MW semisubmersible, 200 m",
-    "soft_clay": "studless chain, 50 m, soft clay",
-    "rock": "FPSO chain, 100 m, rock",
-    "wire": "steel wire, 1000 m",
-    "wave_energy": "wave-energy chain, 25 m",
-    "nylon": "nylon rope, 30 m",
-    "buoy": "buoy chain, 12 m",
-    "shallow": "chain of 60 m, 5 m deep",
-}
 
 
 def save(figure, folder: Path, name: str, title: str, alt: str) -> Figure:

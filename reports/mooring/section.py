@@ -12,7 +12,7 @@ from ..page.formatting import number, plural, seconds, status_words, times, two_
 from ..page.section import Content, Inputs, Section
 from ..page.tables import Table
 from . import figures
-from .cases import CASES, LINES
+from .cases import CASES, GROWING
 from .verdicts import verdicts
 
 
@@ -46,10 +46,11 @@ def _sentences(work) -> list[str]:
 
 
 def _work(data, folder, tables) -> dict:
-    points = [point | {"case": CASES[point["case"]]} for point in data["points"]]
+    titles = CASES | data["titles"]
+    points = [point | {"case": titles[point["case"]]} for point in data["points"]]
     columns = {"case": "case", "method": "method", "size": "cells or nodes", "other": "steps or harmonics",
                "seconds": "run time", "rms": "rms error", "error": "greatest error", "status": "status"}  # fmt: skip
-    rows = [row | {"case": CASES[row["case"]]} for row in data["ratios"] if row["method"] == "MoorDyn"]
+    rows = [row | {"case": titles[row["case"]]} for row in data["ratios"] if row["method"] == "MoorDyn"]
     ratios = {"case": "case", "size": "cells of MoorDyn", "other": "steps a period", "rms": "rms error",
               "seconds": "its run time", "ours": "nodes and elements", "ratio": "times"}  # fmt: skip
     formats = {"rms": two_digits, "seconds": seconds, "ours": seconds, "ratio": two_digits}
@@ -74,9 +75,10 @@ def _three_periods(data, folder, tables) -> str:
     least = {name: min(values) for name, values in data["seconds"].items()}
     ours, box = least["nodes and elements"], least["box scheme"]
     return (
-        f"Three periods of case 1, 50 cells, dt = 0.1 s, with the forces at the fairlead, turn and turn about: "
-        f"{seconds(ours)} by nodes and elements, {seconds(box)} by the box scheme, {times(data['ratio'])} as long "
-        f"(median of the turns). Their tensions differ by {number(100 * data['difference'], 2)} % of the range (rms)."
+        f"Three periods of {GROWING}, {data['cells']} cells, dt = {data['dt']:g} s, with the forces at the fairlead, "
+        f"turn and turn about: {seconds(ours)} by nodes and elements, {seconds(box)} by the box scheme, "
+        f"{times(data['ratio'])} as long (median of the turns). Their "
+        f"tensions differ by {number(100 * data['difference'], 2)} % of the range (rms)."
     )
 
 
@@ -91,7 +93,12 @@ def _damping(data, folder, tables) -> FigureWithTable:
         rows.append({"drag": row["drag"], "periods": stepped.get("periods"), "in_time": stepped.get("seconds"),
                      "cells": stepped.get("cells"), "balance": balanced.get("seconds"),
                      "balance_cells": balanced.get("cells"), "harmonics": balanced.get("harmonics")})  # fmt: skip
-    return FigureWithTable(figures.damping(data, folder), _table(tables, "damping", "Run time by drag", rows))
+    columns = {"drag": "drag coefficient", "periods": "periods", "cells": "cells", "in_time": "run time",
+               "balance_cells": "cells", "harmonics": "harmonics", "balance": "run time"}  # fmt: skip
+    groups = (("", 1), ("in time, extrapolated", 3), ("harmonic balance, extrapolated", 3))
+    formats = {"drag": "{:g}".format, "in_time": seconds, "balance": seconds}
+    table = _table(tables, "damping", "Run time by drag", rows, columns, formats=formats, groups=groups)
+    return FigureWithTable(figures.damping(data, folder), table)
 
 
 def _laboratory(data, folder, tables) -> FigureWithTable:
@@ -146,7 +153,7 @@ def _seabeds(data, folder, tables) -> dict:
                "difference": "difference"}  # fmt: skip
     rows = [_motion_row(row) for row in data["rows"]]
     formats = dict.fromkeys(("change", "error", "difference"), two_digits) | {
-        "seabed_stiffness": "{:.0e}".format,
+        "seabed_stiffness": _stiffness,
         "amplitude": "{:g}".format,
         "period": "{:g}".format,
     }
@@ -154,11 +161,15 @@ def _seabeds(data, folder, tables) -> dict:
     return {"figure": figures.seabeds(data, folder), "table": table, "lines": _line_table(data, tables)}
 
 
+def _stiffness(value) -> str:
+    return number(int(value))
+
+
 def _motion_row(row) -> dict:
     balance = row.get("balance") or {"status": "", "difference": None}
     kN = {key: row[key] / 1e3 if key in row else None for key in ("pretension", "least", "greatest")}
     warned = ", ".join(row.get("subjects", ())) or "none"
-    rest = {"line": LINES[row["line"]], "difference": balance["difference"], "change": row.get("change"),
+    rest = {"line": row["title"], "difference": balance["difference"], "change": row.get("change"),
             "error": row.get("error"), "warned": warned if row["status"] == "SUCCESS" else status_words(row["status"]),
             "balance": status_words(balance["status"])}  # fmt: skip
     return row | kN | rest
@@ -174,7 +185,7 @@ def _line_table(data, tables) -> Table:
         balanced = [row for row in solved if row["balance"]["status"] == "SUCCESS"]
         taut = [row for row in solved if row["balance"]["status"] != "SLACK"]
         rows.append(
-            {"line": LINES[line], "seabed": mine[0]["seabed_stiffness"], "solved": f"{len(solved)} of {len(mine)}",
+            {"line": mine[0]["title"], "seabed": mine[0]["seabed_stiffness"], "solved": f"{len(solved)} of {len(mine)}",
              "slack": sum(row["slack"] for row in solved),
              "periodic": sum(row["change"] <= data["periodic"] for row in solved),
              "checked": len(errors), "median": 100 * median(errors) if errors else None,
@@ -186,7 +197,7 @@ def _line_table(data, tables) -> Table:
                "checked": "checked", "median": "median error, %", "greatest": "greatest, %",
                "large": f"above {100 * data['large']:g} %", "warned": "warned of",
                "balanced": "harmonic balance"}  # fmt: skip
-    formats = {"median": two_digits, "greatest": two_digits, "seabed": "{:.0e}".format}
+    formats = {"median": two_digits, "greatest": two_digits, "seabed": _stiffness}
     return _table(tables, "seabed_lines", "Lines over a seabed, a row a line", rows, columns, formats=formats)
 
 

@@ -54,6 +54,7 @@ REPORT_ORDER = (
     "network",
     "cable",
     "harmonic_balance",
+    "mooring",
     "stability",
     "scenes",
     "papers",
