@@ -15,6 +15,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import root
 
+from solvers import Span, solve_span
 from solvers.cable.statics import exact_pretension
 
 from ..cases.cables import OC3, OC3_SEABED, SHORT_CHAIN
@@ -291,6 +292,26 @@ def test_the_pretension_error_is_that_of_the_catenary():
     """Of a hanging line: the box scheme's 961.788 kN over the catenary's 961.530 kN; none in a current."""
     assert abs(solve_static(system(OC3, 50)).pretension_error - (961.788 / 961.530 - 1)) < 2e-6
     assert solve_static(system(replace(OC3, current=(0.5, 0.0, 0.0)), 25)).pretension_error is None
+
+
+@pytest.mark.parametrize("stiffness", [0.5, 3000.0])
+def test_the_exact_pretension_is_that_over_the_plane_on_which_the_line_rests(stiffness):
+    """w_0/k below the seabed, however soft: of a line of 0.1 N/m that rests."""
+    case = replace(OC3_SEABED, submerged_weight=0.1, EA=1e6, length=1000.0, seabed_stiffness=stiffness)
+    dx, _, dz = (b - a for a, b in zip(case.anchor, case.fairlead, strict=True))
+    state = solve_span(Span(0.1, 1e6, 1000.0, dx, dz, True, 0.0, 0.1 / stiffness))
+    assert state.grounded_length > 100.0
+    assert exact_pretension(system(case, 9)) == pytest.approx(state.tension, rel=1e-14)
+
+
+@pytest.mark.parametrize("method", ["box", "shooting"])
+def test_a_seabed_without_stiffness_is_none(method):
+    """The line hangs through it as in deep water, by both methods, and so does the exact one."""
+    nothing = system(replace(OC3_SEABED, seabed_stiffness=0.0), 21)
+    deep = system(replace(OC3_SEABED, depth=None, seabed_stiffness=None), 21)
+    states = [solve_static(chain, method=method) for chain in (nothing, deep)]
+    assert states[0].tension == pytest.approx(states[1].tension, rel=1e-9)
+    assert exact_pretension(nothing) == exact_pretension(deep)
 
 
 def test_a_soft_seabed_is_no_error_of_the_mesh():
