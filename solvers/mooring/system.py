@@ -164,10 +164,10 @@ class MooringSystem:
         kept = np.zeros(self.nodes, dtype=bool)
         kept[::2] = True
         kept[abs(self.s[:, None] - joints).argmin(axis=0)] = True
-        source = self.source
+        source, share = self.source, np.stack([np.interp(self.s, self.s[kept], unit) for unit in np.eye(kept.sum())])
         coarse = MooringSystem(
             self.model, self.s[kept], self.axes, self.motion, self.line.slip_speed,
-            source and (lambda t: source(t)[:, kept]), self.period, self.calibrated)  # fmt: skip
+            source and (lambda t: share @ source(t)), self.period, self.calibrated)  # fmt: skip
         coarse.kept = kept
         return coarse, lambda z: make_interp_spline(coarse.s, z, axis=1)(self.s)
 
@@ -227,7 +227,7 @@ def _acceleration(motion, t) -> np.ndarray:
     given = motion.motion if isinstance(motion, Ramped) else motion
     if hasattr(given, "acceleration"):
         return motion.acceleration(t)
-    h = 1e-5 * max(float(np.ptp(t)), 1e-9)
+    h = 1e-5 * (float(np.ptp(t)) or 1.0)
     return (motion.velocity(t + h) - motion.velocity(t - h)) / (2 * h)
 
 

@@ -339,6 +339,16 @@ def test_the_exact_pretension_over_a_yielding_seabed_is_that_of_shooting(case):
     assert abs(exact / shot_tension - 1) <= min(MEAN_ERROR * effect, 4e-4)
 
 
+@pytest.mark.parametrize("method", ["box", "shooting"])
+def test_a_seabed_without_stiffness_is_none(method):
+    """The line hangs through it as in deep water, by both methods, and so does the exact one."""
+    nothing = system(replace(OC3_SEABED, seabed_stiffness=0.0), 21)
+    deep = system(replace(OC3_SEABED, depth=None, seabed_stiffness=None), 21)
+    states = [solve_static(chain, method=method) for chain in (nothing, deep)]
+    assert states[0].tension == pytest.approx(states[1].tension, rel=1e-9)
+    assert exact_pretension(nothing) == exact_pretension(deep)
+
+
 def test_a_soft_seabed_is_no_error_of_the_mesh():
     """A chain that sinks by 1.2 m is off 0.8 % from the line on a rigid seabed, and by less than 3e-4 in its mesh."""
     state = solve_static(system(replace(STUDLESS_CHAIN, seabed_stiffness=5e3), 400))

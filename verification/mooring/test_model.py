@@ -127,6 +127,8 @@ def test_the_path_has_the_rates_of_the_motion():
             wanted = made.axes @ (exact + (np.array(OC3.fairlead)[:, None] if order == 0 else 0.0))
             assert abs(path[:, order, 1] - wanted.T).max() <= error * max(1.0, abs(wanted).max())
         assert not path[:, 1:, 0].any()
+        alone = np.stack([made.path(t[i : i + 1])[0, 2, 1] for i in range(3, 9)])
+        assert abs(alone - path[3:9, 2, 1]).max() <= error  # at one time alone too
 
 
 def test_a_segment_may_run_backward():
@@ -293,7 +295,8 @@ REFUSED = {
 def test_bad_input_is_refused(name, monkeypatch):
     """An InputError with the field, and in its words the value, the unit and what is wanted, before any solve."""
     act, field, words = REFUSED[name]
-    monkeypatch.setattr("solvers.mooring.system.solve_rest", lambda *_: pytest.fail("solved"))
+    for module in ("system", "time_domain"):
+        monkeypatch.setattr(f"solvers.mooring.{module}.solve_rest", lambda *_, **__: pytest.fail("solved"))
     with pytest.raises(InputError) as caught:
         act()
     assert caught.value.field == field

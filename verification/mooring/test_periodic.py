@@ -15,6 +15,7 @@ from ..cases.cables import EVERYTHING, OC3, OC3_SEABED, SURGE_5
 from ..exact.moving_line import ALL_TERMS
 from ..tools.orders import assert_order, extrapolated
 from .problems import exact_load, exact_state, manufactured, system
+from .test_order import graded
 from .test_statics import NETWORKS
 
 SPATIAL = pytest.mark.parametrize("planar", [True, False], ids=["planar", "spatial"])
@@ -149,8 +150,18 @@ def test_the_error_of_the_mesh_is_measured():
     fine, rough = (solve_time_domain(one, dt=0.1, periods=3) for one in (made, coarse))
     T, other = (one.fairlead_tension(t) for one in (fine, rough))
     wanted = np.sqrt(np.mean((T - other) ** 2)) / np.ptp(T)
-    assert fine.mesh_error == pytest.approx(wanted, rel=1e-6)
+    assert fine.mesh_error == pytest.approx(wanted, rel=0.01)  # at other instants
     assert solve_periodic(made, harmonics=9).mesh_error == pytest.approx(wanted, rel=0.2)
+
+
+def test_a_coarser_line_has_the_whole_load():
+    """Loads of a source on nodes that a coarser line has not go to their neighbours, in sum and in moment."""
+    made = manufactured(replace(ALL_TERMS, planar=True), 17, graded(ALL_TERMS.length, 17))
+    coarse, t = made.coarser()[0], np.array([0.3, 1.2])
+    load, other = made.source_at(t), coarse.source_at(t)
+    assert coarse.nodes == 10 and other.shape == (2, 10, 2)
+    assert np.allclose(load.sum(axis=1), other.sum(axis=1), rtol=1e-12)
+    assert np.allclose((load * made.s[:, None]).sum(axis=1), (other * coarse.s[:, None]).sum(axis=1), rtol=1e-12)
 
 
 def test_few_harmonics_and_no_mean_warn():

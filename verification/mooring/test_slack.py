@@ -110,6 +110,14 @@ def test_the_greatest_tension_does_not_depend_on_mesh_and_step(amplitude, deep):
     assert np.ptp(values) <= SNAPS * values.mean(), tensions
 
 
+def test_steps_that_fail_are_taken_again():
+    """With steps too long for a snap some are taken in parts, none is given up, and the tension is nearly that."""
+    history = solve_time_domain(system(replace(OC3, amplitude=(16.0, 0.0, 0.0)), 50), dt=0.25, periods=3)
+    assert history.success and history.cut > 0 and history.steps == 240
+    tension = history.fairlead_tension(np.linspace(40.0, 60.0, 4001)).max()
+    assert abs(tension / greatest_tension(16.0, 50, 0.1) - 1) < 0.02
+
+
 def test_slack_is_more_with_more_surge():
     """The tension grows by more than in proportion, and so does the time without any."""
     assert greatest_tension(16.0, 25, 0.1) > 1.25 * greatest_tension(12.0, 25, 0.1)

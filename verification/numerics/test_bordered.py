@@ -150,6 +150,18 @@ def test_the_solution_is_that_of_the_dense_matrix(name):
     assert np.linalg.norm(x - wanted) <= allowed * np.linalg.norm(wanted)
 
 
+@pytest.mark.parametrize("name", SHAPES)
+def test_factors_in_single_precision(name):
+    """Of blocks in single precision: its rounding times the condition, in numbers of double precision."""
+    chain = CHAINS[name]
+    A, b = chain.dense()
+    factors = BlockChain(*(part.astype(np.float32) for part in chain.blocks))
+    x, wanted = factors.solve(*chain.right), np.linalg.solve(A, b)
+    allowed = FORWARD * np.finfo(np.float32).eps * np.linalg.cond(A / abs(A).max(axis=1)[:, None])
+    assert x.dtype == float and not factors.singular
+    assert np.linalg.norm(x.ravel() - wanted) <= allowed * np.linalg.norm(wanted)
+
+
 def test_factors_serve_many_right_hand_sides():
     """A second right-hand side finds its own solution, and the first finds the same again."""
     chain = CHAINS["closed by mean places"]
