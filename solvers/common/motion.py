@@ -24,6 +24,7 @@ from .outcome import InputError
 from .types import Vector
 from .validation import positive_number, real_number, vector
 
+_DIFFERENCE = 1e-5  # of the span of some times: a step of central differences
 _EXTREME = 1e100  # s; a ramp between this and its inverse has squares within double precision
 _END_OF_SERIES = 1e-9  # share of the duration of a series by which a sum of time steps may exceed its ends
 
@@ -113,6 +114,14 @@ class Motion:
         angle = np.multiply.outer(self._omega, as_times(t))
         of_cosine, of_sine = self._rates
         return (self._omega * of_sine) @ np.cos(angle) - (self._omega * of_cosine) @ np.sin(angle)
+
+    def trajectory(self, t: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return displacement, velocity and acceleration, (3, S) each, at times t (S,) in s, from one evaluation."""
+        angle = np.multiply.outer(self._omega, as_times(t))
+        sin, cos = np.sin(angle), np.cos(angle)
+        of_cosine, of_sine = self._rates
+        a = (self._omega * of_sine) @ cos - (self._omega * of_cosine) @ sin
+        return self.sine.T @ sin + self.cosine.T @ cos, of_cosine @ cos + of_sine @ sin, a
 
 
 @dataclass(frozen=True, eq=False)
@@ -260,3 +269,21 @@ class Ramped:
         q, q_t, q_tt = self._ramp(t)
         r, v, a = self.motion.displacement(t), self.motion.velocity(t), self.motion.acceleration(t)  # type: ignore[union-attr]
         return q_tt * r + 2 * q_t * v + q * a
+
+    def trajectory(self, t) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return displacement, velocity and acceleration, (3, S) each, at times t (S,) in s."""
+        (q, q_t, q_tt), (r, v, a) = self._ramp(t), trajectory(self.motion, t)
+        return q * r, q_t * r + q * v, q_tt * r + 2 * q_t * v + q * a
+
+
+def trajectory(motion, t) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return displacement, velocity and acceleration, (3, S) each, of any motion at times t (S,) in s.
+
+    The acceleration comes from differences of the velocity where the motion gives none.
+    """
+    if hasattr(motion, "trajectory"):
+        return motion.trajectory(t)
+    if hasattr(motion, "acceleration"):
+        return motion.displacement(t), motion.velocity(t), motion.acceleration(t)
+    h = _DIFFERENCE * (float(np.ptp(t)) or 1.0)
+    return motion.displacement(t), motion.velocity(t), (motion.velocity(t + h) - motion.velocity(t - h)) / (2 * h)

@@ -7,12 +7,16 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from scipy.interpolate import CubicSpline, PchipInterpolator
+from scipy.interpolate import PchipInterpolator
 
 from ..common.diagnostics import relative_change
 from ..common.outcome import Outcome, Status
 from ..common.response import Response, inside, last_period
 from . import diagnostics
+
+_SIX = 6  # points of the polynomials between steps
+_LAGRANGE = np.linalg.inv(np.vander(np.arange(_SIX), _SIX, increasing=True))
+"""Column j: coefficients of the polynomial that is one at j and zero at the other points 0..5."""
 
 
 class Slack(NamedTuple):
@@ -111,16 +115,27 @@ class MooringHistory(LineOutputs, Outcome):
         return last_period(self.time, self.system.period)
 
     @cached_property
-    def _spline(self):
-        interpolant = CubicSpline if self.damped_from is None else PchipInterpolator  # which does not overshoot
-        return interpolant(self.time, np.linalg.norm(self.fairlead_force, axis=0))
+    def _end_tension(self):
+        return np.linalg.norm(self.system.node_forces(self.y, self.ydot, self.yddot)[0][:, -1], axis=-1)
+
+    @cached_property
+    def _monotone(self):
+        return PchipInterpolator(self.time, self._end_tension)
 
     def _tension_at(self, t) -> np.ndarray:
         """Return the size of the force on the vessel at times t (S,) in s, interpolated between the steps, N.
 
-        By a cubic spline, or by monotone cubics where a cell went slack.
+        By polynomials of degree five through six equal steps; by monotone cubics, which do not overshoot, where a cell
+        went slack, the steps are few or the last one stored is shorter.
         """
-        return self._spline(inside(t, self.time))
+        t, time = inside(t, self.time), self.time
+        if self.damped_from is not None or time.size < _SIX or not np.isclose(time[1] - time[0], time[-1] - time[-2]):
+            return self._monotone(t)
+        place = t / (time[1] - time[0])
+        first = np.clip(place.astype(int) - _SIX // 2 + 1, 0, time.size - _SIX)
+        powers = np.vander((place - first).ravel(), _SIX, increasing=True)
+        weights = (powers @ _LAGRANGE).reshape(*place.shape, _SIX)
+        return (weights * self._end_tension[first[..., None] + np.arange(_SIX)]).sum(axis=-1)
 
     @cached_property
     def slack(self) -> tuple[Slack, ...]:

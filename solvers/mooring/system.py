@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import make_interp_spline
 
-from ..common.motion import Ramped
+from ..common.motion import Ramped, trajectory
 from ..common.outcome import InputError
 from ..common.validation import one_of, positive_number
 from .calibration import SMALL_CHANGE, calibrated_line, tension_change
@@ -176,22 +176,31 @@ class MooringSystem:
         moved = self.path(t)[:, 0] - self.rest.y.T[self.held]
         return self.rest.y[..., None] + rest_response(self, moved)
 
+    @cached_property
+    def _held_places(self):
+        return self.place(np.array([self.model.points[0 if i == 0 else -1].r for i in self.held]).T).T
+
     def path(self, t) -> np.ndarray:
         """Return position, velocity and acceleration of the prescribed nodes at times t (S,), (S, 3, P, n)."""
         t = np.asarray(t, dtype=float)
         path = np.zeros((t.size, 3, self.held.size, len(self.axes)))
-        path[:, 0] = self.place(np.array([self.model.points[0 if i == 0 else -1].r for i in self.held]).T).T
+        path[:, 0] = self._held_places
         if self.motion is not None and self.held.size and self.held[-1] == self.nodes - 1:
-            path[:, 0, -1] += (self.axes @ self.motion.displacement(t)).T
-            path[:, 1, -1] = (self.axes @ self.motion.velocity(t)).T
-            path[:, 2, -1] = (self.axes @ _acceleration(self.motion, t)).T
+            r, v, a = trajectory(self.motion, t)
+            path[:, 0, -1] += (self.axes @ r).T
+            path[:, 1, -1], path[:, 2, -1] = (self.axes @ v).T, (self.axes @ a).T
         return path
 
-    def forces(self, y, ydot, yddot):
-        """Return forces (3, N, K) on what holds the nodes, public frame, and tensions (C, K) of the cells, N."""
+    def node_forces(self, y, ydot, yddot):
+        """Return forces (K, N, n) on what holds the nodes, in the axes, and tensions (K, C) of the cells, N."""
         record = tuple(np.ascontiguousarray(part.transpose(2, 1, 0)) for part in (y, ydot, yddot))
         forces, tensions = np.empty(record[0].shape), np.empty((len(record[0]), self.nodes - 1))
         node_forces(self.line, record, forces, tensions)
+        return forces, tensions
+
+    def forces(self, y, ydot, yddot):
+        """Return forces (3, N, K) on what holds the nodes, public frame, and tensions (C, K) of the cells, N."""
+        forces, tensions = self.node_forces(y, ydot, yddot)
         return np.einsum("dc,knd->cnk", self.axes, forces), tensions.T
 
     def acceleration(self, r, v) -> np.ndarray:
@@ -220,15 +229,6 @@ class MooringSystem:
     def positions(self, y) -> np.ndarray:
         """Return positions (3, N, *S) in the public frame of coordinates (n, N, *S), m."""
         return np.tensordot(self.axes.T, y, 1) + self.origin.reshape(3, *(1,) * (np.ndim(y) - 1))
-
-
-def _acceleration(motion, t) -> np.ndarray:
-    """Return the acceleration (3, S) of a motion, by differences of its velocity where it gives none."""
-    given = motion.motion if isinstance(motion, Ramped) else motion
-    if hasattr(given, "acceleration"):
-        return motion.acceleration(t)
-    h = 1e-5 * (float(np.ptp(t)) or 1.0)
-    return (motion.velocity(t + h) - motion.velocity(t - h)) / (2 * h)
 
 
 def _axes(model, fields, motion) -> np.ndarray:

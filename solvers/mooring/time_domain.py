@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..common.motion import Ramped
 from ..common.outcome import Status
 from .history import MooringHistory
 from .statics import solve_rest
@@ -160,11 +161,12 @@ class _Run:
 def _state(system, start):
     """Return r, v, a and the a before, (N, n) each: at rest, or as given with the acceleration that balances it."""
     if start is None:
-        displacement = np.zeros(3) if system.motion is None else system.motion.displacement(0.0)
-        state = solve_rest(system, displacement) if displacement.any() else system.rest
-        r, v = np.ascontiguousarray(state.y.T), np.zeros_like(state.y.T, order="C")
-        v[system.held] = system.path(np.zeros(1))[0, 1]
-        return r, v, np.zeros_like(r), np.zeros_like(r)
+        state, v = system.rest, np.zeros((system.nodes, len(system.axes)))
+        if system.motion is not None and not isinstance(system.motion, Ramped):
+            if (displacement := system.motion.displacement(0.0)).any():
+                state = solve_rest(system, displacement)
+            v[system.held] = system.path(np.zeros(1))[0, 1]
+        return np.array(state.y.T, order="C"), v, np.zeros_like(v), np.zeros_like(v)
     y, ydot = start
     ydot = np.zeros_like(y) if ydot is None else ydot
     r, v = np.ascontiguousarray(y.T), np.ascontiguousarray(ydot.T)
