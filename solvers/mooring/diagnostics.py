@@ -10,7 +10,7 @@ from ..common.diagnostics import CURVED, SETTLED, TAIL, check_mesh, largest_slop
 from ..common.outcome import ConvergenceError
 
 MAX_PRETENSION_ERROR = 0.01  # of the tension
-MAX_SPREAD = 0.02  # of the tension: the part that yielding of the seabed may have for a catenary to tell the rest
+MAX_SPREAD = 0.02  # of the tension: what a yielding seabed may change for rigid catenaries to give the pretension
 _INSTANTS = 500  # at which two waveforms are compared
 
 

@@ -145,11 +145,11 @@ class MooringHarmonics:
 
     # ------------------------------------------------------------ what solve_periodic asks
     def start_is_symmetric(self, z) -> bool:
-        """True: no symmetry is used."""
+        """Return True: a line uses no symmetry, so every start will do."""
         return True
 
     def satisfies_omitted_rows(self, z) -> bool:
-        """True: no rows are left out."""
+        """Return True: without a symmetry no rows are left out."""
         return True
 
     def with_system(self, system) -> MooringHarmonics:

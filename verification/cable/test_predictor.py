@@ -55,10 +55,10 @@ def test_with_a_source_only_the_velocities_move():
     """The source holds the line elsewhere; drag takes the velocities."""
     chain = moving(SURGE_5)
     source = lambda t: np.zeros((4, 15, *np.shape(t)))
-    held = chain.replace(source=source, equilibrium=chain.equilibrium).quasi_static_predictor(np.array([1.0]))
-    free = chain.quasi_static_predictor(np.array([1.0]))
-    assert np.array_equal(held[[0, 3], :, 0], chain.rest_state()[[0, 3]])
-    assert np.array_equal(held[[1, 2]], free[[1, 2]]) and free[[1, 2]].any()
+    with_source = chain.replace(source=source, equilibrium=chain.equilibrium).quasi_static_predictor(np.array([1.0]))
+    without = chain.quasi_static_predictor(np.array([1.0]))
+    assert np.array_equal(with_source[[0, 3], :, 0], chain.rest_state()[[0, 3]])
+    assert np.array_equal(with_source[[1, 2]], without[[1, 2]]) and without[[1, 2]].any()
 
 
 def test_without_a_motion_or_a_stiffness_there_is_no_prediction():

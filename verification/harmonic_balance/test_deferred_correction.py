@@ -47,13 +47,13 @@ SPATIAL = pytest.mark.parametrize("planar", [True, False], ids=["planar", "spati
 
 # ---------------------------------------------------------------- how many steps are taken
 def corrected(*sizes, tolerance=1e-9):
-    """Return (sum of the steps that were taken, mean |dz| that is told) where the steps have these sizes."""
+    """Return (sum of the steps that were taken, reported mean |dz|) where the steps have these sizes."""
     steps = iter([size * np.array([1.0, -1.0]) for size in sizes])
     same = lambda z: z
     rows = SimpleNamespace(pack=same, unpack=same, with_system=lambda finer: SimpleNamespace(residual=same))
-    z, told = _corrected(rows, lambda F: next(steps), None, np.zeros(2), tolerance)
+    z, reported = _corrected(rows, lambda F: next(steps), None, np.zeros(2), tolerance)
     assert z[1] == -z[0]
-    return -z[0], told
+    return -z[0], reported
 
 
 @pytest.mark.parametrize(
