@@ -53,7 +53,9 @@ class MooringResponse(LineOutputs, PeriodicResponse):
         The error of both meshes is of second order in the cells, so a third of their difference is left.
         """
         t = np.asarray(t, dtype=float)
-        forces = self.system.forces(self.at(t), self.rate_at(t), self.acceleration_at(t))[0][:, [0, -1]]
+        motion = self.at(t), self.rate_at(t), self.acceleration_at(t)
+        both = np.stack([self.system.end_force(*motion, end) for end in (0, -1)])
+        forces = np.einsum("dc,ekd->cek", self.system.axes, both)
         return forces if self.coarse is None else forces + (forces - self.coarse.end_forces(t)) / 3
 
     @property
@@ -207,11 +209,12 @@ class MooringHarmonics:
         return rows, None if factors.singular else lambda F: factors.solve(F.reshape(rows.shape))
 
     def _condense(self, x):
-        """Set the auxiliary tensions to what the last Jacobian foretold for this step."""
+        """Set the auxiliary tensions: those of the start, then what the last Jacobian foretold for the step to x."""
         if self.first is None:
             self.first = x.copy()
         if np.array_equal(x, self.first):  # the first step, or a solve that starts again
-            self.auxiliary = np.tile(self.system.rest.tension, (self.basis.samples, 1))
+            self.auxiliary = np.zeros((self.basis.samples, self.system.nodes - 1))
+            self.auxiliary = self.evaluate(x)[1] if x.any() else self.auxiliary + self.system.rest.tension
             return
         x0, T0, unit0 = self.before
         line, z = self.system.line, (x - x0).reshape(self.shape)

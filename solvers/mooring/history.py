@@ -116,7 +116,7 @@ class MooringHistory(LineOutputs, Outcome):
 
     @cached_property
     def _end_tension(self):
-        return np.linalg.norm(self.system.node_forces(self.y, self.ydot, self.yddot)[0][:, -1], axis=-1)
+        return np.linalg.norm(self.system.end_force(self.y, self.ydot, self.yddot, -1), axis=1)
 
     @cached_property
     def _monotone(self):

@@ -191,17 +191,19 @@ class MooringSystem:
             path[:, 1, -1], path[:, 2, -1] = (self.axes @ v).T, (self.axes @ a).T
         return path
 
-    def node_forces(self, y, ydot, yddot):
-        """Return forces (K, N, n) on what holds the nodes, in the axes, and tensions (K, C) of the cells, N."""
-        record = tuple(np.ascontiguousarray(part.transpose(2, 1, 0)) for part in (y, ydot, yddot))
-        forces, tensions = np.empty(record[0].shape), np.empty((len(record[0]), self.nodes - 1))
-        node_forces(self.line, record, forces, tensions)
-        return forces, tensions
-
     def forces(self, y, ydot, yddot):
         """Return forces (3, N, K) on what holds the nodes, public frame, and tensions (C, K) of the cells, N."""
-        forces, tensions = self.node_forces(y, ydot, yddot)
+        forces, tensions = forces_of(self.line, y, ydot, yddot)
         return np.einsum("dc,knd->cnk", self.axes, forces), tensions.T
+
+    def end_force(self, y, ydot, yddot, end) -> np.ndarray:
+        """Return the force (K, n) on what holds the first (end 0) or the last (end -1) node, in the axes, N."""
+        line, count = self.line, self.nodes - 1
+        cells, nodes = (slice(1), slice(2)) if end == 0 else (slice(-1, None), slice(-2, None))
+        arrays = {name: value for name, value in line._asdict().items() if isinstance(value, np.ndarray)}
+        ends: dict = {name: a[cells if len(a) == count else nodes] for name, a in arrays.items()}
+        line = line._replace(**ends)
+        return forces_of(line, *(part[:, nodes] for part in (y, ydot, yddot)))[0][:, end]
 
     def acceleration(self, r, v) -> np.ndarray:
         """Return the accelerations (N, n) in m/s^2 that balance positions and velocities (N, n) at t = 0."""
@@ -229,6 +231,14 @@ class MooringSystem:
     def positions(self, y) -> np.ndarray:
         """Return positions (3, N, *S) in the public frame of coordinates (n, N, *S), m."""
         return np.tensordot(self.axes.T, y, 1) + self.origin.reshape(3, *(1,) * (np.ndim(y) - 1))
+
+
+def forces_of(line, y, ydot, yddot):
+    """Return forces (K, N, n) on what holds the nodes, in the axes, and tensions (K, C) of the cells of a Line, N."""
+    record = tuple(np.ascontiguousarray(part.transpose(2, 1, 0)) for part in (y, ydot, yddot))
+    forces, tensions = np.empty(record[0].shape), np.empty((len(record[0]), record[0].shape[1] - 1))
+    node_forces(line, record, forces, tensions)
+    return forces, tensions
 
 
 def _axes(model, fields, motion) -> np.ndarray:
