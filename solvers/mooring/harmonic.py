@@ -102,7 +102,7 @@ def start_from_time(system, basis, periods) -> np.ndarray:
 
 
 def solve_extrapolated(system, **options) -> MooringResponse:
-    """Return the periodic response of a MooringSystem with ``coarse``, which its start is made from.
+    """Return the periodic response of a MooringSystem with ``coarse``, that on half as many cells.
 
     options: of ``solve_periodic``. Raises as that does; InputError where the line has too few cells for a coarser one.
     """
@@ -110,11 +110,9 @@ def solve_extrapolated(system, **options) -> MooringResponse:
     if coarser is None:
         problem = f"{system.nodes - 1} cells are too few for a mesh of half as many"
         raise InputError(problem, field="deferred_correction", value=True)
-    coarse: Any = solve_periodic(coarser[0], **options)
+    coarse: Any = solve_periodic(coarser[0], **options | {"start": None})
     if not coarse.success:
         return coarse
-    if options.get("start") is None:
-        options["start"] = replace(coarse, system=system, z=coarser[1](coarse.z))
     fine: Any = solve_periodic(system, **options)
     return replace(fine, coarse=coarse)
 
