@@ -121,6 +121,18 @@ def test_two_periods_are_compared_from_the_second_on():
     assert list(diagnostics.check_history(history(growing, periods=1.99))) == []
 
 
+def test_periods_are_compared_by_the_range_of_the_last():
+    """Whatever the range is, 1 N too; where the tension has come to rest there is none to compare with."""
+    amplitude = lambda t, last: np.where(t < PERIOD, 0.25, last)
+    for last, warned in ((0.5, True), (0.0, False)):
+        line = Line(
+            [CALM] * (NODES - 1) + [lambda t, last=last: 2 + amplitude(t, last) * np.cos(2 * np.pi * t / PERIOD)]
+        )
+        warnings = list(diagnostics.check_history(history(line, count=16)))
+        assert any(text.startswith("periods: the last two differ by") for text in warnings) is warned
+        assert np.ptp(line.tensions[-1](np.linspace(0.0, 2 * PERIOD, 17))) == (1.0 if warned else 0.5)
+
+
 def test_a_range_of_rounding_is_no_motion():
     """A billionth of the tension is where rounding ends: above it the share of the last harmonics is judged."""
     for share, judged in ((0.8, False), (1.25, True)):

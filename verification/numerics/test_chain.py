@@ -136,6 +136,17 @@ def test_the_vector_of_a_chain_is_its_rows_in_order():
     ]
 
 
+def test_defaults_of_a_chain_are_those_it_says():
+    """Rest in zeros, errors in units of one, corrections of the drift at once and in full; nothing else is offered."""
+    chain = Minimal()
+    assert chain.rest_state().tolist() == [[0.0], [0.0]] and chain.scale().tolist() == [1.0, 1.0]
+    assert (chain.settling_time(), chain.drift_gain(), chain.rest_warnings()) == (0.0, 1.0, ())
+    assert chain.ramped(3.0) is chain
+    y = chain.rest_state()
+    assert {chain.mirror(), chain.invalid(y), chain.coarser(), chain.fourth_order(), chain.drift(y, 0.0)} == {None}
+    assert chain.quasi_static_predictor(np.zeros(1)) is None
+
+
 @pytest.mark.parametrize("samples", [(), (5,)])
 def test_a_single_node_has_rows_of_no_cells(samples):
     """cells_or_empty: the shapes of a chain of no cells, for a single field, too."""
