@@ -14,6 +14,7 @@ from .elimination import factorise, solve
 from .equations import residual, tangents
 
 MAX_ITERATIONS = 30  # of one step
+FULL_STEPS = 15  # of Newton's method, before they are halved
 MAX_CONTRACTION = 0.03  # contraction above which a new factorisation is cheaper than more iterations with the old one
 
 
@@ -57,13 +58,17 @@ def integrate(line, held, path, source, h, scheme, scale, tolerance, rest, state
             if attempt == 1:
                 auxiliary[:], factorised = kept, False
             last = np.inf
-            for _ in range(MAX_ITERATIONS):
+            for iteration in range(MAX_ITERATIONS):
                 for i in range(nodes):
                     for k in range(n):
                         rf[i, k] = (1 - alpha_f) * r1[i, k] + alpha_f * r[i, k]
                         vf[i, k] = (1 - alpha_f) * v1[i, k] + alpha_f * v[i, k]
                         am[i, k] = (1 - alpha_m) * a1[i, k] + alpha_m * a[i, k]
+                if iteration >= FULL_STEPS:
+                    auxiliary[:] = 0.0
                 residual(line, rf, vf, am, auxiliary, R, T, unit)
+                if iteration >= FULL_STEPS:
+                    auxiliary[:] = T
                 if source.shape[0] > 0:
                     for i in range(nodes):
                         for k in range(n):
@@ -81,9 +86,6 @@ def integrate(line, held, path, source, h, scheme, scale, tolerance, rest, state
                 error = 0.0
                 for i in range(nodes):
                     for k in range(n):
-                        r1[i, k] -= R[i, k]
-                        v1[i, k] -= by_v * R[i, k]
-                        a1[i, k] -= by_a * R[i, k]
                         error = max(error, abs(R[i, k]) / scale[1])
                         if not abs(R[i, k]) < np.inf:
                             error = np.inf
@@ -92,12 +94,19 @@ def integrate(line, held, path, source, h, scheme, scale, tolerance, rest, state
                     for k in range(n):
                         change -= unit[c, k] * (R[c + 1, k] - R[c, k])
                     change *= line.EA[c] / line.length[c] * (weights[0] + weights[1] * line.damping[c])
-                    auxiliary[c] = T[c] + change if T[c] != 0 else 0.0
-                    error = max(error, abs(change) / scale[0] if T[c] != 0 else 0.0, -auxiliary[c] / scale[0])
-                if error <= tolerance * scale[2]:
-                    solved = True
-                    break
-                if not error < np.inf:
+                    if T[c] != 0:
+                        error = max(error, abs(change) / scale[0], -(T[c] + change) / scale[0])
+                        auxiliary[c] = T[c] + change
+                    else:
+                        auxiliary[c] = 0.0
+                solved = error <= tolerance * scale[2]
+                part = 1.0 if solved or iteration < FULL_STEPS else 0.5  # cells that turn taut and slack by turns
+                for i in range(nodes):
+                    for k in range(n):
+                        r1[i, k] -= part * R[i, k]
+                        v1[i, k] -= part * by_v * R[i, k]
+                        a1[i, k] -= part * by_a * R[i, k]
+                if solved or not error < np.inf:
                     break
                 if error > MAX_CONTRACTION * last:
                     factorised = False

@@ -225,6 +225,7 @@ UNSEEN = {
     "after a failed prediction": ("0.5 / beta", "(-(kept))"),
     "of the tension of a slack cell": ("R[c", "T[c]", "(-(nodes)) - 1", "rest[c]", "weights["),
     "of a place in the record": ("step + 1", "step + (-(1))"),
+    "after fifteen iterations": ("auxiliary[:] = T",),
 }
 """Signs that runs of a taut line, all of whose steps succeed, do not show: parts of their faults, by reason."""
 
