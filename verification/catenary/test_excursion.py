@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import fields
 
 import numpy as np
+import pytest
 
 from solvers.catenary.excursion import Excursion, excursion
 
@@ -39,3 +40,18 @@ def test_a_raised_anchor_and_one_on_the_seabed_in_one_call():
     assert len(rows) == 3
     result = excursion(*(np.array(column) for column in zip(*rows, strict=True)))
     assert result.by_clearance[0, 2] == 0.0 and result.by_clearance[1, 2] < 0.0
+
+
+@pytest.mark.parametrize(("V", "w"), [(80.0, 1.0), (-20.0, 1.0), (-80.0, -1.0), (20.0, -1.0), (20.0, 1.0)])
+def test_a_vertical_line_is_the_limit_of_inclined_ones(V, w):
+    """H -> 0 of a soft line that is pulled up, down, floats or folds over: there d(l)/dH grows beyond all bounds."""
+    column = lambda value: np.array([value])
+    line = (column(w), column(100.0), column(60.0), column(False), column(0.0), column(0.0))
+    with np.errstate(divide="ignore", invalid="ignore"):  # of the free formulas at H = 0, which are replaced
+        vertical, inclined = (excursion(column(H), column(V), *line) for H in (0.0, 1e-6))
+    for name in (field.name for field in fields(Excursion)):
+        limit, near = getattr(vertical, name), getattr(inclined, name).copy()
+        if name == "C" and V * (V - w * 60.0) <= 0:
+            assert limit[0, 0, 0] == np.inf and near[0, 0, 0] > 10
+            near[0, 0, 0] = np.inf
+        assert limit == pytest.approx(near, rel=1e-5, abs=1e-4), name
