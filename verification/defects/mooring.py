@@ -254,8 +254,8 @@ DEFECTS = (
         Fault(
             "mooring.system",
             "MooringSystem.path",
-            "self.axes @ _acceleration(self.motion, t)",
-            "0 * self.axes @ _acceleration(self.motion, t)",
+            "self.axes @ a",
+            "0 * self.axes @ a",
         ),
         "term",
         "the force on the vessel misses the inertia of the last half cell",
