@@ -24,9 +24,10 @@ def integrate(line, held, path, source, h, scheme, scale, tolerance, rest, state
 
     held (P,): the prescribed nodes, path: their r, v, a at the ends of the steps. source (S, N, n): load added at
     n + 1 - alpha_f, N, or empty. scheme: (alpha_m, alpha_f, beta, gamma). scale: tension in N and length in m that
-    errors refer to, and the largest change of a tension from ``rest`` (C,) so far, relative to the former, which the
-    tolerance refers to: it grows. state: r, v, a and the a before (N, n), and auxiliary (C,): left at the last
-    step that was taken. record: r, v, a (K, N, n) of every ``every``-th step. watch: end after a step with slack.
+    errors refer to; the largest change of a tension from ``rest`` (C,) so far over the former, which the tolerance
+    refers to, and which grows; the error that rounding makes. state: r, v, a and the a before (N, n), and auxiliary
+    (C,): left at the last step that was taken. record: r, v, a (K, N, n) of every ``every``-th step. watch: end after a
+    step with slack.
     Returns steps, iterations, factorisations and the error of the last iteration: the largest change of a tension or
     position, relative to ``scale``.
     """
@@ -99,7 +100,7 @@ def integrate(line, held, path, source, h, scheme, scale, tolerance, rest, state
                         auxiliary[c] = T[c] + change
                     else:
                         auxiliary[c] = 0.0
-                solved = error <= tolerance * scale[2]
+                solved = error <= max(tolerance * scale[2], scale[3])
                 part = 1.0 if solved or iteration < FULL_STEPS else 0.5  # cells that turn taut and slack by turns
                 for i in range(nodes):
                     for k in range(n):

@@ -17,6 +17,7 @@ from .steps import integrate
 MOST_HALVINGS = 10  # of one step
 STEPS_AT_ONCE = 256  # between two calls of ``progress``
 RHO_INF = 0.5  # spectral radius at infinite frequency while all cells are taut
+ROUNDINGS = 4  # of a position as far away as the line is long, below which no Newton step is asked to fall
 LEAST_CHANGE = 1e-3  # of the greatest tension at rest: smaller changes are not resolved any further
 LENGTHEN = 0.1  # of the step tolerance, below which the next step is in half as many parts
 
@@ -77,8 +78,10 @@ class _Run:
         self.state = state
         self.rest = system.rest.tension
         self.auxiliary = self.rest.copy()
-        greatest = float(self.rest.max())
-        self.scale = np.array([greatest or 1.0, float(system.s[-1]), LEAST_CHANGE])
+        greatest, length = float(self.rest.max()) or 1.0, float(system.s[-1])
+        stiffest = float((system.line.EA / system.line.length).max())
+        rounding = ROUNDINGS * np.finfo(float).eps * (1 + stiffest * length / greatest)  # of a position, in a tension
+        self.scale = np.array([greatest, length, LEAST_CHANGE, rounding])
         self.iterations = self.factorisations = self.cut = self.worst = self.halvings = 0
         self.error = self.travel = 0.0
 

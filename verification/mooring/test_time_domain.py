@@ -176,6 +176,16 @@ def test_steps_adapt_to_their_tolerance():
     assert errors[2] < errors[1] / 2 < errors[0] / 4 and errors[2] < 0.02, errors
 
 
+@pytest.mark.parametrize("cells", [10, 100])
+def test_a_tolerance_below_rounding_ends_at_rounding(cells):
+    """Newton's method is not asked for more digits than positions have: no step is cut, and the tension stays."""
+    line = system(SURGE_5, cells, mesh="uniform")
+    waves = [solve_time_domain(line, dt=0.1, periods=0.5, tolerance=tolerance) for tolerance in (1e-9, 1e-15)]
+    assert waves[1].cut == 0
+    tensions = [wave.tension[-1, -1] for wave in waves]
+    assert tensions[1] == pytest.approx(tensions[0], rel=1e-9)
+
+
 def test_a_failed_step_is_said():
     """Where no number of parts solves a step the history ends there and says where; states before it are there."""
     made = system(SURGE_5, 10)
