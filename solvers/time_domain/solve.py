@@ -7,6 +7,7 @@ import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -110,7 +111,7 @@ def solve_time_domain(
         history = system.integrate(progress=progress, **settings)  # type: ignore[attr-defined]
         return history.or_raise(_given(history, dt, f"ramp = {first_ramp:g} s")) if throw else history
 
-    def integrate(ramp, system=system, state=state) -> TimeHistory:
+    def integrate(ramp) -> TimeHistory:
         stepper = Stepper(system.ramped(ramp) if ramp else system, scheme, tolerance, hold, dt)
         with np.errstate(all="ignore"):  # a Newton step that diverges is found by its size
             y, ydot = state
@@ -120,7 +121,9 @@ def solve_time_domain(
                 run.step()
                 if progress is not None:
                     progress(run.t)
-        again = lambda other: integrate(ramp, other, _start_state(other, None))
+        again = partial(
+            solve_time_domain, dt=dt, duration=end, scheme=scheme, tolerance=tolerance, step_tolerance=step_tolerance,
+            ramp=ramp, hold=hold, allow_invalid=allow_invalid, every=every, throw=False)  # fmt: skip
         return run.history(system, hold, ramp, None if start is not None else again)
 
     history, tried = integrate(first_ramp), f"ramp = {first_ramp:g} s"

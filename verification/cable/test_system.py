@@ -85,6 +85,16 @@ def test_drift_is_that_of_the_last_position_on_any_mesh():
     assert abs(chain.axes.T @ chain.drift(y, 0.0) - off).max() <= 1e-12 * chain.s[-1]
 
 
+@CASES
+def test_the_drift_of_a_corrected_cable_is_the_end_of_its_positions(case):
+    """Both by the integral of fourth order, on a mesh whose cells differ."""
+    chain = system(replace(case, amplitude=None), mesh=graded(case.length, 9)).fourth_order()
+    y, _ = random_state(chain, 3)
+    off = chain.positions(y)[:, -1] - chain.scene.fairlead
+    assert abs(chain.axes @ off - chain.drift(y, 0.0)).max() <= 1e-12 * chain.s[-1]
+    assert abs(off - (system(case, mesh=chain.s).positions(y)[:, -1] - chain.scene.fairlead)).max() > 1e-3
+
+
 class Heavy(CableSystem):
     """A kind of cable of its own."""
 

@@ -547,6 +547,14 @@ def test_a_response_without_the_constant_is_confirmed_by_one_step():
     assert again.iterations == 1 and abs(again.z - response.z).max() <= 1e-11
 
 
+@pytest.mark.parametrize(("k2", "symmetric"), [(0.0, True), (1e-10, True), (1e-3, False)])
+def test_a_symmetry_may_be_missed_by_a_rounding(k2, symmetric):
+    """Rows that it leaves out are compared with the driving: a part of 1e-10 of the spring is none."""
+    force = harmonic_force(0.3, 0.8)
+    chain = MassChain("nearly odd", 2 * math.pi / 0.8, force, c=0.1, k2=k2, k3=1.0, odd=True)
+    assert solve_periodic(chain, harmonics=7).symmetric is symmetric
+
+
 # ---------------------------------------------------------------- refusals and failures
 GOOD = duffing(0.8, 0.3)
 BAD = {

@@ -465,7 +465,7 @@ def test_floats_leave_what_they_cannot_carry_to_arrays(value):
     equations, (r, H, V) = NetworkEquations(network_of(two_line())), (np.array(part) for part in PAPER_START)
     scalar = ScalarEquations(equations, r, (1.0, 1.0))
     start = [*r[2].tolist(), *np.array([H, V]).T.ravel().tolist()]
-    assert scalar.evaluate(start) is not None
+    assert scalar.evaluate(start) is not None and scalar.evaluations == 1
     for i in range(len(start)):
         point = scalar.evaluate([*start[:i], value, *start[i + 1 :]])
         assert point is None or np.isfinite([*point.Z, *np.ravel(scalar.jacobian(point)), point.gap_force]).all()
@@ -603,3 +603,31 @@ def test_the_tangent_of_a_vertical_line_is_its_limit(EA, z):
         near = equations.tangent(equations.solve_elements(equations.position + 1e-6 * np.outer([0, 1], side)))
         assert np.abs(vertical - near).max() <= 1e-7 * np.abs(vertical).max()
     assert vertical[3, 3] > 1e-3 * np.abs(vertical).max()
+
+
+# ---------------------------------------------------------------- lines that lie, hang vertically or are slack
+def special(case, seed=4):
+    """Return an Iterate of a case near its solution, which has lines other than general ones."""
+    equations, state, rng = NetworkEquations(network_of(case)), solved(case), np.random.default_rng(seed)
+    r = equations.lift_to_seabed(state.r + 1e-3 * np.where(equations.unknown, rng.normal(size=state.r.shape), 0.0))
+    now = _at(equations, "scaled", r, 1.001 * state.H, 0.999 * state.V)
+    assert now.kind.any() and not now.kind.all()
+    return now
+
+
+def test_eliminating_the_forces_gives_the_step_of_the_whole_matrix():
+    """Where some lines lie on the seabed and others are general ones, too."""
+    now = special(chain_wire_chain())
+    with np.errstate(all="ignore"):  # as in ``_at``
+        schur, dense = now.newton_step(), dense_step(now, "analytic")
+    for part, wanted in zip(schur, dense, strict=True):
+        assert np.abs(part - wanted).max() <= 1e-6 * np.abs(wanted).max()
+
+
+def test_a_line_that_lies_has_no_vertical_force():
+    """Whatever it was started with; its H stays as it is."""
+    nodes = (NodeCase("fixed", (0.0, 0.0, -10.0)), NodeCase("coupled", (60.0, 0.0, -10.0)))
+    case = NetworkCase("lying", nodes, (ElementCase(10.0, 1e5, 59.9, (0, 1)),), EnvironmentCase(depth=10.0))
+    equations = NetworkEquations(network_of(case))
+    now = _at(equations, "N", equations.position, np.array([100.0]), np.array([5.0]))
+    assert now.lying.all() and now.elements.V.tolist() == [0.0] and now.elements.H.tolist() == [100.0]

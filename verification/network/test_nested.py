@@ -7,7 +7,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from solvers import Element, Environment, Network, Node
 from solvers.network import nested, rounding
+from solvers.network.equations import Geometry
 from solvers.network.nested import Balance, Count
 
 from ..cases.networks import bridle, two_line
@@ -124,3 +126,16 @@ def test_all_spans_of_a_refinement_are_counted(case, monkeypatch):
     equations, count = network_of(case).equations, Count()
     assert rounding.refine_within_rounding(equations, solved(case).r, 1e-13, count) is not None
     assert len(iterations) == 3 and count.inner_iterations == sum(iterations) > 0
+
+
+def test_stretched_lines_are_a_rounding_longer():
+    """In their own direction; but no fairlead below the seabed, on which one of them lies."""
+    nodes = [Node("fixed", (0.0, 0.0, -30.0)), Node("fixed", (60.0, 0.0, -45.0)), Node("coupled", (80.0, 0.0, -50.0))]
+    lines = [Element(10.0, 1e6, 70.0, (0, 1)), Element(10.0, 1e6, 70.0, (0, 2)), Element(10.0, 1e6, 70.0, (2, 0))]
+    equations = Network(nodes, lines, Environment(depth=50.0)).equations
+    geometry = Geometry(equations, equations.position)
+    geometry.rounding = np.full(3, 1e-3)  # m, to be seen
+    stretched = rounding._stretched(equations, geometry)
+    chords = np.hypot(geometry.l, geometry.rise)
+    assert stretched.l == pytest.approx(geometry.l * (1 + 1e-3 / chords), rel=1e-15)
+    assert stretched.rise == pytest.approx(geometry.rise * (1 + np.array([1, 0, 1]) * 1e-3 / chords), rel=1e-15)

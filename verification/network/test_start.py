@@ -57,7 +57,8 @@ def test_each_stage_is_a_tenth_as_soft(strain, stages, monkeypatch):
             super().__init__(equations, value, contact)
 
     monkeypatch.setattr(start, "SoftenedStage", Recorded)
-    start.robust_start(star(EA=10.0 * sum(LENGTHS) / strain), Count(), contact=False)
+    equations = star(5.0, 10.0 * sum(LENGTHS) / strain, force=(0.0, 0.0, 5.0 * sum(LENGTHS)))
+    start.robust_start(equations, Count(), contact=False)
     assert softness == pytest.approx(stages)
 
 
