@@ -11,9 +11,11 @@ from .common.outcome import ConvergenceError, InputError, Status
 from .common.properties import CableProperties, Environment
 from .harmonic_balance.solve import PeriodicResponse, solve_periodic
 from .io.scene import Scene
+from .mooring.system import MooringSystem, mooring_system
 from .network.model import Element, Network, Node
 from .network.solve import NetworkState, solve_network
-from .time_domain.solve import TimeHistory, solve_time_domain
+from .time_domain.history import TimeHistory
+from .time_domain.solve import solve_time_domain
 
 __all__ = [
     "CableProperties",
@@ -25,6 +27,7 @@ __all__ = [
     "Environment",
     "FunctionMotion",
     "InputError",
+    "MooringSystem",
     "Motion",
     "Network",
     "NetworkState",
@@ -39,6 +42,7 @@ __all__ = [
     "TimeHistory",
     "__version__",
     "cable_system",
+    "mooring_system",
     "solve_network",
     "solve_periodic",
     "solve_span",

@@ -1,4 +1,4 @@
-"""Problem type -> its cases and this project's solvers of it: the one table that tests, benchmarks and report use.
+"""Problem type -> its named cases, for tests, and this project's solvers of it, for tests, benchmarks and report.
 
 All solvers of a problem type are called alike: those of spans with a case, those of networks with a network, those of
 cables with a function that builds the cable on a number of nodes.

@@ -376,11 +376,11 @@ def test_the_adapter_steps_as_short_a_line_as_it_takes(monkeypatch, step, within
 
 @moordyn_installed
 def test_the_adapter_refuses_what_it_does_not_describe():
-    """A current, a seabed or structural damping is named, not left out."""
+    """A current, a rigid seabed or structural damping is named, not left out."""
     case = scene("case_1")
     for other in (
         replace(case, environment=replace(case.environment, current=(1.0, 0.0, 0.0))),
-        replace(case, environment=replace(case.environment, depth=400.0, seabed_stiffness=1e4)),
+        replace(case, environment=replace(case.environment, depth=400.0)),
         replace(case, cable=replace(case.cable, damping=0.1)),
     ):
         result = simulated(other, case.motion, 20.0, 10, 5)

@@ -3,8 +3,8 @@
 What to mind: the tension output of a line is that of its last segment, half a segment from the end (first order), so
 the force on the point is taken; in a coupling step the fairlead moves with one velocity, so the mean one is given, and
 a long coupling step still shifts the response. Its RK2 is unstable for a line without internal damping: DAMPING is a
-share of the critical damping of a segment, so it vanishes with refinement. Above z = 0 it has air: a scene without a
-seabed is deep in its water wherever its origin is, so the line is let down until it is.
+share of the critical damping of a segment, so it vanishes with refinement. Above z = 0 it has air, and a scene is in
+water wherever its origin is: the line is let down until it is, and its seabed with it.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ RK2 tScheme
 {rho!r} rho
 {depth!r} WtrDpth
 0 TmaxIC
---- OUTPUT ---
+{seabed}--- OUTPUT ---
 --- need this line ---
 """
 
@@ -63,13 +63,15 @@ class MoorDyn(Adapter):
     def cable(self, scene, time, fairlead, cells):
         """The force on the fairlead at the start and at the end of each coupling step."""
         environment, cable = scene.environment, scene.cable
-        if environment.depth is not None or any(environment.current):
-            raise NotImplementedError("this adapter describes still water without a seabed")
+        if any(environment.current):
+            raise NotImplementedError("this adapter describes still water")
+        if environment.depth is not None and (environment.seabed_stiffness is None or any(scene.friction)):
+            raise NotImplementedError("this adapter describes an elastic seabed without friction")
         if cable.Cdb != cable.Cdn or cable.damping:
             raise NotImplementedError("this adapter gives one transverse drag coefficient and no damping in s")
         step = time[1] - time[0]
         velocity = np.diff(fairlead, axis=0) / step
-        down = float(max(scene.anchor[2], fairlead[:, 2].max()) + scene.length)
+        down = float(max(scene.anchor[2], fairlead[:, 2].max()) + scene.length)  # with its seabed, if it has one
         fairlead = fairlead - [0.0, 0.0, down]
         force = np.empty((len(time), 3))
         with tempfile.TemporaryDirectory() as folder, _silence():
@@ -93,12 +95,16 @@ def describe(scene, segments: int, down: float) -> str:
     cable, environment = scene.cable, scene.environment
     ends = {name: (*getattr(scene, name)[:2], getattr(scene, name)[2] - down) for name in ("anchor", "fairlead")}
     points = {name: " ".join(f"{float(part)!r}" for part in end) for name, end in ends.items()}
-    depth = float(2 * scene.length - min(end[2] for end in ends.values()))  # m: of a seabed that is not reached
+    if environment.depth is None:
+        depth, seabed = float(2 * scene.length - min(end[2] for end in ends.values())), ""  # m: it is not reached
+    else:  # per unit of the area that the diameter covers
+        stiffness, damping = (c / cable.diameter for c in (environment.seabed_stiffness, environment.seabed_damping))
+        depth, seabed = float(environment.depth + down), f"{stiffness!r} kBot\n{damping!r} cBot\n"
     crossing = scene.length / segments / math.sqrt(cable.EA / cable.mass_per_length)  # s
     return _INPUT.format(
         d=cable.diameter, m=cable.mass_per_length, EA=cable.EA, damping=DAMPING, Cd=cable.Cdn, Ca=cable.Ca,
         Cdt=cable.Cdt, L=scene.length, segments=segments, step=STEP * crossing, g=environment.g, rho=environment.rho,
-        depth=depth, **points,
+        depth=depth, seabed=seabed, **points,
     )  # fmt: skip
 
 

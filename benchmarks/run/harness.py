@@ -11,15 +11,17 @@ from collections import Counter
 from collections.abc import Callable
 from contextlib import contextmanager, redirect_stdout
 from dataclasses import dataclass
+from importlib import metadata
 from numbers import Real
 
 import numpy as np
 
-from solvers import __version__
 from verification.reference import WRONG, SpanTruth, force_error
 from verification.registry import PROBLEMS, SpanAnswer
 
 from .. import peers
+
+DISTRIBUTION = "mooring-verification"
 
 OVERTIME = "no answer within"
 """How the words begin with which a solver is refused that takes longer than peers.LIMITS or its own limit."""
@@ -56,10 +58,21 @@ class Solver:
     tolerances: bool = True
 
 
+def own_version() -> str:
+    """Return the version of this distribution, or "unknown" in a folder that was never installed.
+
+    Not ``solvers.__version__``: results would depend on every module that the package ``solvers`` imports.
+    """
+    try:
+        return metadata.version(DISTRIBUTION)
+    except metadata.PackageNotFoundError:
+        return "unknown"
+
+
 def solvers() -> dict[str, Solver]:
     """This project's solvers from the registry, then the other codes that solve spans."""
     own = PROBLEMS["span"].solvers.items()
-    ours = {name: Solver(name, OURS.get(name, name), __version__, solve) for name, solve in own}
+    ours = {name: Solver(name, OURS.get(name, name), own_version(), solve) for name, solve in own}
     return ours | {
         name: Solver(name, one.label, one.version, one.span, one.limit("span"), one.tolerances)
         for name, one in peers.solving("span").items()

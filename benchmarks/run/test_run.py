@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from solvers import solve_network, solve_spans
+from solvers import __version__, solve_network, solve_spans
 from verification.cases.spans import NAMED, SpanCase, random_arrays
 from verification.reference import WRONG, exact_span
 from verification.registry import SpanAnswer
@@ -161,6 +161,13 @@ def test_a_peer_that_is_not_installed_is_left_out_and_a_broken_one_is_named(monk
     finder.error = ModuleNotFoundError("No module named 'scikit_missing'", name="scikit_missing")
     with pytest.raises(ImportError, match=r"moorpy is installed but cannot be imported.*scikit_missing"):
         peers.adapters.__wrapped__()
+
+
+def test_own_solvers_have_the_version_of_the_package(monkeypatch):
+    """And none that is known where nothing was installed."""
+    assert SOLVERS["catenary"].version == harness.own_version() == __version__
+    monkeypatch.setattr(harness, "DISTRIBUTION", "no such distribution")
+    assert harness.own_version() == "unknown"
 
 
 def test_the_machine_lists_the_version_of_every_peer():

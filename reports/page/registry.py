@@ -10,6 +10,7 @@ from ..evidence.defects import DEFECTS
 from ..evidence.machine import MACHINE
 from ..evidence.other_codes import OTHER_CODES
 from ..harmonic_balance.section import HARMONIC
+from ..mooring.section import MOORING
 from ..network.section import NETWORKS
 from ..papers.errata import ERRATA
 from ..papers.published import PUBLISHED
@@ -19,7 +20,7 @@ from ..stability.section import STABILITY
 
 SECTIONS = (
     CLAIMS, REGIMES, DEFECTS,
-    WORK_PRECISION, NETWORKS, DYNAMICS, HARMONIC, SCENES,
+    WORK_PRECISION, NETWORKS, MOORING, DYNAMICS, HARMONIC, SCENES,
     ITEMS, ERRATA, PUBLISHED,
     STABILITY,
     OTHER_CODES,

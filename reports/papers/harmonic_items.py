@@ -171,7 +171,7 @@ SOLVE = "harmonic_balance/test_solve.py::"
 STEPPED = (f"{SOLVE}test_refined_time_integration_is_the_response",)
 
 ENTRIES = (
-    Entry("HB", "Table 1", "dynamics", ("cable/test_exact.py::test_both_sets_speak_of_one_line",
+    Entry("HB", "Table 1", "dynamics", ("cable/test_exact.py::test_both_reference_sets_describe_the_same_line",
                                    "io/test_scene.py::test_four_cases_of_the_paper"),
      lambda s: f"{s.hb['line', 'unstretched length']:g} m, EA {number(s.hb['line', 'EA'], 6)} N, "
                f"{s.hb['line', 'submerged weight']:g} N/m and {len([k for k in s.hb if k[0] == 'line']) - 3} more",

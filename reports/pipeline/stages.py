@@ -97,7 +97,6 @@ LONG_TESTS = {
     "cable/test_failures": 6,
     "harmonic_balance/test_start": 6,
     "cable/test_statics": 5,
-    "common/test_found_by_defects": 5,
     "suite/test_fuzz": 5,
 }
 """Test files that take long -> expected seconds."""
@@ -213,6 +212,7 @@ def _benchmarks() -> Stage:
 MOVING = {
     "dynamics": ("moving cable", "benchmarks.cable.measure", (21, 6), (10, 4)),
     "harmonic_balance": ("harmonic balance", "benchmarks.harmonic_balance.measure", (24, 10), (60, 10)),
+    "mooring": ("moving line", "benchmarks.mooring.measure", (40, 8), (60, 10)),
 }
 """Group -> title, program, expected seconds of the whole and of the quick run: of what is not timed, and what is."""
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from ..catenary.span import Span, solve_span
 from ..common.outcome import InputError, Outcome, Status
+from ..common.types import as_system
 from ..common.validation import flags, one_of, positive_number
 from ..numerics.chain import BandedJacobian, Residual, stack
 from ..numerics.continuation import continue_in_load
@@ -25,6 +26,7 @@ from .shooting import shoot
 TOLERANCE = 1e-11  # mean change of (eps, angles in rad, positions in chords): a hundred roundings of a position
 _ROUNDING = 1e-14  # mean change of a state that fifty roundings make
 MAX_PRETENSION_ERROR = 0.01  # of the tension: what is left of a safety factor is read to a per cent
+_MAX_SEABED_EFFECT = 0.02  # of the tension, by w/k of depth: up to here the mean of two catenaries is right to 4e-4
 MIN_LOAD_STEP = 2.0**-10  # of the load parameter, in the continuation
 
 
@@ -50,18 +52,12 @@ class StaticState(Outcome):
 
     @cached_property
     def pretension_error(self) -> float | None:
-        """Relative difference of the fairlead tension from that of the exact catenary; None in a current or a failure.
+        """Relative difference of the fairlead tension from that of the exact catenary.
 
-        Where it is large over a seabed, from that of the continuous line on the elastic seabed, by shooting: the
-        catenary's is rigid.
+        None after a failure, in a current and over a seabed too soft for a catenary (``exact_pretension``).
         """
-        exact, tension = exact_pretension(self.system), float(self.tension[-1])
-        if exact is None or not self.success:
-            return None
-        if abs(tension / exact - 1) > MAX_PRETENSION_ERROR and self.system.has_seabed:
-            shot = solve_static(self.system, method="shooting", throw=False)
-            exact = float(shot.tension[-1]) if shot.success else exact
-        return abs(tension / exact - 1)
+        exact = exact_pretension(self.system) if self.success else None
+        return None if exact is None else abs(float(self.tension[-1]) / exact - 1)
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -82,8 +78,9 @@ class StaticState(Outcome):
 def solve_static(
     system: CableEquations, *, method: str = "box", tolerance: float = TOLERANCE, throw: bool = True
 ) -> StaticState:
-    """Return the equilibrium of the cable between its ends, HB (13)-(15).
+    """Return the equilibrium of the cable between its ends, HB (13)-(15), or of a line of nodes and elements.
 
+    A Scene is taken as ``mooring_system(scene)``; the MooringState of such a line is as exact as rounding allows.
     method: "box", the scheme (39) that the dynamic solvers use, or "shooting", the differential equations themselves
     from node to node, started from the former: its error is that of the integration, ten digits and more.
     Raises InputError for the system of a corrected response (``CableSystem.fourth_order``), ConvergenceError when no
@@ -96,6 +93,9 @@ def solve_static(
     """
     one_of("method", method, ("box", "shooting"))
     flags(throw=throw)
+    system = as_system(system)
+    if hasattr(system, "solve_static"):  # a moving line of nodes and elements
+        return system.solve_static(throw=throw)
     tolerance = positive_number("tolerance", tolerance, "(mean change of a state)")
     if tolerance < _ROUNDING:
         problem = f"{tolerance:g} must be at least {_ROUNDING:g}: rounding moves a state by as much"
@@ -125,19 +125,34 @@ def solve_static(
 
 
 def exact_pretension(system) -> float | None:
-    """Return the fairlead tension of the exact catenary between the ends of the cable, N; None in a current.
+    """Return the fairlead tension of the exact catenary between the ends of the cable, N.
 
-    Over a seabed the line rests w_0/k deep, MSQS (2.23) without friction: the height of the anchor above that plane.
+    Over a seabed of stiffness k it is the mean of two, without friction: over rigid seabeds at the height of first
+    contact and w_0/k lower, where the resting line lies, MSQS (2.23). A line leaves a seabed that yields between them.
+    Returns None in a current, without a stressed equilibrium, and where the two differ by more than 2 %.
     """
     if system.current is not None or system.w0 <= 0:
         return None
-    depth, stiffness = system.scene.environment.depth, system.seabed_stiffness
-    seabed = system.has_seabed and stiffness > 0
-    clearance = max(0.0, float(system.anchor[2]) + depth + system.w0 / stiffness) if seabed else 0.0
+    sinks = (0.0, system.w0 / system.seabed_stiffness) if _has_contact(system) else (0.0,)
+    states = [solve_span(_span(system, sink), throw=False) for sink in sinks]
+    if not all(state.success and state.tension > 0 for state in states):
+        return None
+    tensions = [float(state.tension) for state in states]
+    mean = sum(tensions) / len(tensions)
+    return mean if max(tensions) - min(tensions) <= _MAX_SEABED_EFFECT * mean else None
+
+
+def _span(system, sink=0.0) -> Span:
+    """Return the span between the ends of the cable, over a rigid seabed lower by ``sink`` in m, without friction."""
+    seabed = _has_contact(system)
+    clearance = float(system.anchor[2]) + system.scene.environment.depth + sink if seabed else 0.0
     height, distance = system.chord[:2]
-    span = Span(system.w0, system.EA, float(system.s[-1]), distance, height, seabed, 0.0, clearance)
-    state = solve_span(span, throw=False)
-    return float(state.tension) if state.success and state.tension > 0 else None
+    return Span(system.w0, system.EA, float(system.s[-1]), distance, height, seabed, 0.0, clearance)
+
+
+def _has_contact(system) -> bool:
+    """Return whether there is a seabed that supports the line."""
+    return system.has_seabed and system.seabed_stiffness > 0
 
 
 def mesh_warnings(pretension_error) -> tuple[str, ...]:
@@ -169,7 +184,7 @@ def rest_sensitivity(system) -> tuple[np.ndarray, np.ndarray] | None:
 
 def _shots_per_cell(system) -> int:
     """Return how many shots a cell takes for none to pass more than two boundary layers sqrt(T/k) of the seabed."""
-    if not system.has_seabed or not system.seabed_stiffness:
+    if not _has_contact(system):
         return 1
     least_tension = system.EA * _Statics(system).catenary()[0].min()
     return math.ceil(system.ds.max() / (2 * math.sqrt(max(least_tension, 0.0) / system.seabed_stiffness) or math.inf))
@@ -180,7 +195,7 @@ def _with_eased_loads(system, x, load_factor) -> CableEquations:
     loads = {}
     if system.current is not None:
         loads["current"] = load_factor * system.current
-    if system.has_seabed and system.seabed_stiffness > 0:
+    if _has_contact(system):
         soft = system.EA * x[0].max() / (4 * system.ds.max() ** 2)  # the line lifts off over two cells, sqrt(T / k)
         ratio = min(1.0, soft / system.seabed_stiffness)
         loads["seabed_stiffness"] = system.seabed_stiffness * ratio ** (1 - load_factor)
@@ -202,12 +217,7 @@ class _Statics:
     def catenary(self) -> np.ndarray:
         """Return the continuous equilibrium without current at the nodes, x; a seabed is rigid there."""
         system, n = self.system, self.system.dimension
-        environment = system.scene.environment
-        seabed = system.has_seabed and system.seabed_stiffness > 0
-        clearance = system.anchor[2] + environment.depth if seabed else 0.0
-        height, distance = system.chord[:2]
-        span = Span(system.w0, system.EA, float(system.s[-1]), distance, height, seabed, 0.0, clearance)
-        state = solve_span(span)
+        state = solve_span(_span(system))
         along, up, T = state.profile(system.s)
         x = np.zeros((2 * n, system.nodes))
         x[0] = T / system.EA

@@ -87,6 +87,11 @@ class CableSystem(CableEquations):
         super().__init__(*arguments, **options)
         self.equilibrium = Equilibrium(self) if equilibrium is None else equilibrium
 
+    @property
+    def needs_mesh_check(self) -> bool:  # type: ignore[override]
+        """True over a seabed: where the line touches down, a mesh that is fine elsewhere may be far too coarse."""
+        return bool(self.has_seabed and self.seabed_stiffness)
+
     # ------------------------------------------------------------ the same cable, changed
     def replace(self, **changes) -> Self:
         """Return the same cable with other arguments of its constructor; another motion keeps the equilibrium."""

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
+from .outcome import InputError
+
 DRIFT = 0.05  # of the excursion of the fairlead: coarse meshes miss the prescribed position by that much
 CURVED = 0.08  # of the range of the tension: its change of slope in a step, about the error of a second-order method
 SETTLED = 1e-2  # of the range of the tension: the difference of two periods
 TAIL = 5e-3  # of the range of the tension: the amplitude of the last two harmonics
+MAX_MESH_ERROR = 0.03  # of the range of the tension: the rms change that half as many nodes or cells make
 FEW = 4  # harmonics; with fewer, a resonance of the next one, of 0.02 of the range, was missed
 ROUNDING = 1e-9  # of a size: smaller ranges and distances are rounding, and no motion
 _INSTANTS = 16  # for each harmonic
+_COMPARED = 500  # instants at which two waveforms are compared
 _POSITIONS = 200  # of the fairlead, for its excursion
 
 
@@ -29,6 +33,8 @@ def check_history(history):
         "more nodes or a shorter dt" if history.hold == "position" else 'more nodes, a shorter dt, or hold="position"'
     )
     yield from _check_position(history.drift(), history.system, time[-1], cure)
+    if system.needs_mesh_check:
+        yield from check_mesh(history.mesh_error, "nodes")
     midpoints = (time[1:] + time[:-1]) / 2
     between_steps = system.tension(history.at(midpoints), history.rate_at(midpoints))
     yield from _check_compression(between_steps, midpoints, "a shorter dt")
@@ -56,6 +62,8 @@ def check_response(response):
     yield from system.rest_warnings()
     yield from _check_position(np.linalg.norm(system.drift(y, t), axis=0), system, 0.0, "more nodes or harmonics")
     yield from _check_compression(tension, t, "more nodes, or more harmonics")
+    if system.needs_mesh_check and response.correction is None:
+        yield from check_mesh(response.mesh_error, "nodes")
     amplitudes = 2 * abs(np.fft.rfft(tension[-1])[1 : basis.harmonics + 1]) / count
     last, spread = amplitudes[-2:].max(), _range(tension[-1])  # of two: a symmetric motion has every second only
     if basis.harmonics < FEW:
@@ -64,6 +72,31 @@ def check_response(response):
         yield f"harmonics: the last of {basis.harmonics} carry {last / spread:.2g} of the tension's range: use more"
     if not response.mean:
         yield "mean: without the constant term the mean forces are not in balance"
+
+
+def check_mesh(error, parts):
+    """Yield a warning where the mesh, of nodes or cells, is too coarse or its error not known."""
+    if error is None:
+        yield f"mesh: the error of the mesh is not known, for the line on half as many {parts} was not solved"
+    elif error > MAX_MESH_ERROR:
+        yield f"mesh: half as many {parts} change the fairlead tension by {error:.2g} of its range: use more {parts}"
+
+
+def relative_change(fine, coarse) -> float | None:
+    """Return the rms difference of two fairlead tensions over the range of the first; None where the second failed.
+
+    Over the last period, or the second half of a history that has none.
+    """
+    if not coarse.success:
+        return None
+    try:
+        start, length = fine.last_period
+    except InputError:
+        start, length = float(fine.time[-1]) / 2, float(fine.time[-1]) / 2
+    t = start + length * np.arange(1, _COMPARED + 1) / _COMPARED
+    tension = fine.fairlead_tension(t)
+    spread = _range(tension)
+    return float(np.sqrt(np.mean((tension - coarse.fairlead_tension(t)) ** 2)) / spread) if spread else 0.0
 
 
 def _check_position(drift, system, end, cure):

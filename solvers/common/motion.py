@@ -19,11 +19,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
 
+from .motion_arrays import as_times, check_finite, evaluate_function, motion_rows, read_only_array, spanning_vectors
 from .outcome import InputError
 from .types import Vector
-from .validation import as_array, positive_number, real_number, vector
+from .validation import positive_number, real_number, vector
 
-_SAME_DIRECTION = 1e-12  # share of the largest extent below which an extent is rounding: 1e4 eps
+_DIFFERENCE = 1e-5  # of the span of some times: a step of central differences
 _EXTREME = 1e100  # s; a ramp between this and its inverse has squares within double precision
 _END_OF_SERIES = 1e-9  # share of the duration of a series by which a sum of time steps may exceed its ends
 
@@ -49,8 +50,8 @@ class Motion:
 
     def __post_init__(self):
         object.__setattr__(self, "frequency", positive_number("frequency", self.frequency, "Hz"))
-        sine = _rows("sine", self.sine, 1)
-        cosine = np.zeros_like(sine) if self.cosine is None else _rows("cosine", self.cosine, 1)
+        sine = motion_rows("sine", self.sine, 1)
+        cosine = np.zeros_like(sine) if self.cosine is None else motion_rows("cosine", self.cosine, 1)
         if cosine.shape != sine.shape:
             problem = f"shape {cosine.shape} must be that of sine, {sine.shape}: one row a harmonic (m)"
             raise InputError(problem, field="cosine", value=self.cosine, unit="m")
@@ -80,7 +81,7 @@ class Motion:
 
     def directions(self) -> np.ndarray:
         """Return unit vectors that span the motion, (k, 3)."""
-        return _spanning_vectors(np.concatenate([self.sine, self.cosine]))
+        return spanning_vectors(np.concatenate([self.sine, self.cosine]))
 
     def scaled(self, factor: float) -> Motion:
         """Return the same motion with every displacement multiplied by a number."""
@@ -99,20 +100,28 @@ class Motion:
 
     def displacement(self, t: ArrayLike) -> np.ndarray:
         """Return the displacement, m: t in s, number -> (3,) or (S,) -> (3, S)."""
-        angle = np.multiply.outer(self._omega, _times(t))
+        angle = np.multiply.outer(self._omega, as_times(t))
         return self.sine.T @ np.sin(angle) + self.cosine.T @ np.cos(angle)
 
     def velocity(self, t: ArrayLike) -> np.ndarray:
         """Return the velocity, m/s: t in s, number -> (3,) or (S,) -> (3, S)."""
-        angle = np.multiply.outer(self._omega, _times(t))
+        angle = np.multiply.outer(self._omega, as_times(t))
         of_cosine, of_sine = self._rates
         return of_cosine @ np.cos(angle) + of_sine @ np.sin(angle)
 
     def acceleration(self, t: ArrayLike) -> np.ndarray:
         """Return the acceleration, m/s^2: t in s, number -> (3,) or (S,) -> (3, S)."""
-        angle = np.multiply.outer(self._omega, _times(t))
+        angle = np.multiply.outer(self._omega, as_times(t))
         of_cosine, of_sine = self._rates
         return (self._omega * of_sine) @ np.cos(angle) - (self._omega * of_cosine) @ np.sin(angle)
+
+    def trajectory(self, t: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return displacement, velocity and acceleration, (3, S) each, at times t (S,) in s, from one evaluation."""
+        angle = np.multiply.outer(self._omega, as_times(t))
+        sin, cos = np.sin(angle), np.cos(angle)
+        of_cosine, of_sine = self._rates
+        a = (self._omega * of_sine) @ cos - (self._omega * of_cosine) @ sin
+        return self.sine.T @ sin + self.cosine.T @ cos, of_cosine @ cos + of_sine @ sin, a
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,12 +142,12 @@ class SampledMotion:
         def __init__(self, time: ArrayLike, samples: ArrayLike) -> None: ...
 
     def __post_init__(self):
-        series = _rows("samples", self.samples, 2)
-        time = _real_array("time", self.time, "s")
+        series = motion_rows("samples", self.samples, 2)
+        time = read_only_array("time", self.time, "s")
         if time.shape != series.shape[:1]:
             problem = f"shape {time.shape} (s) must be ({len(series)},), one for each row of samples"
             raise InputError(problem, field="time", value=self.time, unit="s")
-        _finite("time", time, "s")
+        check_finite("time", time, "s")
         if not (np.diff(time) > 0).all():
             i = int(np.argmin(np.diff(time) > 0))
             problem = f"must increase (s), and {time[i + 1]:g} follows {time[i]:g} at index {i + 1}"
@@ -148,7 +157,7 @@ class SampledMotion:
 
     def directions(self) -> np.ndarray:
         """Return unit vectors that span the motion, (k, 3)."""
-        return _spanning_vectors(self.samples)
+        return spanning_vectors(self.samples)
 
     @cached_property
     def _cubics(self):
@@ -157,7 +166,7 @@ class SampledMotion:
 
     def _locate(self, t):
         """Return the coefficients (4, 3, *S) of the pieces that contain t, and t from their left ends."""
-        t = _times(t)
+        t = as_times(t)
         first, last = self.time[0], self.time[-1]
         slack = _END_OF_SERIES * (last - first)
         inside = (t.real >= first - slack) & (t.real <= last + slack)
@@ -207,11 +216,11 @@ class FunctionMotion:
 
     def displacement(self, t: ArrayLike) -> np.ndarray:
         """Return the displacement, m: t in s, number -> (3,) or (S,) -> (3, S); InputError where it is not finite."""
-        return _evaluate("position", self.position, t, "m")
+        return evaluate_function("position", self.position, t, "m")
 
     def velocity(self, t: ArrayLike) -> np.ndarray:
         """Return the velocity, m/s: t in s, number -> (3,) or (S,) -> (3, S); InputError where it is not finite."""
-        return _evaluate("rate", self.rate, t, "m/s")
+        return evaluate_function("rate", self.rate, t, "m/s")
 
 
 @dataclass(frozen=True, eq=False)
@@ -239,7 +248,7 @@ class Ramped:
         """Return q and its first two time derivatives, each of the shape of t."""
         if np.ndim(t) == 0 and t.real >= self.duration:
             return 1.0, 0.0, 0.0
-        t = _times(t)
+        t = as_times(t)
         x = np.where(t.real <= 0, 0.0, np.where(t.real >= self.duration, 1.0, t / self.duration))
         q = x**3 * (10 - 15 * x + 6 * x**2)
         return q, 30 * x**2 * (1 - x) ** 2 / self.duration, 60 * x * (1 - x) * (1 - 2 * x) / self.duration**2
@@ -261,60 +270,20 @@ class Ramped:
         r, v, a = self.motion.displacement(t), self.motion.velocity(t), self.motion.acceleration(t)  # type: ignore[union-attr]
         return q_tt * r + 2 * q_t * v + q * a
 
-
-def _times(t) -> np.ndarray:
-    """Return t as an array of one axis at most."""
-    t = np.asarray(t)
-    if t.ndim > 1:
-        raise InputError(f"shape {t.shape} must be () or (S,) (s)", field="t", value=t, unit="s")
-    return t
+    def trajectory(self, t) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return displacement, velocity and acceleration, (3, S) each, at times t (S,) in s."""
+        (q, q_t, q_tt), (r, v, a) = self._ramp(t), trajectory(self.motion, t)
+        return q * r, q_t * r + q * v, q_tt * r + 2 * q_t * v + q * a
 
 
-def _real_array(name, values, unit) -> np.ndarray:
-    """Return a read-only float copy of an array of real numbers."""
-    try:
-        array = as_array(values)
-    except ValueError:
-        problem = f"rows of different lengths, or masked elements, must be real numbers ({unit}) of one shape"
-        raise InputError(problem, field=name, value=values, unit=unit) from None
-    if array.dtype.kind not in "iuf":
-        problem = f"values of type {array.dtype} must be real numbers ({unit})"
-        raise InputError(problem, field=name, value=values, unit=unit)
-    array = array.astype(float)
-    array.flags.writeable = False
-    return array
+def trajectory(motion, t) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return displacement, velocity and acceleration, (3, S) each, of any motion at times t (S,) in s.
 
-
-def _finite(name, array, unit):
-    """Raise InputError naming the first entry that is not finite."""
-    if not np.isfinite(array).all():
-        at = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
-        field = f"{name}[{', '.join(map(str, at))}]"
-        raise InputError(f"{array[at]} {unit} must be finite", field=field, value=float(array[at]), unit=unit)
-
-
-def _rows(name, values, least) -> np.ndarray:
-    """Return a read-only array (n, 3) of finite numbers in m, n >= least."""
-    array = _real_array(name, values, "m")
-    if array.ndim != 2 or array.shape[1] != 3 or len(array) < least:
-        problem = f"shape {array.shape} must be (n, 3), n >= {least} rows [x, y, z] (m)"
-        raise InputError(problem, field=name, value=values, unit="m")
-    _finite(name, array, "m")
-    return array
-
-
-def _spanning_vectors(rows) -> np.ndarray:
-    """Return orthonormal vectors (k, 3), k = 0..3, that span the rows (n, 3)."""
-    _, extent, axes = np.linalg.svd(rows, full_matrices=False)
-    return axes[extent > _SAME_DIRECTION * max(extent[0], np.finfo(float).tiny)]
-
-
-def _evaluate(name, function, t, unit) -> np.ndarray:
-    """Return function at each t, (3, *S); raises InputError naming the time where it is not three finite numbers."""
-    t = _times(t)
-    values = [np.asarray(function(one)) for one in t.ravel().tolist()]
-    for one, value in zip(t.ravel(), values, strict=True):
-        if value.shape != (3,) or not np.isfinite(value).all():
-            problem = f"{value!r} at {one:g} s must be three finite components [x, y, z] ({unit})"
-            raise InputError(problem, field=name, value=value, unit=unit)
-    return np.stack(values, axis=-1).reshape(3, *t.shape) if values else np.empty((3, 0))
+    The acceleration comes from differences of the velocity where the motion gives none.
+    """
+    if hasattr(motion, "trajectory"):
+        return motion.trajectory(t)
+    if hasattr(motion, "acceleration"):
+        return motion.displacement(t), motion.velocity(t), motion.acceleration(t)
+    h = _DIFFERENCE * (float(np.ptp(t)) or 1.0)
+    return motion.displacement(t), motion.velocity(t), (motion.velocity(t + h) - motion.velocity(t - h)) / (2 * h)

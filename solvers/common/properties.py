@@ -17,7 +17,8 @@ class Environment:
     """Water, gravity and seabed, flat at z = -depth.
 
     rho in kg/m^3, g in m/s^2, depth in m (None: no seabed); current: steady velocity of the water, (3,) in m/s;
-    seabed_stiffness in N/m^2, per unit length of line and metre of penetration (None: rigid, for statics only).
+    seabed_stiffness in N/m^2, per unit length of line and metre of penetration (None: rigid, for statics only);
+    seabed_damping in N s/m^2, per unit length and m/s while the seabed is pressed, for moving lines of nodes.
     Raises InputError naming the field, its value and its unit.
 
     >>> Environment(depth=320.0, current=(0.5, 0.0, 0.0)).rho  # kg/m^3
@@ -29,6 +30,7 @@ class Environment:
     depth: float | None = None
     current: Vector = field(default=(0.0, 0.0, 0.0), kw_only=True)
     seabed_stiffness: float | None = field(default=None, kw_only=True)
+    seabed_damping: float = field(default=0.0, kw_only=True)
 
     def __post_init__(self):
         object.__setattr__(self, "rho", non_negative_number("rho", self.rho, "kg/m^3"))
@@ -42,6 +44,11 @@ class Environment:
                 problem = f"{stiffness:g} N/m^2 takes a seabed, and depth (m) is not given"
                 raise InputError(problem, field="seabed_stiffness", value=stiffness, unit="N/m^2")
             object.__setattr__(self, "seabed_stiffness", stiffness)
+        damping = non_negative_number("seabed_damping", self.seabed_damping, "N s/m^2")
+        if damping and self.depth is None:
+            problem = f"{damping:g} N s/m^2 takes a seabed, and depth (m) is not given"
+            raise InputError(problem, field="seabed_damping", value=damping, unit="N s/m^2")
+        object.__setattr__(self, "seabed_damping", damping)
 
 
 _COEFFICIENTS = {  # field -> unit

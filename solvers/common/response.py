@@ -11,7 +11,26 @@ from numpy.typing import ArrayLike
 from .outcome import InputError
 from .validation import real_array
 
+ROUNDING = 1e-12  # of a duration, that rounding may leave
 _SAMPLES = 64  # in a period for each harmonic asked for: the interpolated tension then has no alias above 1e-6
+
+
+def inside(t, time) -> np.ndarray:
+    """Return times t in s as an array; raises InputError outside those that are stored, time (K,)."""
+    t, rounding = np.asarray(t, dtype=float), ROUNDING * time[-1]
+    within = (t >= time[0] - rounding) & (t <= time[-1] + rounding)
+    if not np.all(within):
+        problem = f"{t[~within].flat[0]:g} s is outside the history, {time[0]:g} to {time[-1]:g} s"
+        raise InputError(problem, field="t", value=t, unit="s")
+    return t
+
+
+def last_period(time, period) -> tuple[float, float]:
+    """Return the start of the last whole period that is stored at time (K,), and the period, s. InputError without."""
+    if period is None or time[-1] - time[0] < period * (1 - ROUNDING):
+        problem = f"{time[-1] - time[0]:g} s are stored, no whole period ({period} s)"
+        raise InputError(problem, field="time", value=time, unit="s")
+    return max(time[0], time[-1] - period), period
 
 
 class Response:
@@ -58,8 +77,11 @@ class Response:
             t = real_array(t)
         except (TypeError, ValueError):
             raise InputError(f"{t!r} must be real numbers (s)", field="t", value=t, unit="s") from None
-        flat = np.atleast_1d(t).ravel()
-        return self.system.tension(self.at(flat), self.rate_at(flat))[-1].reshape(t.shape)
+        return self._tension_at(np.atleast_1d(t).ravel()).reshape(t.shape)
+
+    def _tension_at(self, t) -> np.ndarray:
+        """Return the fairlead tension at times t (S,) in s, (S,), N."""
+        return self.system.tension(self.at(t), self.rate_at(t))[-1]
 
     def tension_harmonics(self, k: int) -> np.ndarray:
         """Return mean and amplitudes of harmonics 1..k of the fairlead tension over the last period, (k + 1,), N."""

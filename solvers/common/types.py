@@ -23,3 +23,8 @@ class Movement(Protocol):
 
     def directions(self) -> np.ndarray:
         """Return unit vectors whose combinations hold the motion, (k, 3)."""
+
+
+def as_system(given):
+    """Return what a solver works on: the system that a scene makes of itself, or what is given."""
+    return given.as_system() if hasattr(given, "as_system") else given

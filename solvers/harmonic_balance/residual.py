@@ -23,6 +23,12 @@ SYMMETRY_TOLERANCE = 1e-9  # share of the rows that may be left where a symmetry
 _NONE = np.empty(0, int)
 
 
+def harmonic_residual(system, basis, mirror=None, iterative=False):
+    """Return the HarmonicResidual of a chain, or what another system gives in its place with the same methods."""
+    build = getattr(system, "harmonic_residual", None)
+    return HarmonicResidual(system, basis, mirror, iterative) if build is None else build(basis, mirror, iterative)
+
+
 def find_mirror(system, basis):
     """Signs of the chain's mirror if its rows at a random state and at the image of it half a period later agree.
 

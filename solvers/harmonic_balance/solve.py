@@ -7,11 +7,14 @@ vanish, (63), and Newton's method solves for z with the blocks (72)-(74) of the 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..common.outcome import InputError, Status
+from ..common.types import as_system
 from ..common.validation import flags, one_of, positive_number, real_array, whole_number
 from ..numerics.chain import ChainSystem
 from ..numerics.fourier import Basis
@@ -50,7 +53,8 @@ def solve_periodic(
     start: a PeriodicResponse of the same nodes and fields, or coefficients z (n_f, N, C), in place of rest.
     tolerance: error (76), the mean |dz| of the last Newton step. globalisation: "damped" (error-oriented damping, old
     Jacobians kept, and updated, while they serve) or "relaxation" (the paper's factor, a new Jacobian at every step).
-    multilevel: start from a solution with three harmonics on the fewest nodes, then with more of both.
+    multilevel: start from a solution with three harmonics on the fewest nodes, then with more of both; a line of nodes
+    and elements from a short time integration.
     linear_solver: "direct" (blocks, storage N Nh^2, work N Nh^3) or "iterative" (GMRES preconditioned by the harmonics
     of the averaged chain, storage N Nh; for motions that change the tension by less than about a third of its mean).
     symmetry: use a mirror symmetry of the chain where its rows show it.
@@ -68,6 +72,10 @@ def solve_periodic(
     >>> (response.tension_harmonics(1) / 1e3).round().tolist()  # kN, mean and first amplitude
     [974.0, 364.0]
     """
+    system = as_system(system)
+    if deferred_correction and hasattr(system, "solve_extrapolated"):  # a moving line of nodes and elements
+        options = {name: value for name, value in locals().items() if name not in ("system", "deferred_correction")}
+        return system.solve_extrapolated(**options)
     Nh = _count("harmonics", harmonics)
     nu = _count("subharmonic", subharmonic)
     Nt = max(4 * Nh, 8) if samples is None else _count("samples", samples)
@@ -85,17 +93,23 @@ def solve_periodic(
         problem = "the chain has no periodic driving, and its periodic response takes one"
         raise InputError(problem, field="motion", value=system.motion)
     basis = Basis(Nh, Nt, 2 * math.pi / (nu * system.period), bool(mean))
-    newton, iterative = _NEWTON[globalisation], linear_solver == "iterative"
+    newton, iterative = getattr(system, "newton", _NEWTON[globalisation]), linear_solver == "iterative"
     z, coarse_iterations = _start_coefficients(system, basis, start), 0
     keep_freed_memory()
     with one_blas_thread(), np.errstate(all="ignore"):  # a diverging step is found by its size
         mirror = find_mirror(system, basis) if symmetry else None
-        if multilevel and start is None:
+        if multilevel and start is None and hasattr(system, "periodic_start"):
+            z = system.periodic_start(basis, nu)
+        elif multilevel and start is None:
             z, coarse_iterations = multilevel_start(system, basis, nu, newton, mirror, iterative)
         solution = solve_with_continuation(system, basis, z, tolerance, newton, mirror, iterative)
         if solution.amplitude == 1.0 and not solution.residual.satisfies_omitted_rows(solution.z):
             solution = solve_with_continuation(system, basis, z, tolerance, newton, None, iterative)
         response = _response(system, nu, coarse_iterations, solution, finer, tolerance)
+    again = partial(
+        solve_periodic, harmonics=Nh, samples=Nt, subharmonic=nu, mean=mean, tolerance=tolerance, throw=False,
+        globalisation=globalisation, linear_solver=linear_solver, multilevel=multilevel, symmetry=symmetry)  # fmt: skip
+    response = replace(response, repeat=again)
     given = f"{Nh} harmonics, {Nt} samples, amplitude reached: {solution.amplitude:.4g}"
     if response.event is not None:
         t, node = response.event
@@ -121,7 +135,8 @@ def _response(system, nu, coarse_iterations, solution, finer, tolerance) -> Peri
         status = invalid[0]
     counts = iterations, coarse_iterations, norm
     settings = tuple(steps), amplitude, basis.mean, residual.symmetric, event, correction
-    return PeriodicResponse(system, basis, z, nu, status, *counts, *settings)  # type: ignore[arg-type]
+    result = getattr(system, "periodic_response", PeriodicResponse)
+    return result(system, basis, z, nu, status, *counts, *settings)  # type: ignore[arg-type]
 
 
 def _first_invalid(system, basis, z):

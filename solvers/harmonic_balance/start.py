@@ -12,7 +12,7 @@ import numpy as np
 from ..numerics.continuation import continue_in_load
 from ..numerics.fourier import Basis
 from ..numerics.newton import damped_newton, relaxed_newton
-from .residual import HarmonicResidual
+from .residual import HarmonicResidual, harmonic_residual
 
 COARSE_HARMONICS, COARSE_TOLERANCE = 3, 2e-2  # of the driving, and the error (76) that is good enough for a start
 MAX_UNDAMPED_STEPS = 8  # before damped ones are tried
@@ -41,13 +41,13 @@ def mean_change(step) -> float:
 
 def solve_with_continuation(system, basis, z, tolerance, newton, mirror, iterative) -> Solution:
     """Solve at the full amplitude from z, or from rest by steps in the amplitude of the driving."""
-    if mirror is not None and not HarmonicResidual(system, basis, mirror, iterative).start_is_symmetric(z):
+    if mirror is not None and not harmonic_residual(system, basis, mirror, iterative).start_is_symmetric(z):
         mirror = None
     last: list = []
 
     def solve(amplitude, guess):
         chain = system if amplitude == 1.0 else system.scaled(amplitude)
-        residual = HarmonicResidual(chain, basis, mirror, iterative)
+        residual = harmonic_residual(chain, basis, mirror, iterative)
         linearise, inverse = _keep_last_solve(residual.linearise)
         last[:] = residual, inverse  # before Newton's method: the factors of the last try go before new ones come
         x, steps, converged = newton(linearise, residual.residual, residual.pack(guess), tolerance, mean_change)

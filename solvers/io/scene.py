@@ -3,7 +3,8 @@
 name = "OC3 Hywind"                  optional: description
 tolerance = 1e-6                     relative error wanted of the fairlead tension
 [environment]                        rho = 1025 kg/m^3, g = 9.80665 m/s^2; depth (m): a flat seabed at z = -depth
-current = [0.5, 0.0, 0.0]            m/s, of the water; seabed_stiffness (N/m^2): for dynamics over a seabed
+current = [0.5, 0.0, 0.0]            m/s, of the water; seabed_stiffness (N/m^2): for dynamics over a seabed,
+                                     and seabed_damping (N s/m^2) there
 [line]                               length (m), EA (N), then submerged_weight (N/m) or diameter (m) + mass_per_length
 friction = 0.001                     (kg/m); friction of the seabed: one value, or a list to compare
 Cdn = 1.6                            dynamics: drag Cdn, Cdb, Cdt, added mass Ca, damping (s), see CableProperties
@@ -34,11 +35,12 @@ from ..common.outcome import InputError
 from ..common.properties import CableProperties, Environment
 from ..common.types import Vector
 from ..common.validation import positive_number, real_number, vector
+from ..mooring.system import MooringSystem, mooring_system
 
 _SECTION = ("diameter", "mass_per_length", "submerged_weight", "Cdn", "Cdb", "Cdt", "Ca", "damping")
 _KEYS = {
     "": {"name", "description", "tolerance", "environment", "line", "ends", "motion"},
-    "environment": {"rho", "g", "depth", "current", "seabed_stiffness"},
+    "environment": {"rho", "g", "depth", "current", "seabed_stiffness", "seabed_damping"},
     "line": {"length", "EA", "friction", *_SECTION},
     "ends": {"anchor", "fairlead"},
     "motion": {"frequency", "period", "amplitude", "phase"},
@@ -131,6 +133,10 @@ class Scene:
         if lowest < -depth:
             problem = f"takes the fairlead down to z = {lowest:g} m, below the seabed, {-depth:g} m"
             raise InputError(problem, field="motion.amplitude", value=self.motion.sine.tolist(), unit="m")  # type: ignore[union-attr]
+
+    def as_system(self) -> MooringSystem:
+        """Return the moving line of nodes and elements on its default mesh, which solvers make of a scene."""
+        return mooring_system(self)
 
     def spans(self) -> tuple[Span, ...]:
         """Return the line as solvers.Span in its vertical plane, one for each friction coefficient."""

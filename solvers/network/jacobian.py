@@ -83,7 +83,7 @@ def scaled_jacobian(now, jacobian):
 
 
 def dense_step(now, jacobian):
-    """Return the Newton step (dr, dH, dV) with the whole matrix; counts (2/3) n^3 operations, (5.6)."""
+    """Return the Newton step (dr, dH, dV) of an Iterate by the whole matrix; counts (2/3) n^3 operations (MSQS 5.6)."""
     J = scaled_jacobian(now, jacobian)
     now.system.count.operations += 2 / 3 * J.shape[0] ** 3
     return split_step(now, _solve(J, -now.residual))

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..catenary.span import Span
 from ..common.outcome import InputError
-from ..common.properties import Environment
+from ..common.properties import CableProperties, Environment
 from ..common.types import Vector
 from ..common.validation import non_negative_number, one_of, real_array, vector
 from .equations import NetworkEquations
@@ -56,6 +56,7 @@ class Element:
 
     w < 0: buoyant; such a line never touches the seabed, and hangs as if there were none, below it too.
     friction : coefficient of the seabed where the anchor end lies on it (MSQS 2.15); a raised anchor end has none.
+    cable : the section for dynamics (mass, drag, damping), of the same EA; None where statics alone is asked for.
 
     >>> Element(w=59.1, EA=2.34e8, L=300, ends=(1, 2)).friction
     0.0
@@ -66,8 +67,16 @@ class Element:
     L: float
     ends: Sequence[int]
     friction: float = 0.0
+    cable: CableProperties | None = None
 
     def __post_init__(self):
+        if self.cable is not None:
+            if not isinstance(self.cable, CableProperties):
+                problem = f"{self.cable!r} is not a solvers.CableProperties"
+                raise InputError(problem, field="cable", value=self.cable)
+            if self.cable.EA != self.EA:
+                problem = f"its EA, {self.cable.EA:g} N, must be that of the element, {self.EA:g} N"
+                raise InputError(problem, field="cable", value=self.cable, unit="N")
         line = Span(self.w, self.EA, self.L, 0.0, 0.0, seabed=False, friction=self.friction)
         for name in ("w", "EA", "L", "friction"):
             object.__setattr__(self, name, getattr(line, name))

@@ -38,6 +38,7 @@ class ChainSystem:
     fields: tuple[str, ...]
     nodes: int
     start_rows: int
+    needs_mesh_check = False  # whether results are compared with those on half the nodes, for warnings
     period: float | None = None  # of the motion, s
     motion = None  # of the last node: displacement(t) and velocity(t), (3, *S) in m and m/s
 

@@ -2,15 +2,26 @@
 
 from __future__ import annotations
 
+import hashlib
+from functools import partial
+
 from numba import njit
 
 
-def compiled(loop):
+def compiled(loop=None, *, calls=()):
     """Return the loop compiled at its first call, cached on disk for all processes where numba finds a folder.
 
-    What a loop calls has to stand in its own file: numba checks no other file for changes.
+    A division by zero gives inf or NaN, as in numpy, and other threads run beside the loop.
+    calls: the modules with the compiled functions that the loop calls, beside its own. The code of these is cached with
+    the loop, and numba checks no file but the loop's for changes; so a digest of their text stands in the loop's name,
+    and with it in that of the cached file.
     """
+    if loop is None:
+        return partial(compiled, calls=calls)
+    if calls:
+        text = "".join(module.__loader__.get_source(module.__name__) for module in calls)
+        loop.__qualname__ += "_" + hashlib.sha256(text.encode()).hexdigest()[:16]
     try:
-        return njit(cache=True)(loop)
+        return njit(cache=True, nogil=True, error_model="numpy")(loop)
     except RuntimeError:
-        return njit(loop)
+        return njit(nogil=True, error_model="numpy")(loop)

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigs
 
 from ..common.outcome import ConvergenceError, InputError, Status
+from ..common.types import as_system
 from ..common.validation import non_negative_number, whole_number
 from .chain import BandedJacobian, ChainSystem, product
 
@@ -37,6 +38,7 @@ def natural_modes(system: ChainSystem, count: int = 6, near: float = 0.0) -> Mod
     (A + sigma B)^-1 B. A real sigma orders undamped modes by their frequency, whatever its size.
     Raises InputError for a count that the chain does not have, or a ``near`` so far above its lowest frequency that
     rounding hides the modes, ConvergenceError when Arnoldi's method fails.
+    Of a line of nodes and elements, or a Scene taken as one, the shapes are displacements, (n, N, k).
 
     >>> from solvers.numerics.modes import natural_modes
     >>> chain = CableProperties(EA=384.243e6, diameter=0.09, mass_per_length=77.7066, Cdn=1.6)
@@ -44,10 +46,13 @@ def natural_modes(system: ChainSystem, count: int = 6, near: float = 0.0) -> Mod
     >>> natural_modes(cable_system(scene, nodes=20), count=2).frequencies.round(3).tolist()  # Hz
     [0.112, 0.163]
     """
+    system = as_system(system)
     n_f, nodes = len(system.fields), system.nodes
+    pencil = system.pencil() if hasattr(system, "pencil") else _ChainPencil(system)
+    size = pencil.size
     count = whole_number("count", count, 1, unit="modes")
-    if 2 * count > n_f * nodes:  # eigenvalues come in pairs
-        problem = f"{count} modes asked, a chain of {nodes} nodes has at most {n_f * nodes // 2}"
+    if 2 * count > size:  # eigenvalues come in pairs
+        problem = f"{count} modes asked, a chain of {nodes} nodes has at most {size // 2}"
         raise InputError(problem, field="count", value=count, unit="modes")
     near = non_negative_number("near", near, "Hz")
     if near:
@@ -56,17 +61,12 @@ def natural_modes(system: ChainSystem, count: int = 6, near: float = 0.0) -> Mod
             problem = f"{near:g} Hz must not exceed {_MAX_SHIFT:g} of the lowest frequency, {lowest:.3g} Hz"
             raise InputError(problem, field="near", value=near, unit="Hz")
         near *= near > lowest / _FAR  # the modes nearest to a number far below all are the lowest
-    rest = system.rest_state()
-    rows = [f(rest, np.zeros_like(rest), 0.0) for f in (system.start, system.cells_or_empty, system.end)]
-    rates = [part.dydot for part in rows]
-    size = n_f * nodes
 
     def nearest(sigma, k):
         """Return the oscillations among the k or more eigenvalues nearest to sigma, and their vectors."""
-        jacobian = BandedJacobian(n_f, nodes, system.start_rows, type(sigma))
-        if not jacobian.factorise(*(part.dy + sigma * part.dydot for part in rows)):
+        step = pencil.inverse(sigma)
+        if step is None:
             raise ConvergenceError(f"the shift {sigma:g} rad/s meets an eigenvalue: give another ``near``")
-        step = lambda x: jacobian.solve(product(rates, x.reshape(nodes, n_f).T))
         if k >= size - 1:
             mu, vectors = np.linalg.eig(np.column_stack([step(column) for column in np.eye(size)]))
         else:
@@ -97,6 +97,28 @@ def natural_modes(system: ChainSystem, count: int = 6, near: float = 0.0) -> Mod
             raise InputError(problem, field="count", value=count, unit="modes")
         k *= 2
     chosen = np.argsort(abs(eigenvalues[:count]))
-    eigenvalues, shapes = eigenvalues[chosen], vectors[:, chosen].reshape(nodes, n_f, count).swapaxes(0, 1)
+    eigenvalues, shapes = eigenvalues[chosen], pencil.shapes(vectors[:, chosen])
     omega = abs(eigenvalues)
     return Modes(omega / (2 * math.pi), -eigenvalues.real / omega, shapes)
+
+
+class _ChainPencil:
+    """A + lambda B of a ChainSystem about rest: ``size``, (A + sigma B)^-1 B, and vectors as shapes."""
+
+    def __init__(self, system):
+        rest = system.rest_state()
+        self.system, self.size = system, rest.size
+        self.rows = [f(rest, np.zeros_like(rest), 0.0) for f in (system.start, system.cells_or_empty, system.end)]
+
+    def inverse(self, sigma):
+        """Return the function x -> (A + sigma B)^-1 B x, None where that is singular."""
+        n_f, nodes = len(self.system.fields), self.system.nodes
+        jacobian = BandedJacobian(n_f, nodes, self.system.start_rows, type(sigma))
+        if not jacobian.factorise(*(part.dy + sigma * part.dydot for part in self.rows)):
+            return None
+        rates = [part.dydot for part in self.rows]
+        return lambda x: jacobian.solve(product(rates, x.reshape(nodes, n_f).T))
+
+    def shapes(self, vectors) -> np.ndarray:
+        """Return vectors (size, k) as shapes (n_f, N, k)."""
+        return vectors.reshape(self.system.nodes, len(self.system.fields), -1).swapaxes(0, 1)

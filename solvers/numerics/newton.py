@@ -23,6 +23,7 @@ MIN_STEP = 1e-8  # part of a Newton step below which halving ends
 SUFFICIENT_DECREASE = 1e-4  # of the residual norm, in Armijo's condition
 _RELAX_UP, _RELAX_DOWN = 1.02, 1.1
 _KEEP = 0.2  # contraction up to which another step with the old Jacobian is cheaper than a new Jacobian
+_KEEP_FULL = 0.1  # the same where steps are not damped
 MAX_ITERATIONS = 200  # a bisection of the whole positive double range in log t needs 2 + log2(1420 / eps) = 65
 
 
@@ -42,6 +43,7 @@ def monotone_root(residual, start, upper, parameters, tolerance):
     residual(f, t, *parameters) -> (g, Newton step in log t), f the elementary functions; all numbers are floats.
     """
     t, lo, hi = start, 0.0, upper
+    # Not by ``iterate``: its calls would cost as much as a step on floats, and the bracket narrows at the last one, too
     for iteration in range(1, MAX_ITERATIONS + 1):  # noqa: B007 (returned)
         g, step = residual(SCALAR, t, *parameters)
         t, lo, hi, finished = _advance(t, lo, hi, g, step, tolerance, SCALAR)
@@ -164,6 +166,26 @@ def relaxed_newton(linearise, residual, x, tolerance, norm, limit=50):
     return x, steps, converged
 
 
+def full_newton(linearise, residual, x, tolerance, norm, limit=12):
+    """Return (x, steps, converged) of Newton's method in full steps, a Jacobian kept while it contracts by _KEEP_FULL.
+
+    Arguments as of ``damped_newton``; for problems in whose form full steps are known to converge.
+    """
+    steps, kept = [], []  # type: ignore[var-annotated]
+
+    def step(x):
+        newton = _newton_step((lambda x: (residual(x), kept[0])) if kept else linearise, x, norm)
+        if newton is None:
+            return None
+        last = steps[-1].error if steps else np.inf
+        steps.append(Step(newton[2], 1.0))
+        kept[:] = [newton[0]] if newton[2] <= _KEEP_FULL * last and steps[:-1] else []
+        return x + newton[1]
+
+    x, converged = iterate(step, _last_step_is_small(steps, tolerance), x, limit)
+    return x, steps, converged
+
+
 def damped_newton(linearise, residual, x, tolerance, norm, limit=50):
     """Return (x, steps, converged) of Newton's method with Deuflhard's error-oriented damping, NLEQ-ERR.
 
@@ -198,6 +220,7 @@ class _ErrorOriented:
         if error <= self.tolerance:
             self.steps.append(Step(error, 1.0))
             return x + full
+        # Not by ``iterate``: trials of one step are not iterates, each starts from the same x with another length
         while True:
             trial = x + relaxation * full
             F = self.residual(trial)

@@ -67,7 +67,8 @@ class Scheme:
 class Stepper:
     """Steps of a chain; keeps the factorised Jacobian from step to step and counts the work.
 
-    iterations, factorisations: in total; error: mean |dy| of the last Newton step, HB (76); worst: node of the largest.
+    iterations, factorisations: in total; error: mean |dy| of the last Newton step, HB (76), infinite after a singular
+    Jacobian or a step that is not finite; worst: node of the largest.
     """
 
     def __init__(self, system, scheme: Scheme, tolerance: float, hold: str | None, dt: float):
@@ -102,13 +103,14 @@ class Stepper:
             F = stack(*rows)
             self.iterations += 1
             if tangents and not self._factorise(rows, h, rate):
+                self.error = math.inf
                 return self._failed()
             dy = self.jacobian.solve(F).reshape(y.T.shape).T
             size = abs(dy)
             error = float(np.add.reduce(size, axis=None)) / size.size
-            if not math.isfinite(error):
+            self.error = error if math.isfinite(error) else math.inf
+            if self.error == math.inf:
                 return self._failed(F.reshape(y.T.shape).T)
-            self.error = error
             if error <= self.tolerance:  # the last step is taken in full, however the ones before were relaxed
                 new = new - dy
                 return new, rate * (new - y) - old_rate
@@ -136,7 +138,13 @@ class Stepper:
         return None
 
     def initial_rate(self, y, h):
-        """ydot of a state that starts to move: one step of backward Euler, so short (h, s) that y stays."""
+        """Return ydot of a state that starts to move: one step of backward Euler, so short (h, s) that y stays.
+
+        Returns None where that step fails; ``error`` and ``worst`` are then those of that step.
+        """
         euler = Stepper(self.system, Scheme.backward_euler(), self.tolerance, None, h)
         result = euler.step(y, np.zeros_like(y), 0.0, h, np.zeros_like(y))
-        return None if result is None else result[1]
+        if result is None:
+            self.error, self.worst = euler.error, euler.worst
+            return None
+        return result[1]

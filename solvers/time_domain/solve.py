@@ -3,95 +3,28 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
-from functools import cached_property
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..common import diagnostics
-from ..common.outcome import InputError, Outcome, Status
-from ..common.response import Response
+from ..common.outcome import InputError, Status
+from ..common.response import ROUNDING
+from ..common.types import as_system
 from ..common.validation import flags, one_of, positive_number, real_array, real_number, whole_number
 from ..numerics.chain import ChainSystem
 from .drift_control import DRIFT_CONTROLS
 from .generalized_alpha import Scheme, Stepper
+from .history import TimeHistory
 from .step_control import StepControl
 
-_ROUNDING = 1e-12  # of the duration, that rounding may leave
+TOLERANCE = 1e-10  # mean change of a state
+LINE_TOLERANCE = 1e-4  # of the largest change of a tension from rest
 MAX_STEPS = 1e9  # a day of work for the shortest chain
-
-
-@dataclass(frozen=True)
-class TimeHistory(Response, Outcome):
-    """Motion over time: time (K,) s; y, ydot (n_f, N, K); Newton iterations and factorisations in total.
-
-    residual_norm: mean |dy| of the last Newton step, HB (76). steps taken, and rejected by the step control.
-    event: (time in s, node from 0) where the status arose, None on success. moved: the system with its ramp.
-    hold: what kept the last node from drifting, as given. ramp: time over which the motion grew from rest, s.
-    failed_ramp: the default ramp of half a period, s, where the integration failed with it and a longer one was taken.
-    """
-
-    system: ChainSystem = field(repr=False)
-    ramped_system: ChainSystem = field(repr=False)
-    time: np.ndarray = field(repr=False)
-    y: np.ndarray = field(repr=False)
-    ydot: np.ndarray = field(repr=False)
-    status: Status
-    iterations: int
-    factorisations: int
-    residual_norm: float
-    steps: int
-    rejected: int
-    event: tuple[float, int] | None = None
-    hold: str | None = None
-    ramp: float = 0.0
-    failed_ramp: float | None = None
-
-    @property
-    def last_period(self) -> tuple[float, float]:
-        """Start of the last whole period that is stored, and the period, s. Raises InputError without one."""
-        period = self.system.period
-        if period is None or self.time[-1] - self.time[0] < period * (1 - _ROUNDING):
-            problem = f"{self.time[-1] - self.time[0]:g} s are stored, no whole period ({period} s)"
-            raise InputError(problem, field="time", value=self.time, unit="s")
-        return max(self.time[0], self.time[-1] - period), period
-
-    def at(self, t: ArrayLike) -> np.ndarray:
-        """State at times t (S,) in s, (n_f, N, S): cubic between the stored times. Raises InputError outside them."""
-        return self._cubic(t, 0)
-
-    def rate_at(self, t: ArrayLike) -> np.ndarray:
-        """Rate of the state at times t (S,) in s, (n_f, N, S)."""
-        return self._cubic(t, 1)
-
-    @cached_property
-    def warnings(self) -> tuple[str, ...]:
-        """What a cable's history has lost: drift, compression between steps, steps too long, not periodic yet."""
-        return tuple(diagnostics.check_history(self))
-
-    def drift(self) -> np.ndarray:
-        """Distance of the last node from its prescribed place at the stored times, (K,), m."""
-        return np.linalg.norm(self.ramped_system.drift(self.y, self.time), axis=0)  # type: ignore[arg-type]
-
-    def _cubic(self, t, order):
-        """Hermite's cubic through y and ydot, or its first derivative."""
-        t, time = np.asarray(t, dtype=float), self.time
-        slack = _ROUNDING * time[-1]
-        inside = (t >= time[0] - slack) & (t <= time[-1] + slack)
-        if not np.all(inside):
-            problem = f"{t[~inside].flat[0]:g} s is outside the history, {time[0]:g} to {time[-1]:g} s"
-            raise InputError(problem, field="t", value=t, unit="s")
-        i = np.clip(np.searchsorted(time, t, side="right") - 1, 0, time.size - 2)
-        h = time[i + 1] - time[i]
-        x = (t - time[i]) / h
-        if order == 0:
-            weights = (1 - x) ** 2 * (1 + 2 * x), x * x * (3 - 2 * x), h * x * (1 - x) ** 2, h * x * x * (x - 1)
-        else:
-            weights = -6 * x * (1 - x) / h, 6 * x * (1 - x) / h, (1 - x) * (1 - 3 * x), x * (3 * x - 2)
-        parts = self.y[..., i], self.y[..., i + 1], self.ydot[..., i], self.ydot[..., i + 1]
-        return sum(weight * part for weight, part in zip(weights, parts, strict=True))
 
 
 def solve_time_domain(
@@ -100,9 +33,9 @@ def solve_time_domain(
     dt: float,
     periods: float | None = None,
     duration: float | None = None,
-    rho_inf: float = 0.5,
+    rho_inf: float | None = None,
     scheme: Scheme | None = None,
-    tolerance: float = 1e-10,
+    tolerance: float | None = None,
     step_tolerance: float | None = None,
     ramp: float | None = None,
     start: Sequence[ArrayLike | None] | None = None,
@@ -114,11 +47,15 @@ def solve_time_domain(
 ) -> TimeHistory:
     """Integrate the chain from rest, or from ``start`` = (y, ydot or None), over ``periods`` or a ``duration`` in s.
 
+    system: a cable on the box scheme (``cable_system``), a line of nodes and elements (``mooring_system``), which goes
+    through slack and takes neither scheme, hold nor allow_invalid, or a Scene, taken as ``mooring_system(scene)``; of
+    lines the result is a MooringHistory. A list of lines is integrated side by side, one core each: a list of results.
     dt: step in s, made to divide the duration; with step_tolerance (error of a step relative to the largest value of
     each field, or the chain's scale) the longest step.
-    rho_inf: spectral radius at infinite frequency (near 1 the shortest waves are not damped, and a motion may feed
-    them); or scheme, a Scheme.
-    tolerance: mean |dy| of the last Newton step, HB (76).
+    rho_inf: spectral radius at infinite frequency, 0.5 by default (near 1 the shortest waves are not damped, and a
+    motion may feed them); or scheme, a Scheme.
+    tolerance: mean |dy| of the last Newton step, HB (76), 1e-10 by default; of a line of nodes and elements that part
+    of the largest change of a tension which the last Newton step may make, 1e-4 by default.
     ramp: time in s over which the motion grows from rest (none from a ``start``). Default: half a period, HB 4.3; where
     a step fails or a state is invalid within the first two periods, which so short a ramp alone may cause, a history of
     two periods or more is integrated again with a ramp of one period, unless allow_invalid; ``failed_ramp`` and a
@@ -128,7 +65,8 @@ def solve_time_domain(
     is that of ``solve_periodic``; None: nothing, the paper's scheme.
     allow_invalid: go on where a state leaves what the chain is valid for (a cable in compression, which is ill-posed)
     and say so in the status; otherwise the history ends there.
-    every: keep each n-th step, the first and the last. progress: called with the time reached in s after each step.
+    every: keep each n-th step, the first and the last. progress: called with the time reached in s after each step,
+    of a line of nodes and elements after some hundred.
     Raises InputError for bad input, ConvergenceError when a step fails or a state is invalid (``throw=False``, and an
     invalid state that is allowed: the history up to there with its status).
 
@@ -139,6 +77,13 @@ def solve_time_domain(
     >>> round(float(history.fairlead_tension(40.0)) / 1e6, 2)  # MN
     1.28
     """
+    if isinstance(system, (list, tuple)):
+        options = {k: v for k, v in locals().items() if k != "system"}
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            return list(pool.map(lambda one: solve_time_domain(one, **options), system))  # type: ignore[return-value]
+    system = as_system(system)
+    is_line = hasattr(system, "integrate")  # of nodes and elements, with steps of its own
+    tolerance = (LINE_TOLERANCE if is_line else TOLERANCE) if tolerance is None else tolerance
     end = _duration(system, periods, duration)
     dt, tolerance = positive_number("dt", dt, "s"), positive_number("tolerance", tolerance, "(mean change of a state)")
     if dt > end:
@@ -151,11 +96,20 @@ def solve_time_domain(
         step_tolerance = positive_number("step_tolerance", step_tolerance, "(dimensionless)")
     every = whole_number("every", every, 1, unit="steps")
     flags(allow_invalid=allow_invalid, throw=throw)
-    scheme = _scheme(scheme, rho_inf)
+    given_scheme, scheme = scheme, _scheme(scheme, rho_inf)
     if not (progress is None or callable(progress)):
         raise InputError(f"{progress!r} must be a function of time (s), or None", field="progress", value=progress)
     first_ramp = _first_ramp(system, ramp, start)
-    hold, state = _checked_hold(system, hold), _start_state(system, start)
+    hold = _checked_hold(system, hold)
+    if is_line:
+        _refuse(("scheme", given_scheme, None), ("hold", hold, "position"), ("allow_invalid", allow_invalid, False))
+    state = _start_state(system, start)
+    if is_line:
+        count = math.ceil(end / dt * (1 - ROUNDING))
+        settings: dict = {"dt": end / count, "count": count, "rho_inf": rho_inf, "tolerance": tolerance, "every": every}
+        settings |= {"step_tolerance": step_tolerance, "ramp": first_ramp, "start": None if start is None else state}
+        history = system.integrate(progress=progress, **settings)  # type: ignore[attr-defined]
+        return history.or_raise(_given(history, dt, f"ramp = {first_ramp:g} s")) if throw else history
 
     def integrate(ramp) -> TimeHistory:
         stepper = Stepper(system.ramped(ramp) if ramp else system, scheme, tolerance, hold, dt)
@@ -167,7 +121,10 @@ def solve_time_domain(
                 run.step()
                 if progress is not None:
                     progress(run.t)
-        return run.history(system, hold, ramp)
+        again = partial(
+            solve_time_domain, dt=dt, duration=end, scheme=scheme, tolerance=tolerance, step_tolerance=step_tolerance,
+            ramp=ramp, hold=hold, allow_invalid=allow_invalid, every=every, throw=False)  # fmt: skip
+        return run.history(system, hold, ramp, None if start is not None else again)
 
     history, tried = integrate(first_ramp), f"ramp = {first_ramp:g} s"
     early = history.event is not None and first_ramp > 0 and history.event[0] <= 2 * system.period  # type: ignore[operator]
@@ -180,6 +137,14 @@ def solve_time_domain(
     if not throw or (allow_invalid and history.status is not Status.STEP_FAILED):
         return history
     return history.or_raise(_given(history, dt, tried))
+
+
+def _refuse(*options):
+    """Raise InputError for an option (name, value, default) that means nothing to a line of nodes and elements."""
+    for name, value, default in options:
+        if value is not default and value != default:
+            problem = f"{value!r} has no meaning for a line of nodes and elements; leave it out"
+            raise InputError(problem, field=name, value=value)
 
 
 def _given(history, dt, ramps) -> str:
@@ -198,7 +163,7 @@ class _Run:
 
     def __init__(self, stepper, y, ydot, end, dt, step_tolerance, every):
         self.stepper, self.end, self.every = stepper, end, every
-        self.count = math.ceil(end / dt * (1 - _ROUNDING))  # of fixed steps
+        self.count = math.ceil(end / dt * (1 - ROUNDING))  # of fixed steps
         self.control = None
         if step_tolerance is not None:
             self.control = StepControl(stepper.system, dt, step_tolerance, stepper.scheme.error_constant())
@@ -213,7 +178,7 @@ class _Run:
     def continues(self, allow_invalid) -> bool:
         """True until the end of the history, a step that failed, or a state that is invalid and not allowed."""
         ended = self.status is Status.STEP_FAILED or (self.event is not None and not allow_invalid)
-        return not ended and self.t < self.end * (1 - _ROUNDING)
+        return not ended and self.t < self.end * (1 - ROUNDING)
 
     def step(self):
         """Take one step, or reject it and shorten the next; sets the status where neither can be done."""
@@ -241,7 +206,7 @@ class _Run:
         if invalid is not None:
             self.status, self.event = invalid[0], (self.t, invalid[1])
 
-    def history(self, system, hold, ramp) -> TimeHistory:
+    def history(self, system, hold, ramp, repeat) -> TimeHistory:
         """Return what was recorded."""
         if self.record[-1][0] != self.t:
             self.record.append((self.t, self.y, self.ydot))
@@ -249,7 +214,7 @@ class _Run:
         s = self.stepper
         counts = s.iterations, s.factorisations, s.error, self.steps, self.rejected
         series = np.array(time), np.stack(y, axis=-1), np.stack(ydot, axis=-1)
-        return TimeHistory(system, s.system, *series, self.status, *counts, self.event, hold, ramp)
+        return TimeHistory(system, s.system, *series, self.status, *counts, self.event, hold, ramp, repeat=repeat)
 
 
 def _duration(system, periods, duration) -> float:
@@ -276,7 +241,7 @@ def _scheme(scheme, rho_inf) -> Scheme:
     if not (scheme is None or isinstance(scheme, Scheme)):
         problem = f"{scheme!r} is not a solvers.time_domain.generalized_alpha.Scheme"
         raise InputError(problem, field="scheme", value=scheme)
-    return Scheme.from_spectral_radius(rho_inf) if scheme is None else scheme
+    return Scheme.from_spectral_radius(0.5 if rho_inf is None else rho_inf) if scheme is None else scheme
 
 
 def _checked_hold(system, hold):

@@ -683,7 +683,7 @@ def test_provenance_of_dynamic_sets_is_stated(name):
         assert {r["name"] for r in rows} == about["sets"].keys()
 
 
-def test_both_sets_speak_of_one_line():
+def test_both_reference_sets_describe_the_same_line():
     """Table 1 is the line of the computed set and of the oracle's frequencies."""
     paper, about = values("hb_paper"), table("oc3_dynamics")[1]["line"]
     names = {
@@ -705,7 +705,7 @@ def test_static_tension_of_the_reference_set():
     assert abs(oc3_modes().tension[1] / 1e3 - value) <= error
 
 
-def test_reference_tensions_hang_together():
+def test_reference_tensions_are_consistent():
     """Extremes lie within mean and harmonics, nodes converge with order 2, and dropping the mean shows."""
     got = {key: value for key, (value, _) in values("oc3_dynamics").items()}
     for name in ("reference", "hb_mean_9", "hb_mean_30", "hb_paper_9", "time_domain"):

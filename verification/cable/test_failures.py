@@ -26,8 +26,8 @@ OC3 = Scene.load(files("reference_data") / "scenes" / "dynamics" / "hb_case_1.to
 
 
 @pytest.mark.parametrize(("nodes", "dt", "rho_inf"), [(7, 0.02, 0.5), (20, 0.01, 0.5), (20, 0.005, 1.0)])
-def test_the_held_end_is_stable_at_steps_shorter_than_an_axial_wave_needs(nodes, dt, rho_inf):
-    """Steps below the time of an axial wave in a cell leave the held end as near as long steps do: it does not grow."""
+def test_drift_control_is_stable_at_steps_shorter_than_an_axial_wave_needs(nodes, dt, rho_inf):
+    """Steps below the time of an axial wave in a cell leave the end as near as long steps do, without growth."""
     history = solve_time_domain(cable_system(OC3, nodes), dt=dt, duration=10, rho_inf=rho_inf)
     long = solve_time_domain(cable_system(OC3, nodes), dt=0.1, duration=10)
     assert history.drift().max() <= 1.5 * long.drift().max() + 1e-3
@@ -53,7 +53,7 @@ def test_a_line_far_too_short_is_not_an_equilibrium():
         solve_static(cable_system(replace(OC3, length=40.0), 50))
 
 
-def test_a_motion_that_overstretches_ends_when_and_where():
+def test_an_overstretching_motion_ends_with_time_and_node():
     """A fairlead towed away without end is stopped with time and node; the history up to there is kept."""
     towed = FunctionMotion(lambda t: (3.0 * t, 0, 0), lambda t: (3.0, 0, 0))
     chain = cable_system(OC3, 10, motion=towed)

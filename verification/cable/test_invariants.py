@@ -81,7 +81,7 @@ def test_a_mirror_mirrors_the_motion():
 
 
 def test_the_mirror_of_the_system_is_its_symmetry():
-    """ChainSystem.mirror tells the signs under which the rows at a mirrored state are the mirrored rows."""
+    """ChainSystem.mirror gives the signs under which the rows at a mirrored state are the mirrored rows."""
     case = replace(EVERYTHING, current=(0.7, 0.0, 0.1), amplitude=(2.0, 0.0, 1.0), quadrature=(0.0, 0.0, 0.0))
     chain = system(case, 8, fields="spatial")
     fields, *rows = (np.array(signs) for signs in chain.mirror())

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solvers import CableSystem, Motion, solve_static
+from solvers import CableSystem, Motion, Status, solve_static
 from solvers.cable.mesh import every_second_node, refine, trapezoidal_weights
 
 from ..cases.cables import EVERYTHING, OC3_SEABED, SURGE_5
@@ -77,6 +77,24 @@ def test_a_source_goes_with_every_second_node():
     assert np.array_equal(coarse.rest_state(), chain.rest_state()[:, ::2])
 
 
+def test_drift_is_that_of_the_last_position_on_any_mesh():
+    """Where cells differ, too, the drift of the end is that of the positions of the nodes."""
+    chain = system(replace(SURGE_5, amplitude=None), mesh=graded(SURGE_5.length, 9))
+    y, _ = random_state(chain, 3)
+    off = chain.positions(y)[:, -1] - chain.scene.fairlead
+    assert abs(chain.axes.T @ chain.drift(y, 0.0) - off).max() <= 1e-12 * chain.s[-1]
+
+
+@CASES
+def test_the_drift_of_a_corrected_cable_is_the_end_of_its_positions(case):
+    """Both by the integral of fourth order, on a mesh whose cells differ."""
+    chain = system(replace(case, amplitude=None), mesh=graded(case.length, 9)).fourth_order()
+    y, _ = random_state(chain, 3)
+    off = chain.positions(y)[:, -1] - chain.scene.fairlead
+    assert abs(chain.axes @ off - chain.drift(y, 0.0)).max() <= 1e-12 * chain.s[-1]
+    assert abs(off - (system(case, mesh=chain.s).positions(y)[:, -1] - chain.scene.fairlead)).max() > 1e-3
+
+
 class Heavy(CableSystem):
     """A kind of cable of its own."""
 
@@ -90,6 +108,19 @@ def test_a_kind_of_cable_stays_what_it_is():
     copy = pickle.loads(pickle.dumps(chain.fourth_order()))
     assert type(copy) is Heavy and copy.is_fourth_order
     assert np.array_equal(copy.rest_state(), solve_static(chain).y)
+
+
+def test_what_is_invalid_is_named_with_its_node():
+    """Compression where a strain is below zero, however little; overstretched above 0.3; the worst node and sample."""
+    chain = system(SURGE_5, 9)
+    y = np.zeros((4, 9, 3))
+    assert chain.invalid(y) is None
+    y[0, 4, 1] = 0.3
+    assert chain.invalid(y) is None
+    y[0, 6, 2] = 0.3001
+    assert chain.invalid(y) == (Status.OVERSTRETCHED, 6)
+    y[0, 2, 0], y[0, 3, 1] = -1e-300, -2e-300
+    assert chain.invalid(y) == (Status.COMPRESSION, 3)
 
 
 # ---------------------------------------------------------------- meshes

@@ -155,3 +155,7 @@ def towed_chain(nodes, omega=0.7, amplitude=0.3, c=0.2, k2=0.4, k3=0.5) -> MassC
     return MassChain(
         f"{nodes} masses, towed", period, force, nodes, 1.0, c, 0.0, 1.0, k2, k3, velocity=velocity, place=place
     )
+
+
+LINEAR = MassChain("linear", 2 * math.pi / 0.7, harmonic_force(0.3, 0.7, 2, 3), 3, 1.3, 0.2, 0.0, 2.0)
+"""Three equal masses on linear springs, the last one driven."""

@@ -280,7 +280,7 @@ def test_the_force_check_sees_a_refusal():
     assert "refused" in misses[0] or ": no:" in misses[0]
 
 
-def test_an_infinite_condition_is_no_licence():
+def test_an_infinite_condition_still_bounds_the_error():
     """Where the condition is infinite the check still asks for the square root of the rounding."""
     assert allowed(replace(TRUTH, condition=math.inf)) < 1e-5
 

@@ -15,6 +15,7 @@ from hypothesis import Phase, given, settings
 from solvers import Regime, Span, solve_span
 
 from ..cases.spans import SpanCase, random_cases
+from ..exact import catenary_mp
 from ..reference import EPS, WRONG, SpanTruth, exact_span, force_error, span_references
 from ..registry import PROBLEMS
 from ..tools.strategies import seabed_cases, suspended_cases
@@ -334,3 +335,18 @@ def test_vertical_line(z, V, V_anchor):
     taut = abs(z) > 10.5
     assert state.stiffness[1, 1] == pytest.approx(10.0 if taut else 1 / 2.1, rel=HAND)  # EA/L, or 1/(2/w + L/EA)
     assert state.stiffness[0, 0] == (pytest.approx(1 / (math.log(25 / 15) + 0.1), rel=4 * HAND) if taut else 0.0)
+
+
+@pytest.mark.parametrize(("x", "z"), [(90.0, 10.0), (95.0, -4.0), (93.0, 0.0)])
+def test_a_line_that_rests_between_raised_ends(x, z):
+    """Forces, touchdown, positions and tension of a sagging line: its higher end is the fairlead, or the anchor."""
+    span = Span(30.0, 1e6, 100.0, x, z, clearance=5.0)
+    state, inputs = solve_span(span), {name: getattr(span, name) for name in Span.__slots__}
+    assert state.regime is Regime.SAGGING
+    exact = catenary_mp.solve(**inputs)
+    for name in ("H", "V", "H_anchor", "V_anchor"):
+        assert getattr(state, name) == pytest.approx(float(getattr(exact, name)), rel=1e-12)
+    s = np.linspace(0.0, 100.0, 12)
+    wanted = np.array([[float(v) for v in catenary_mp.profile(one, **inputs, solution=exact)] for one in s]).T
+    for got, right, unit in zip(state.profile(s), wanted, (100.0, 100.0, state.tension), strict=True):
+        assert abs(got - right).max() <= 1e-11 * unit

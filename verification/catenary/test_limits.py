@@ -284,6 +284,25 @@ def test_forces_beyond_double_precision_are_a_status():
     assert math.isnan(state.H)
 
 
+def test_the_stiffest_line_is_solved():
+    """EA/L up to and including 1e308 N/m; beyond it NOT_FINITE."""
+    for EA, status in ((1e308, Status.SUCCESS), (1.1e308, Status.NOT_FINITE)):
+        assert solve_span(Span(1.0, EA, 1.0, 0.5, 0.6), throw=False).status is status
+
+
+def test_closed_forms_take_no_iteration():
+    """Slack, lying, vertical and weightless lines: no iteration, and no residual is left."""
+    lines = {
+        Regime.SLACK: Span(1.0, 100.0, 1.0, 0.3, 0.5),
+        Regime.LYING: Span(1.0, 100.0, 1.0, 1.02, 0.0),
+        Regime.VERTICAL: Span(1.0, 10.0, 1.0, 0.0, 0.6, seabed=False),
+        Regime.MASSLESS: Span(0.0, 10.0, 1.0, 1.0, 0.6, seabed=False),
+    }
+    for regime, span in lines.items():
+        state = solve_span(span)
+        assert (state.regime, state.iterations, state.residual_norm) == (regime, 0, 0.0)
+
+
 @pytest.mark.parametrize("EA", [1e120, 1e200, 1e300])
 @pytest.mark.parametrize(("x", "z"), [(1.2, 0.0), (0.9, 0.8), (0.6, 0.8), (0.0, 1.1), (1e-9, 1.3)])
 def test_profile_of_an_enormously_stiff_line_is_the_chord(EA, x, z):

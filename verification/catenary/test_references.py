@@ -469,7 +469,7 @@ def test_msqs_example_does_not_close_as_printed():
     assert msqs_misses(rows, about["half_unit"], about["inferred"]["w"], swapped=False)
 
 
-def test_msqs_section_5_is_told_once():
+def test_both_forms_of_msqs_section_5_have_the_same_numbers():
     """The example as a whole and line by line hold the same printed numbers."""
     rows, lines = {(row["name"], row["quantity"]): row for row in table("msqs_paper")}, table("msqs_two_line")
     value = lambda *key: float(rows[key]["value"])

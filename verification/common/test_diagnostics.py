@@ -25,6 +25,8 @@ class Line:
 
     s = np.linspace(0.0, 100.0, NODES)
 
+    needs_mesh_check = False
+
     def rest_warnings(self):
         return ()
 
@@ -71,7 +73,7 @@ def test_a_smooth_history_and_response_warn_of_nothing():
 
 
 def test_resolution_is_judged_at_the_fairlead():
-    """Waves at the other nodes say nothing of the fairlead's tension; one there is told with its share."""
+    """Waves at other nodes do not count for the fairlead's tension; one there is reported with its share."""
     assert list(diagnostics.check_history(history(inner_nodes_with(SHARP)))) == []
     assert list(diagnostics.check_response(response(inner_nodes_with(wave(c1=1.0, c8=0.1))))) == []
     line = Line([CALM] * (NODES - 1) + [SHARP])
@@ -83,8 +85,8 @@ def test_resolution_is_judged_at_the_fairlead():
 
 
 @pytest.mark.parametrize("last", [7, 8])
-def test_the_last_two_harmonics_are_told_by_their_amplitude(last):
-    """A tenth of the range, told as such; the same amplitude in the harmonic before them is not."""
+def test_the_warning_of_the_last_two_harmonics_gives_their_amplitude(last):
+    """A tenth of the range is reported as such; the same amplitude in the harmonic before them is not."""
     line = Line([CALM] * (NODES - 1) + [wave(c1=1.0, **{f"c{last}": 0.2})])
     spread = np.ptp(line.tensions[-1](PERIOD * np.arange(128) / 128))
     (warnings,) = diagnostics.check_response(response(line))
@@ -101,15 +103,53 @@ def test_amplitudes_are_compared_with_the_range():
             assert bool(list(diagnostics.check_response(response(line)))) is warnings, (size, share)
 
 
-def test_bends_are_told_only_where_every_step_is_stored():
-    """Of a history that keeps every second step the stored times say nothing of dt; nor does a constant tension."""
+@pytest.mark.parametrize("harmonics", [3, 4])
+def test_fewer_than_four_harmonics_are_too_few(harmonics):
+    """Four show how the response falls off; three do not, however smooth it is."""
+    warnings = list(diagnostics.check_response(response(Line([CALM] * NODES), harmonics=harmonics)))
+    too_few = ["harmonics: 3 are too few to show how the response falls off: use 4 or more"]
+    assert warnings == (too_few if harmonics == 3 else [])
+
+
+def test_two_periods_are_compared_from_the_second_on():
+    """Of a wave that grows, the difference of two periods over the range of the last; nothing before there are two."""
+    growing = Line([CALM] * (NODES - 1) + [lambda t: 10.0 + (1.0 + 0.5 * t / PERIOD) * np.cos(2 * np.pi * t / PERIOD)])
+    (warning,) = diagnostics.check_history(history(growing, periods=2))
+    last = growing.tensions[-1](np.linspace(PERIOD, 2 * PERIOD, 81))
+    share = 0.5 / np.ptp(last)  # the amplitude grows by 0.5 in a period
+    assert warning == f"periods: the last two differ by {share:.2g} of the range of the tension: not periodic yet"
+    assert list(diagnostics.check_history(history(growing, periods=1.99))) == []
+
+
+def test_periods_are_compared_by_the_range_of_the_last():
+    """Whatever the range is, 1 N too; where the tension has come to rest there is none to compare with."""
+    amplitude = lambda t, last: np.where(t < PERIOD, 0.25, last)
+    for last, warned in ((0.5, True), (0.0, False)):
+        line = Line(
+            [CALM] * (NODES - 1) + [lambda t, last=last: 2 + amplitude(t, last) * np.cos(2 * np.pi * t / PERIOD)]
+        )
+        warnings = list(diagnostics.check_history(history(line, count=16)))
+        assert any(text.startswith("periods: the last two differ by") for text in warnings) is warned
+        assert np.ptp(line.tensions[-1](np.linspace(0.0, 2 * PERIOD, 17))) == (1.0 if warned else 0.5)
+
+
+def test_a_range_of_rounding_is_no_motion():
+    """A billionth of the tension is where rounding ends: above it the share of the last harmonics is judged."""
+    for share, judged in ((0.8, False), (1.25, True)):
+        amplitude = share * 1e-9 / 2
+        line = Line([CALM] * (NODES - 1) + [wave(mean=1.0, c1=0.9 * amplitude, c8=0.1 * amplitude)])
+        assert bool(list(diagnostics.check_response(response(line)))) is judged, share
+
+
+def test_changes_of_slope_are_judged_only_where_every_step_is_stored():
+    """Of a history that keeps every second step the stored times give no warning of dt; nor does a constant tension."""
     line = Line([CALM] * 3 + [SHARP])
     assert list(diagnostics.check_history(history(line, steps=320))) == []
     assert list(diagnostics.check_history(history(Line([wave()] * NODES)))) == []
 
 
 def test_a_tension_of_zero_is_no_compression():
-    """A line may hang slack; a tension below zero at one node is told with node, time and number."""
+    """A line may hang slack; a tension below zero at one node is reported with node, time and number."""
     zero = wave(mean=1.0, c1=1.0)  # least at half a period, between two of the stored times and at an instant
     assert zero(np.array([4.0])) == 0.0
     line = Line([CALM, zero, CALM, CALM])
@@ -121,7 +161,7 @@ def test_a_tension_of_zero_is_no_compression():
     assert warnings == "tension: -0.5 N between instants, at t = 4 s, node 2: use more nodes, or more harmonics"
 
 
-def test_a_fairlead_off_its_place_is_told_with_its_share():
+def test_the_warning_of_a_displaced_fairlead_gives_distance_and_share():
     """The distance, over half the excursion; none where the fairlead stands still where it should."""
     for amplitude, away, warnings in ((2.0, 0.2, True), (2.0, 0.09, False), (0.0, 0.0, False)):
         line = Line([CALM] * NODES, amplitude, away)
@@ -134,3 +174,37 @@ def test_a_fairlead_off_its_place_is_told_with_its_share():
                 assert result[0].startswith("drift: the fairlead is up to 0.2 m from its place, 0.1 of its excursion")
     (warnings,) = diagnostics.check_response(response(Line([CALM] * NODES, 0.0, 0.5)))
     assert warnings.startswith("drift: the fairlead is up to 0.5 m from its place: use more nodes")
+
+
+class Waves:
+    """A result with a fairlead tension, a last period and whether it succeeded."""
+
+    def __init__(self, tension, success=True):
+        self.fairlead_tension, self.success, self.last_period = tension, success, (2.0, 4.0)
+
+
+def test_the_change_that_a_mesh_makes_is_an_rms_over_the_range():
+    """Sines of amplitudes 10 and 8 differ by 2 sqrt(1/2) of a range of 20; a coarse mesh that failed tells nothing."""
+    fine = Waves(lambda t: 50.0 + 10.0 * np.sin(np.pi * t / 2))
+    coarse = lambda t: 50.0 + 8.0 * np.sin(np.pi * t / 2)
+    assert np.isclose(diagnostics.relative_change(fine, Waves(coarse)), np.sqrt(0.5) / 10, rtol=1e-4)
+    assert diagnostics.relative_change(fine, Waves(coarse, success=False)) is None
+
+
+def test_a_mesh_is_judged_by_the_change_that_half_of_it_makes():
+    """No word below the bound, one with the number above it, and one where the error is not known."""
+    bound = diagnostics.MAX_MESH_ERROR
+    assert list(diagnostics.check_mesh(bound, "nodes")) == []
+    (above,) = diagnostics.check_mesh(0.21, "nodes")
+    assert "0.21 of its range: use more nodes" in above
+    (unknown,) = diagnostics.check_mesh(None, "cells")
+    assert "not known" in unknown
+
+
+def test_the_excursion_is_that_to_the_end_of_the_history():
+    """Of a motion without a period, 1 m/s for 16 s in two steps: half of 16 m, of which 5 % may be missed."""
+    for away, warned in ((0.39, False), (0.41, True)):
+        line = Line([CALM] * NODES, away=away)
+        line.period, line.motion = None, SimpleNamespace(displacement=lambda t: np.outer([0.6, 0.0, 0.8], t))
+        warnings = list(diagnostics.check_history(history(line, count=2)))
+        assert any(warning.startswith("drift") for warning in warnings) is warned, away

@@ -82,7 +82,7 @@ def test_integers_and_numpy_numbers_are_numbers():
     ],
 )
 def test_values_out_of_range(changes, message):
-    """Each rule of Span is told with the name, the value, the unit and what to give instead."""
+    """Each rule of Span is reported with the name, the value, the unit and what to give instead."""
     refused(message, **changes)
 
 
@@ -205,7 +205,7 @@ BAD_ROWS = [
 
 @pytest.mark.parametrize("changes", BAD_ROWS, ids=str)
 def test_bad_rows_are_refused_as_span_refuses_them(changes):
-    """What Span refuses, solve_spans marks INVALID_INPUT with NaN, and the row beside it is right."""
+    """What Span refuses, solve_spans marks INVALID_INPUT with NaN, and the next row is right."""
     with pytest.raises(InputError):
         Span(**(GOOD | changes))
     row = GOOD | {"seabed": True, "friction": 0.0, "clearance": 0.0} | changes
@@ -279,6 +279,10 @@ def test_ordinary_ratios_always_have_an_answer(arguments):
         (lambda: CableProperties(1e6), r"^submerged_weight: not given \(N/m\), and it takes both diameter"),
         (lambda: CableProperties(1e6, diameter=0.1), r"^submerged_weight: not given"),
         (lambda: CableProperties(1e6, diameter=-0.1, mass_per_length=1.0), r"^diameter: -0.1 m must be > 0"),
+        (
+            lambda: CableProperties(1e6, diameter=1.1e100, submerged_weight=1.0),
+            r"^diameter: 1.1e\+100 m must not exceed",
+        ),
         (lambda: CableProperties(1e6, diameter=0.1, mass_per_length=True), r"^mass_per_length: True must be a real"),
         (lambda: CableProperties(1e6, submerged_weight=math.inf), r"^submerged_weight: inf N/m must be finite"),
     ],
@@ -287,6 +291,11 @@ def test_properties_are_validated_when_built(build, message):
     """Cable and environment name the field, the value and the unit, too."""
     with pytest.raises(InputError, match=message):
         build()
+
+
+def test_a_diameter_may_be_the_largest():
+    """1e100 m is taken, and squares of it stay finite."""
+    assert math.isfinite(CableProperties(1e6, diameter=1e100, submerged_weight=1.0).area)
 
 
 # ---------------------------------------------------------------- scene files
@@ -398,7 +407,7 @@ def test_scene_that_is_not_text(tmp_path):
 
 
 def test_empty_scene_file(tmp_path):
-    """An empty file lacks its tables, which is said by name."""
+    """An empty file lacks its tables, which are named."""
     path = tmp_path / "empty.toml"
     path.write_text("")
     with pytest.raises(InputError, match=r"missing key 'line' in the top level|missing key 'length' in \[line\]"):

@@ -8,6 +8,8 @@ import pytest
 from solvers import FunctionMotion, InputError, Motion, SampledMotion
 from solvers.common.motion import Ramped
 
+from ..reference import EPS
+
 STEP = 1e-30  # of a complex step: its error is the rounding of the derivative
 DERIVATIVE = 1e-13  # relative: a few roundings of sums of sines
 CUBIC = 1e-12  # relative: the spline through samples of a cubic is that cubic, its system solved in doubles
@@ -31,6 +33,15 @@ def test_rates_are_derivatives(motion):
         expected = value(t + 1j * STEP).imag / STEP
         np.testing.assert_allclose(rate(t), expected, rtol=0, atol=DERIVATIVE * abs(expected).max())
         np.testing.assert_allclose(rate(float(t[5])), rate(t)[:, 5], rtol=0, atol=DERIVATIVE * abs(expected).max())
+
+
+def test_a_series_goes_through_its_samples():
+    """At the times of a series the motion is its samples, from either side."""
+    rng = np.random.default_rng(11)
+    series = SampledMotion(np.sort(rng.uniform(0, 60, 20)), rng.normal(size=(20, 3)))
+    assert abs(series.displacement(series.time) - series.samples.T).max() <= 100 * EPS
+    before = series.displacement(series.time[1:] * (1 - 1e-9))
+    assert abs(before - series.samples[1:].T).max() <= 1e-6  # some 10 m/s for 6e-8 s
 
 
 def test_harmonic_motion_is_a_sine_with_phase():

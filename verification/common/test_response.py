@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from solvers import solve_periodic
 from solvers.common.response import Response
+
+from ..cable.problems import system
+from ..cases.cables import SURGE_5
+from ..reference import EPS
 
 PERIOD, FIRST = 5.0, 10.0
 AMPLITUDES = (40.0, 3.0, 0.5, 0.25, 2.0)  # N: mean, harmonics 1, 2, ...
@@ -46,3 +53,32 @@ def test_forces_point_along_the_line_at_their_own_end():
 def test_harmonics_of_the_tension_are_those_of_the_last_period(k):
     """Mean and amplitudes of as many harmonics as are asked for, whatever is above them or was before."""
     assert Planted().tension_harmonics(k) == pytest.approx(np.abs(AMPLITUDES[: k + 1]), rel=1e-12)
+
+
+class Wave(Response):
+    """A response whose fairlead tension is 5 + 3 sin(w t + 0.4) + 0.5 cos(3 w t), N."""
+
+    last_period = 1.0, 2.0
+    system = SimpleNamespace(tension=lambda y, ydot: y)
+
+    def at(self, t):
+        """The tension as the last of two nodes, (2, S)."""
+        value = 5 + 3 * np.sin(math.pi * t + 0.4) + 0.5 * np.cos(3 * math.pi * t)
+        return np.array([0 * t, value])
+
+    rate_at = at
+
+
+def test_harmonics_of_the_tension_are_those_of_a_known_sum():
+    """Mean and amplitudes of a known sum of harmonics, in their order."""
+    assert Wave().tension_harmonics(4) == pytest.approx([5.0, 3.0, 0.0, 0.5, 0.0], abs=100 * EPS)
+
+
+def test_tension_includes_the_material_damping():
+    """T = EA (eps + beta d(eps)/dt) at the samples of a periodic response and at any times."""
+    chain = system(replace(SURGE_5, damping=0.5), 8)
+    response = solve_periodic(chain, harmonics=3)
+    wanted = SURGE_5.EA * (response.y[0] + 0.5 * response.ydot[0])
+    assert abs(0.5 * response.ydot[0]).max() > 1e-3 * abs(response.y[0]).max()
+    assert response.tension == pytest.approx(wanted, rel=1e-12)
+    assert response.fairlead_tension(response.time) == pytest.approx(wanted[-1], rel=1e-12)

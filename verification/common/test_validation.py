@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from solvers import InputError
-from solvers.common.validation import as_array, real_array, vector
+from solvers.common.validation import as_array, real_array, vector, whole_number
 
 COMPLEX = [
     [1.0, 2j],
@@ -52,3 +52,18 @@ def test_three_numbers_in_a_row_are_a_vector(value):
 def test_other_shapes_are_no_vector(value):
     with pytest.raises(InputError, match=r"(?s)r: .* must be three components"):
         vector("r", value, "m")
+
+
+@pytest.mark.parametrize(("value", "most"), [(3, None), (10**30, None), (np.int8(5), 5), (3, 3)])
+def test_whole_numbers_up_to_both_limits_are_taken(value, most):
+    number = whole_number("n", value, 3, most)
+    assert type(number) is int and number == value
+
+
+@pytest.mark.parametrize(
+    ("value", "most", "limits"),
+    [(2, None, ">= 3"), (2, 5, "from 3 to 5"), (6, 5, "from 3 to 5"), (4.0, None, ">= 3"), (True, None, ">= 3")],
+)
+def test_other_numbers_are_no_whole_numbers(value, most, limits):
+    with pytest.raises(InputError, match=f"^n: {value} must be a whole number {limits}$"):
+        whole_number("n", value, 3, most)

@@ -358,13 +358,13 @@ DEFECTS = (
         ),
         "index",
         "a time of a series is looked up in the next piece of the spline",
-        "common/test_found_by_defects.py::test_a_series_goes_through_its_samples",
+        "common/test_motion.py::test_a_series_goes_through_its_samples",
     ),
     Defect(
         "everything moves in a plane",
         Fault(
-            "common.motion",
-            "_spanning_vectors",
+            "common.motion_arrays",
+            "spanning_vectors",
             "_SAME_DIRECTION * max(extent[0], np.finfo(float).tiny)",
             "0.5 * max(extent[0], np.finfo(float).tiny)",
         ),
@@ -429,14 +429,14 @@ DEFECTS = (
         Fault("cable.mesh", "trapezoidal_weights", "weights[:-1] += ds / 2", "weights[:-1] += ds[::-1] / 2"),
         "index",
         "the trapezoidal rule is right on even meshes only",
-        "common/test_found_by_defects.py::test_drift_is_the_end_of_the_positions_on_any_mesh",
+        "cable/test_system.py::test_drift_is_that_of_the_last_position_on_any_mesh",
     ),
     Defect(
         "damping out of the tension",
         Fault("cable.outputs", "CableOutputs.tension", "y[0] + self.beta * ydot[0]", "y[0]"),
         "term",
         "the tension that is reported has no part of the material's damping",
-        "common/test_found_by_defects.py::test_tension_has_its_part_of_damping",
+        "common/test_response.py::test_tension_includes_the_material_damping",
     ),
     Defect(
         "mirror keeps the sideways velocity",
@@ -567,7 +567,7 @@ DEFECTS = (
         Fault("numerics.chain", "product", "x[:, 1:]", "x[:, :-1]"),
         "index",
         "tangents of the right nodes times the left ones",
-        "common/test_found_by_defects.py::test_tangents_times_a_state_are_the_change_of_the_rows",
+        "numerics/test_chain.py::test_tangents_times_a_state_are_the_change_of_the_rows",
     ),
     Defect(
         "cells field after field",
@@ -651,7 +651,7 @@ DEFECTS = (
         ),
         "sign",
         "C_db and C_dn exchanged about their mean in the shooting method",
-        "common/test_found_by_defects.py::test_shooting_knows_the_binormal",
+        "cable/test_statics.py::test_shooting_has_the_drag_of_the_binormal",
     ),
     Defect(
         "tangential drag on stretched length twice",

@@ -110,14 +110,9 @@ def chosen_files(mutant: Defect, known: dict) -> list[str]:
 
     Compiled loops, and what runs when a module is imported, are in no record.
     """
-    name, every = f"{mutant.module}:{mutant.fault.function}", test_files(mutant.module)
+    name, every = f"{mutant.module}:{mutant.fault.function}", files(mutant.module)
     calling = [file for file in every if any(name in functions for functions in known[file]["calls"].values())]
     return calling or every
-
-
-def test_files(module: str) -> list[str]:
-    """Return the files of tests that a mutant of a module may be shown to."""
-    return [*files(module), "common/test_found_by_defects.py"]
 
 
 # ---------------------------------------------------------------- mutants
@@ -127,7 +122,7 @@ def run(
     """Show every mutant to the tests of its module; yields (done, total, results by name). Raises CheckError."""
     with tempfile.TemporaryDirectory(prefix="mutants-", ignore_cleanup_errors=True) as folder:
         copies = Copies(Path(folder), project, jobs)
-        names = list(dict.fromkeys(file for mutant in mutants for file in test_files(mutant.module)))
+        names = list(dict.fromkeys(file for mutant in mutants for file in files(mutant.module)))
         total, known = len(names) + len(mutants), {}
         try:
             for known in record(copies, names, log.path.with_name("tests.json"), jobs):

@@ -12,7 +12,7 @@ _MEMORY = "network/test_solve.py::test_a_state_shares_no_memory_with_its_network
 _CLOSED = "network/test_solve.py::test_closed_forms"
 _ROUNDING = "network/test_solve.py -k 'below_the_rounding or within_rounding'"
 _ACCEPTED = "network/test_solve.py::test_what_is_accepted_as_within_rounding_is"
-_EXPLAINED = "network/test_solve.py::test_what_more_than_rounding_explains_is_not_mended"
+_EXPLAINED = "network/test_solve.py::test_a_residual_beyond_rounding_is_not_refined"
 _PUSHED = "network/test_solve.py::test_a_node_that_nothing_holds_is_not_balanced_by_rounding"
 _REACTIONS = "network/test_solve.py::test_reactions_carry_loads_and_weights"
 _AGREE = "network/test_solve.py::test_methods_agree"
@@ -204,7 +204,7 @@ DEFECTS = (
         ),
         "regime",
         "lines with a raised anchor end have friction, which statics cannot tell",
-        "common/test_found_by_defects.py::test_friction_acts_only_where_the_anchor_end_lies",
+        "network/test_solve.py::test_friction_acts_only_where_the_anchor_end_lies",
     ),
     Defect(
         "moved network that moves its original",
@@ -290,7 +290,7 @@ DEFECTS = (
         ),
         "factor",
         "the radius grows whatever the model was worth",
-        "common/test_found_by_defects.py::test_the_trust_region_shrinks_where_its_model_fails",
+        "network/test_jacobian.py::test_the_trust_region_shrinks_where_its_model_fails",
     ),
     # ------------------------------------------------------------ network_model
     Defect(
@@ -358,7 +358,7 @@ DEFECTS = (
         ),
         "tolerance",
         "the monolithic method stops at one per cent of the largest force",
-        "common/test_found_by_defects.py::test_each_method_reaches_its_tolerance_by_itself",
+        "network/test_solve.py::test_each_method_reaches_its_tolerance_by_itself",
     ),
     Defect(
         "row of the reach for that of the height",
@@ -413,7 +413,7 @@ DEFECTS = (
         ),
         "tolerance",
         "the nested method stops at one per cent, and the monolithic one has to mend it",
-        "common/test_found_by_defects.py::test_each_method_reaches_its_tolerance_by_itself",
+        "network/test_solve.py::test_each_method_reaches_its_tolerance_by_itself",
     ),
     Defect(
         "difference backwards",
@@ -422,14 +422,14 @@ DEFECTS = (
         ),
         "sign",
         "the tangent from differences has the sign of dF/dr, not of -dF/dr",
-        "common/test_found_by_defects.py::test_each_method_reaches_its_tolerance_by_itself",
+        "network/test_solve.py::test_each_method_reaches_its_tolerance_by_itself",
     ),
     Defect(
         "work counted half",
         Fault("network.nested", "solve_sparse", "2 / 3", "1 / 3"),
         "factor",
         "(5.6): operations of a factorisation",
-        "common/test_found_by_defects.py::test_operations_are_those_of_5_6",
+        "network/test_jacobian.py::test_operations_are_counted_as_in_the_paper",
     ),
     # ------------------------------------------------------------ network_rounding
     Defect(

@@ -218,7 +218,7 @@ DEFECTS = (
         Fault("catenary.solve", "_sagging", "h < 0", "h > 0"),
         "symbol",
         "the forces of the higher end go to the lower one",
-        "common/test_found_by_defects.py::test_a_line_that_rests_between_raised_ends_is_that_of_50_digits",
+        "catenary/test_exact.py::test_a_line_that_rests_between_raised_ends",
     ),
     Defect(
         "whatever stops has converged",
@@ -230,7 +230,7 @@ DEFECTS = (
         ),
         "tolerance",
         "an iteration that ran out of steps is a success",
-        "common/test_found_by_defects.py::test_an_iteration_that_runs_out_of_steps_is_no_success",
+        "numerics/test_newton.py::test_a_line_whose_iteration_runs_out_of_steps_is_not_converged",
     ),
     # ------------------------------------------------------------ catenary
     Defect(

@@ -45,6 +45,67 @@ def axial_bar(count, EA, mass, length):
     return taut_string(count, EA, mass, length)
 
 
+def two_part_line(count, stiffness, mass, length, joint_mass=0.0):
+    """The first `count` frequencies, mpf, Hz, of two uniform parts in line, fixed at both ends and joined at a mass.
+
+    stiffness, mass, length : pairs, of the two parts, K in N, kg/m and m;  joint_mass : kg. Each part moves by
+    m u_tt = K u_ss: transverse with the tension for K, or T/(1 + eps) where lengths and masses are unstretched; axial
+    with EA. With k_i = omega sqrt(m_i / K_i) the forces at the joint balance where
+
+        K_1 k_1 cot(k_1 l_1) + K_2 k_2 cot(k_2 l_2) = joint_mass omega^2.
+
+    The difference of the sides falls without end from one pole to the next, so that a single root lies between two
+    poles, and on them where they coincide; poles are the frequencies of the parts with the joint fixed.
+    """
+    K, m, l = ([mpf(value) for value in pair] for pair in (stiffness, mass, length))
+    delay = [l[i] * mp.sqrt(m[i] / K[i]) for i in (0, 1)]
+    impedance = [mp.sqrt(K[i] * m[i]) for i in (0, 1)]
+
+    def difference(omega):
+        return sum(impedance[i] * mp.cot(delay[i] * omega) for i in (0, 1)) - mpf(joint_mass) * omega
+
+    poles = sorted(n * mp.pi / part for part in delay for n in range(1, count + 1))
+    return [_fallen(difference, a, b) / (2 * mp.pi) for a, b in zip([mpf(0), *poles], poles[:count], strict=False)]
+
+
+def two_part_string(count, tension, mass, length, joint_mass=0.0):
+    """The first `count` transverse frequencies, mpf, Hz, of a string of two materials under one tension, N."""
+    return two_part_line(count, (tension, tension), mass, length, joint_mass)
+
+
+def two_part_bar(count, EA, mass, length, joint_mass=0.0):
+    """The first `count` axial frequencies, mpf, Hz, of a bar of two materials, EA a pair in N, held at both ends."""
+    return two_part_line(count, EA, mass, length, joint_mass)
+
+
+def _fallen(f, a, b):
+    """Root in (a, b) of f, which falls from +infinity to -infinity there; a where there is nothing between."""
+    if b - a <= 4 * mp.eps * b:
+        return a
+    for _ in range(mp.prec + 8):
+        middle = (a + b) / 2
+        a, b = (middle, b) if f(middle) > 0 else (a, middle)
+    return (a + b) / 2
+
+
+def lumped_string(count, tension, mass, length, cells):
+    """The first `count` frequencies, mpf, Hz, of a taut string lumped at the nodes between equal cells.
+
+    mass : kg/m;  count < cells. Half of each cell's mass lies at either end, l = length / cells is a cell, and
+    sin(k pi j / cells) at node j is a mode: omega_k = 2 sqrt(tension / (mass l^2)) sin(k pi / (2 cells)).
+    """
+    l = mpf(length) / cells
+    return [
+        2 * mp.sqrt(mpf(tension) / mass) / l * mp.sin(k * mp.pi / (2 * cells)) / (2 * mp.pi)
+        for k in range(1, count + 1)
+    ]
+
+
+def lumped_bar(count, EA, mass, length, cells):
+    """The first `count` axial frequencies, mpf, Hz, of a bar lumped likewise, held at both ends."""
+    return lumped_string(count, EA, mass, length, cells)
+
+
 def irvine_antisymmetric(count):
     """omega l sqrt(m/H) / pi of the first `count` antisymmetric in-plane modes of a parabolic cable: 2 n."""
     return [mpf(2 * n) for n in range(1, count + 1)]

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -19,7 +20,7 @@ from solvers.cable.statics import solve_static
 from solvers.cable.system import cable_system
 from solvers.common.outcome import ConvergenceError, InputError, Status
 from solvers.harmonic_balance.residual import HarmonicResidual
-from solvers.harmonic_balance.solve import solve_periodic
+from solvers.harmonic_balance.solve import _corrected, solve_periodic
 
 from ..cable.problems import LENGTH, TERMS, Manufactured, graded
 from ..cases.oscillators import MassChain, harmonic_force
@@ -42,6 +43,39 @@ KEPT = 5e-3  # of the correction: what further steps would change; measured 1.9e
 SAME = 1e-7  # of the range: the last steps of different Jacobians differ; measured 2e-9
 CEILING = 7e-7  # error relative to the field at 65 nodes, with every term: twice the largest measured, 3.3e-7
 SPATIAL = pytest.mark.parametrize("planar", [True, False], ids=["planar", "spatial"])
+
+
+# ---------------------------------------------------------------- how many steps are taken
+def corrected(*sizes, tolerance=1e-9):
+    """Return (sum of the steps that were taken, reported mean |dz|) where the steps have these sizes."""
+    steps = iter([size * np.array([1.0, -1.0]) for size in sizes])
+    same = lambda z: z
+    rows = SimpleNamespace(pack=same, unpack=same, with_system=lambda finer: SimpleNamespace(residual=same))
+    z, reported = _corrected(rows, lambda F: next(steps), None, np.zeros(2), tolerance)
+    assert z[1] == -z[0]
+    return -z[0], reported
+
+
+@pytest.mark.parametrize(
+    ("sizes", "taken"),
+    [
+        ((1.0, 0.25, 0.0625), 1.3125),  # three at most
+        ((1.0, 0.5, 0.25), 1.75),  # each half the last or less
+        ((1.0, 0.45, 0.3), 1.45),
+        ((1.0, 0.4, 0.9), 1.4),
+        ((1.0, 0.55), 1.0),
+        ((1e-12, 2e-12), 1e-12),  # a rounding that grows
+    ],
+)
+def test_steps_are_taken_while_they_halve(sizes, taken):
+    """The last one that is half the one before, or less; the first one alone where the second is at least shorter."""
+    assert corrected(*sizes) == (pytest.approx(taken), pytest.approx(taken))
+
+
+@pytest.mark.parametrize("sizes", [(1.0, 1.0), (1.0, 1.1), (math.nan,), (math.inf,), (1.0, math.nan)], ids=str)
+def test_steps_that_grow_are_refused(sizes):
+    """Nothing is corrected where the second step is no shorter than the first, or one is not finite."""
+    assert corrected(*sizes) == (0.0, None)
 
 
 # ---------------------------------------------------------------- a periodic problem whose solution is known
@@ -190,8 +224,8 @@ def test_the_order_is_that_of_any_jacobian(options):
     assert (orders("bare", True, lambda n: None, **options) >= FOURTH[0]).all()
 
 
-def test_an_old_jacobian_is_mended():
-    """Without coarse starts the last Jacobian is of the way: one step leaves a share of second order, three none."""
+def test_repeated_corrections_make_up_for_an_old_jacobian():
+    """Without coarse starts the Jacobian is of an earlier state: one step leaves an error of order 2, three none."""
     made = problem("bare", 33, True)
     fresh, old = (error(solved(made, **o), made) for o in ({"globalisation": "relaxation"}, {"multilevel": False}))
     assert old <= 1.5 * fresh

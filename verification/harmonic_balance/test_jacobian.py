@@ -414,7 +414,14 @@ def test_blocks_are_the_sums_over_the_samples(setting, precision):
     basis, rng, nodes = setting.basis(2.5), np.random.default_rng(12), 5
     k = basis.harmonic
     choices = [np.flatnonzero(keep) for keep in (k >= 0, k % 2 == 0, k % 2 == 1, k > 0, k < 0)]
-    for rows, columns in ((choices[:2], choices[1:4]), (choices[3:], choices[:3]), (choices[1:3], choices[2:])):
+    none, every = choices[4], choices[0]  # a row or field without any, before one with the constant
+    for rows, columns in (
+        (choices[:2], choices[1:4]),
+        (choices[3:], choices[:3]),
+        (choices[1:3], choices[2:]),
+        ([none, every], choices[:3]),
+        (choices[:2], [none, every, every]),
+    ):
         by_y, by_ydot = (sampled_tangents(rng, (2, 3, nodes, basis.samples)) for _ in range(2))
         wanted, blocks = sums(basis, by_y, by_ydot, rows, columns), Blocks(basis, columns)
         given = by_y, by_ydot, blocks.harmonics(rows, basis), precision
@@ -448,12 +455,25 @@ def test_a_planted_fault_does_not_stay():
 
 @pytest.mark.parametrize("shape", [(2, 3, 5, 7), (3, 3, 5, 8), (2, 2, 5, 8), (2, 3, 4, 8)], ids=str)
 def test_tangents_that_do_not_fit_are_refused(shape):
-    """Compiled loops do not look at their indices: of 8 samples, 2 rows and 3 fields each other number is told."""
+    """Compiled loops do not look at their indices: of 8 samples, 2 rows and 3 fields any other number is refused."""
     basis = Basis(2, 8, 1.0, True)
     every = np.arange(basis.harmonic.size)
     blocks = Blocks(basis, [every] * 3)
     with pytest.raises(ValueError, match="do not fit to 2 rows, 3 fields and 8 samples"):
         blocks(np.ones(shape), np.ones((2, 3, 5, 8)), blocks.harmonics([every] * 2, basis), float)
+
+
+@pytest.mark.parametrize("nodes", [64, 65, 66, 129])
+def test_blocks_made_in_parts_are_those_made_at_once(nodes):
+    """Made in parts of 64 cells, the blocks of a chain are those made at once, whatever is left for the last part."""
+    chain = cubic_chain(nodes)
+    balance = HarmonicResidual(chain, Basis(1, 4, 0.4, True))
+    x = np.random.default_rng(4).normal(size=(nodes, balance.n))
+    rows, state = balance.rows(x, True)
+    whole = balance.jacobian(rows, balance.slope(state))[1]
+    parts = list(balance.jacobian(rows, balance.slope(state), 64)[1])
+    made = np.concatenate(parts, axis=1)
+    assert made.shape == whole.shape and abs(made - whole).max() <= 100 * EPS * abs(whole).max()
 
 
 # ---------------------------------------------------------------- the check turns red

@@ -206,7 +206,7 @@ FIVE_MASSES = 3e-6  # of velocities with 60 harmonics; measured 1.3e-6, falling 
 
 
 def test_quadratic_damping_converges_algebraically():
-    """Velocities converge with the power 3 of Nh and places with 4, as the kink of |v| v tells, and no faster."""
+    """Velocities converge with the power 3 of Nh and places with 4, as the kink of |v| v implies, and no faster."""
     system, errors, orbit = duffing(0.6, 1.0, 0.0, 1.0, 0.0, d=0.5), [], None
     for Nh in ALGEBRAIC:
         response = solve_periodic(system, harmonics=Nh, samples=OVERSAMPLED * Nh)
@@ -276,7 +276,7 @@ def damped_third():
 
 
 def test_a_subharmonic_response_is_found():
-    """At three times its frequency a damped mass answers at a third, as shooting says, and at the whole."""
+    """At three times its frequency a damped mass responds at a third, as by shooting, and at the whole."""
     system, chain = THIRD
     response = damped_third()
     orbit = oracle(system, response, chain, periods=3)
@@ -419,7 +419,7 @@ def test_a_mirrored_chain_has_the_mirrored_response():
 # ---------------------------------------------------------------- symmetry
 @pytest.mark.parametrize("nodes", [1, 4])
 def test_symmetry_changes_nothing_but_the_work(nodes):
-    """With half the coefficients the response is the same, and even harmonics come out zero without being told."""
+    """With half the coefficients the response is the same, and even harmonics come out zero without symmetry, too."""
     chain = cubic_chain(nodes, d=0.2)
     short, full = (solve_periodic(chain, harmonics=9, symmetry=symmetry) for symmetry in (True, False))
     assert short.symmetric and not full.symmetric
@@ -539,10 +539,27 @@ def test_output_is_the_series():
     assert largest(response.ydot[0] - response.y[1]) <= ROUND_OFF
 
 
+def test_a_response_without_the_constant_is_confirmed_by_one_step():
+    """In the paper's variant, too, a response is confirmed by one step from itself."""
+    chain = duffing(0.8, 0.3, 0.1, 1.0, 1.0)
+    response = solve_periodic(chain, harmonics=9, mean=False)
+    again = solve_periodic(chain, harmonics=9, mean=False, start=response)
+    assert again.iterations == 1 and abs(again.z - response.z).max() <= 1e-11
+
+
+@pytest.mark.parametrize(("k2", "symmetric"), [(0.0, True), (1e-10, True), (1e-3, False)])
+def test_a_symmetry_may_be_missed_by_a_rounding(k2, symmetric):
+    """Rows that it leaves out are compared with the driving: a part of 1e-10 of the spring is none."""
+    force = harmonic_force(0.3, 0.8)
+    chain = MassChain("nearly odd", 2 * math.pi / 0.8, force, c=0.1, k2=k2, k3=1.0, odd=True)
+    assert solve_periodic(chain, harmonics=7).symmetric is symmetric
+
+
 # ---------------------------------------------------------------- refusals and failures
 GOOD = duffing(0.8, 0.3)
 BAD = {
     "harmonics: 0 must be a whole number >= 1": {"harmonics": 0},
+    "harmonics: 100001 must be at most 100000": {"harmonics": 100001},
     "harmonics: -3 must": {"harmonics": -3},
     "harmonics: 2.5 must": {"harmonics": 2.5},
     "harmonics: True must": {"harmonics": True},

@@ -509,8 +509,8 @@ def test_a_motion_too_large_is_named():
     assert response.y[0, node, int(np.searchsorted(response.time, time))] < 0
 
 
-def test_12_m_is_beyond_what_is_found(deep):
-    """At 12 m no response in tension is found: amplitude, node and time of the first compression are told."""
+def test_at_12_m_there_is_no_response_and_the_compression_is_reported(deep):
+    """At 12 m no response in tension is found: amplitude, node and time of the first compression are reported."""
     nodes, harmonics = (50, 9) if deep else (12, 3)
     response = solve_periodic(surge(12.0, nodes), harmonics=harmonics, throw=False)
     assert response.status in (Status.COMPRESSION, Status.NO_PERIODIC_RESPONSE)

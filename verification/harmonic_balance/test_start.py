@@ -55,16 +55,16 @@ def test_single_precision_is_as_good_as_it_can_be(shape):
     assert x.dtype == float and SINGLE / FORWARD < error <= allowed  # and single it is
 
 
-def step_error() -> float:
+def step_error(force=1.0) -> float:
     """Of the first Newton step of a mass without damping, driven at 1 rad/s, DETUNED below its resonance; relative.
 
     The problem is linear, so the step is the solution: a place of F / (k - omega^2 m).
     """
-    chain = MassChain("detuned", 2 * math.pi, harmonic_force(1.0, 1.0), k=1.0 + DETUNED)
+    chain = MassChain("detuned", 2 * math.pi, harmonic_force(force, 1.0), k=1.0 + DETUNED)
     balance = HarmonicResidual(chain, Basis(1, 8, 1.0, True))
     F, solve = balance.linearise(np.zeros((1, balance.n)))
     place = abs(balance.unpack(solve(F))[0]).max()
-    return abs(place * DETUNED - 1)
+    return abs(place * DETUNED / force - 1)
 
 
 def test_double_precision_where_single_does_not_do(monkeypatch):
@@ -72,7 +72,8 @@ def test_double_precision_where_single_does_not_do(monkeypatch):
     monkeypatch.setattr(
         harmonic_rows, "SINGLE_PRECISION_FROM", 0
     )  # or a chain as small as this one is never in single precision
-    assert step_error() < NEAR_RESONANCE
+    for force in (1.0, 1e-9, 1e9):  # the refinement is compared with the step
+        assert step_error(force) < NEAR_RESONANCE
     monkeypatch.setattr(harmonic_rows, "MAX_REFINEMENT", np.inf)
     assert not step_error() < NEAR_RESONANCE
 
@@ -159,6 +160,47 @@ def test_coefficients_are_carried_by_cubic_splines():
     powers = np.arange(4)[:, None, None]
     wanted, given = ((of.s / of.s[-1])[None, :, None] ** powers for of in (fine, coarse))
     assert largest(carry(given) - wanted) < CUBIC
+
+
+@pytest.mark.parametrize(
+    ("coarsest", "harmonics", "levels"),
+    [
+        (0, 3, []),
+        (0, 4, [(0, 3)]),
+        (0, 24, [(0, 3)]),
+        (0, 25, [(0, 3), (0, 12)]),
+        (0, 97, [(0, 3), (0, 12), (0, 48)]),
+        (1, 3, [(1, 3)]),
+        (1, 20, [(1, 3), (1, 7), (1, 20)]),
+        (2, 9, [(2, 3), (1, 9)]),
+        (3, 20, [(3, 3), (2, 7), (1, 20)]),
+        (3, 100, [(3, 3), (3, 4), (3, 12), (2, 34), (1, 100)]),
+    ],
+)
+def test_levels_are_those_of_the_rule(coarsest, harmonics, levels):
+    """A third of the harmonics on half the nodes, down to three; fourfold harmonics where nodes cannot be fewer."""
+    assert start._levels(coarsest, 3, harmonics) == levels
+
+
+@pytest.mark.parametrize(
+    ("nodes", "harmonics", "levels"), [(41, 9, [(11, 3), (21, 9)]), (15, 3, [(15, 3)]), (15, 5, [(15, 3)])]
+)
+def test_each_level_is_solved_and_counted(nodes, harmonics, levels, monkeypatch):
+    """Of a line with a predictor, without fewer nodes and harmonics once with its own; undamped steps only at first."""
+    solved, solve = [], start.solve_with_continuation
+
+    def recorded(chain, basis, z, tolerance, newton, *options):
+        solution = solve(chain, basis, z, tolerance, newton, *options)
+        solved.append((chain.nodes, basis.harmonics, newton is start.undamped_then_damped, solution.iterations))
+        return solution
+
+    monkeypatch.setattr(start, "solve_with_continuation", recorded)
+    chain = cable_system(scene(1), nodes)
+    basis = Basis(harmonics, 4 * harmonics, 2 * math.pi / chain.period, True)
+    z, iterations = start.multilevel_start(chain, basis, 1, newton.damped_newton, None, False)
+    assert [level[:2] for level in solved] == levels
+    assert [level[2] for level in solved] == [True] + [False] * (len(levels) - 1)
+    assert iterations == sum(level[3] for level in solved) and z.shape[1:] == (nodes, 2 * harmonics + 1)
 
 
 @pytest.mark.parametrize("coarsest, harmonics", [(0, 3), (0, 60), (1, 3), (2, 9), (2, 24), (6, 60), (6, 2)])

@@ -165,6 +165,21 @@ def test_what_is_wrong_is_named_with_file_and_line(tmp_path, old, new, message):
         read_map_file(path, depth=DEPTH)
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "field", "value"),
+    [
+        ("3     vessel", "3     anchor", "Type", "anchor"),
+        ("2     chain     30.0", "2     wire      30.0", "LineType", "wire"),
+        ("870.0", "nan", "UnstrLen", "nan"),
+        ("repeat 120 240", "repeat 120 x", "repeat", "x"),
+    ],
+)
+def test_an_error_has_the_column_and_the_word_in_it(tmp_path, old, new, field, value):
+    with pytest.raises(InputError) as refused:
+        read_map_file(edited(tmp_path, old, new), depth=DEPTH)
+    assert (refused.value.field, refused.value.value) == (field, value)
+
+
 def test_a_second_type_of_the_same_name_is_refused(tmp_path):
     row = next(line for line in BRIDLE.read_text(encoding="utf-8").splitlines() if line.startswith("chain"))
     path = edited(tmp_path, row, f"{row}\n{row}")

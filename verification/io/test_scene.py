@@ -62,6 +62,13 @@ def test_every_key_arrives(written):
     np.testing.assert_allclose(scene.motion.displacement(t), expected, rtol=0, atol=3 * ROUNDING)
 
 
+def test_the_tolerance_is_a_millionth_where_none_is_given(written):
+    """As that of a scene that is built."""
+    assert Scene.load(written()).tolerance == 1e-3
+    scene = Scene.load(written("tolerance = 1e-3\n"))
+    assert scene.tolerance == 1e-6 == Scene("line", scene.cable, scene.length, scene.anchor, scene.fairlead).tolerance
+
+
 def test_harmonics_of_a_motion_are_rows(written):
     """Rows of amplitude and phase are the harmonics of the frequency."""
     rows = "frequency = 0.05\namplitude = [[0, 5, 0], [2.5, 0, 0]]\nphase = [[0, 0, 0], [0.3, 0, 0]]\n"

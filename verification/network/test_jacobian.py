@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,10 +13,11 @@ import scipy.sparse as sparse
 from solvers import solve_network
 from solvers.catenary.excursion import excursion
 from solvers.network import equations as network_equations
+from solvers.network import jacobian as network_jacobian
 from solvers.network.equations import NetworkEquations
-from solvers.network.jacobian import _dogleg, analytic_jacobian, dense_step, difference_jacobian
+from solvers.network.jacobian import _dogleg, analytic_jacobian, dense_step, difference_jacobian, trust_region_step
 from solvers.network.monolithic import MonolithicSystem
-from solvers.network.nested import Count
+from solvers.network.nested import Count, solve_sparse
 from solvers.network.scalar import ScalarEquations
 
 from ..cases.networks import (
@@ -462,7 +465,7 @@ def test_floats_leave_what_they_cannot_carry_to_arrays(value):
     equations, (r, H, V) = NetworkEquations(network_of(two_line())), (np.array(part) for part in PAPER_START)
     scalar = ScalarEquations(equations, r, (1.0, 1.0))
     start = [*r[2].tolist(), *np.array([H, V]).T.ravel().tolist()]
-    assert scalar.evaluate(start) is not None
+    assert scalar.evaluate(start) is not None and scalar.evaluations == 1
     for i in range(len(start)):
         point = scalar.evaluate([*start[:i], value, *start[i + 1 :]])
         assert point is None or np.isfinite([*point.Z, *np.ravel(scalar.jacobian(point)), point.gap_force]).all()
@@ -499,3 +502,132 @@ def test_the_dogleg_lies_on_its_path():
     step = _dogleg(newton, cauchy, 2.0)
     part = (step - cauchy) / (newton - cauchy)
     assert np.linalg.norm(step) == pytest.approx(2.0) and part[0] == pytest.approx(part[1]) and 0 < part[0] < 1
+
+
+def test_operations_are_counted_as_in_the_paper():
+    """A factorisation of n unknowns counts (2/3) n^3, so the paper's nested example 24 x 18 + 90 x 42.67 = 4272."""
+    count = Count()
+    for n, times in ((3, 24), (4, 90)):
+        for _ in range(times):
+            solve_sparse(np.eye(n), 0.0, np.ones(n), count)
+    assert count.operations == pytest.approx(4272, rel=1e-12)
+
+
+@pytest.mark.parametrize(("start", "gained"), [(1.39, 0.0021), (1.2, 0.26), (0.5, 0.95)])
+def test_the_trust_region_shrinks_where_its_model_fails(start, gained, monkeypatch):
+    """arctan x = 0: radius halved below a quarter of the promised gain, kept up to three quarters, then grown."""
+    monkeypatch.setattr(network_jacobian, "scaled_jacobian", lambda now, jacobian: np.array([[1 / (1 + now.x**2)]]))
+    monkeypatch.setattr(network_jacobian, "split_step", lambda now, p: p[0])
+    network = SimpleNamespace(count=Count())
+
+    def at(x):
+        return SimpleNamespace(x=x, residual=np.arctan([x]), system=network, take_step=lambda _, dx: at(x + dx))
+
+    new, radius = network_jacobian.trust_region_step(at(start), "analytic", None)
+    step = math.atan(start) * (1 + start**2)
+    assert new.x == pytest.approx(start - step, rel=1e-12)
+    assert 1 - (new.residual[0] / math.atan(start)) ** 2 == pytest.approx(gained, rel=0.1)
+    assert radius == pytest.approx(step * (0.5 if gained < 0.25 else 1.0 if gained < 0.75 else 3.0), rel=1e-12)
+
+
+class Model:
+    """An Iterate of two unknowns as ``trust_region_step`` reads it: Z(x), its Jacobian J, and how x moves."""
+
+    def __init__(self, x, curvature):
+        self.x, self.curvature = np.array(x, dtype=float), curvature
+        self.residual = np.array([2.0, 1.0]) * self.x + curvature * self.x**2
+        self.system = SimpleNamespace(count=Count())
+
+    def take_step(self, length, step):
+        """The iterate at x + length step."""
+        return Model(self.x + length * step, self.curvature)
+
+
+@pytest.fixture
+def of_model(monkeypatch):
+    """Gives ``trust_region_step`` the Jacobian of a Model, and its step as it is."""
+    slope = lambda now, jacobian: np.diag(np.array([2.0, 1.0]) + 2 * now.curvature * now.x)
+    monkeypatch.setattr("solvers.network.jacobian.scaled_jacobian", slope)
+    monkeypatch.setattr("solvers.network.jacobian.split_step", lambda now, p: p)
+
+
+def test_a_linear_residual_is_solved_by_the_newton_step(of_model):
+    """Without a radius that is the Newton step, which is solved exactly; (2/3) n^3 operations are counted, (5.6)."""
+    now = Model([3.0, 4.0], 0.0)
+    new, radius = trust_region_step(now, "analytic", None)
+    assert new.residual == pytest.approx([0.0, 0.0], abs=1e-15) and radius == 15.0  # three times the step
+    assert now.system.count.operations == pytest.approx(2 / 3 * 2**3)
+
+
+def test_a_step_within_the_radius_of_a_linear_residual_lets_it_grow(of_model):
+    """Prediction and reduction agree, whatever the length of the step: it is taken, and three times as long a next."""
+    for radius in (0.1, 1.0, 4.0):
+        new, grown = trust_region_step(Model([3.0, 4.0], 0.0), "analytic", radius)
+        assert np.linalg.norm(new.x - [3.0, 4.0]) == pytest.approx(radius) and grown == pytest.approx(3 * radius)
+
+
+@pytest.mark.parametrize(
+    ("curvature", "moved", "radius"),
+    [  # from x = 1, Z = 2 + c: the Newton step leaves c p^2, so the ratio is 1 - (c p^2 / Z)^2
+        (2.0, 1.0, 3.0),  # 0.95: three times the step
+        (-0.5, 1.0, 1.0),  # 0.44: as it was
+        (-0.53, 1.0, 0.5),  # 0.22: half the step
+        (-0.6, 0.5, 1.5),  # -0.72: half the step is tried, whose ratio is 1.3
+    ],
+)
+def test_the_radius_follows_the_agreement_of_model_and_residual(of_model, curvature, moved, radius):
+    """Ratio of the reduction of |Z|^2 to the predicted one: bounds 1e-4, 1/4 and 3/4; in units of the Newton step."""
+    newton = (2 + curvature) / (2 + 2 * curvature)
+    new, left = trust_region_step(Model([1.0, 0.0], curvature), "analytic", None)
+    assert new.x == pytest.approx([1 - moved * newton, 0.0]) and left == pytest.approx(radius * newton)
+
+
+def test_no_step_is_taken_where_none_reduces_the_residual(of_model):
+    """Of a residual that grows in all directions none is given, and the radius is hardly anything."""
+    now = Model([1.0, 0.0], 0.0)
+    now.take_step = lambda length, step: SimpleNamespace(residual=np.array([2.0, 0.0]))
+    new, radius = trust_region_step(now, "analytic", None)
+    assert new is None and 0 < radius <= 2e-12
+
+
+# ---------------------------------------------------------------- a vertical line
+@pytest.mark.parametrize(("EA", "z"), [(1e6, -120.0), (1e3, -400.0)])
+def test_the_tangent_of_a_vertical_line_is_its_limit(EA, z):
+    """At l = 0 forces across are H/l = dH/dl of each end, from any side; a taut line, so that H/l has a limit."""
+    nodes = (NodeCase("fixed", (0.0, 0.0, 0.0)), NodeCase("free", (0.0, 0.0, z)))
+    case = NetworkCase("hanging line", nodes, (ElementCase(50.0, EA, 100.0, (0, 1)),), EnvironmentCase())
+    equations = NetworkEquations(network_of(case))
+    _every_node(equations, case)
+    vertical = equations.tangent(equations.solve_elements(equations.position))
+    for side in ([1.0, 0.0, 0.0], [-0.6, 0.8, 0.0]):
+        near = equations.tangent(equations.solve_elements(equations.position + 1e-6 * np.outer([0, 1], side)))
+        assert np.abs(vertical - near).max() <= 1e-7 * np.abs(vertical).max()
+    assert vertical[3, 3] > 1e-3 * np.abs(vertical).max()
+
+
+# ---------------------------------------------------------------- lines that lie, hang vertically or are slack
+def special(case, seed=4):
+    """Return an Iterate of a case near its solution, which has lines other than general ones."""
+    equations, state, rng = NetworkEquations(network_of(case)), solved(case), np.random.default_rng(seed)
+    r = equations.lift_to_seabed(state.r + 1e-3 * np.where(equations.unknown, rng.normal(size=state.r.shape), 0.0))
+    now = _at(equations, "scaled", r, 1.001 * state.H, 0.999 * state.V)
+    assert now.kind.any() and not now.kind.all()
+    return now
+
+
+def test_eliminating_the_forces_gives_the_step_of_the_whole_matrix():
+    """Where some lines lie on the seabed and others are general ones, too."""
+    now = special(chain_wire_chain())
+    with np.errstate(all="ignore"):  # as in ``_at``
+        schur, dense = now.newton_step(), dense_step(now, "analytic")
+    for part, wanted in zip(schur, dense, strict=True):
+        assert np.abs(part - wanted).max() <= 1e-6 * np.abs(wanted).max()
+
+
+def test_a_line_that_lies_has_no_vertical_force():
+    """Whatever it was started with; its H stays as it is."""
+    nodes = (NodeCase("fixed", (0.0, 0.0, -10.0)), NodeCase("coupled", (60.0, 0.0, -10.0)))
+    case = NetworkCase("lying", nodes, (ElementCase(10.0, 1e5, 59.9, (0, 1)),), EnvironmentCase(depth=10.0))
+    equations = NetworkEquations(network_of(case))
+    now = _at(equations, "N", equations.position, np.array([100.0]), np.array([5.0]))
+    assert now.lying.all() and now.elements.V.tolist() == [0.0] and now.elements.H.tolist() == [100.0]

@@ -543,6 +543,42 @@ def test_units_of_the_iteration_do_not_matter(units):
     assert exact_misses(TWO_LINE[:1], units=units, start=PAPER_START) == []
 
 
+@pytest.mark.parametrize("method", ["monolithic", "nested"])
+@pytest.mark.parametrize("case", NAMED, ids=lambda case: case.name)
+def test_forces_scale_exactly(case, method):
+    """All forces times a power of two: the same iterations to the same positions, bit for bit."""
+    state = solved(case, method=method)
+    for factor in (2.0**40, 2.0**-40):
+        lines = tuple(replace(line, w=factor * line.w, EA=factor * line.EA) for line in case.elements)
+        nodes = tuple(replace(node, force=tuple(factor * f for f in node.force)) for node in case.nodes)
+        environment = replace(case.environment, g=factor * case.environment.g)
+        scaled = solved(replace(case, elements=lines, nodes=nodes, environment=environment), method=method)
+        assert scaled.iterations == state.iterations and np.array_equal(scaled.r, state.r)
+        assert np.array_equal(scaled.H, factor * state.H) and np.array_equal(scaled.V, factor * state.V)
+
+
+@pytest.mark.parametrize("jacobian", ["analytic", "finite-difference"])
+def test_work_is_counted(jacobian):
+    """Of the two-line example with three coordinates and two forces a line: (2/3) n^3 operations for each matrix.
+
+    Differences alone take an evaluation for each unknown.
+    """
+    state = solve_network(network_of(two_line()), jacobian=jacobian, start=PAPER_START, fallback=False)
+    unknowns = 3 + 2 * 2
+    if jacobian == "analytic":  # which eliminates the forces
+        assert state.function_evaluations <= 3 * state.iterations
+        assert state.operations == pytest.approx(state.iterations * 2 / 3 * 3**3)
+    else:
+        assert state.function_evaluations >= (unknowns + 1) * state.iterations
+        assert state.operations >= state.iterations * 2 / 3 * unknowns**3  # the natural test takes some more
+
+
+@pytest.mark.parametrize("tolerance", [0.0, 1.0, -1e-9, math.nan])
+def test_the_tolerance_lies_between_0_and_1(tolerance):
+    with pytest.raises(InputError, match=r"^tolerance: .* must (lie in \(0, 1\)|be finite)"):
+        solve_network(network_of(two_line()), tolerance=tolerance)
+
+
 def test_warm_start_of_a_moved_body():
     base, moved = network_of(bridle_system()), bridle_system(offset=(1.0, 0.0, 0.0))
     state = solve_network(base)
@@ -569,6 +605,26 @@ def test_methods_agree_on_random_networks(deep):
     number = RANDOM_DEEP if deep else RANDOM
     misses, compared = agreement_misses(random_networks(number))
     assert misses == [] and compared >= number / 8
+
+
+@pytest.mark.parametrize("options", METHODS.values(), ids=METHODS)
+@pytest.mark.parametrize("case", [two_line(), bridle()], ids=lambda case: case.name)
+def test_each_method_reaches_its_tolerance_by_itself(case, options):
+    """Without the fallback, which would mend it, each method is balanced to what was asked, each line on its curve."""
+    state = solve_network(network_of(case), **options, fallback=False, tolerance=1e-9)
+    assert state.success and state.residual_norm <= 1e-9
+    tight = solve_network(network_of(case), tolerance=1e-13)
+    assert abs(state.H - tight.H).max() <= 1e-7 * abs(tight.H).max()  # the softest direction is a hundred times softer
+
+
+def test_friction_acts_only_where_the_anchor_end_lies():
+    """A line that hangs to the seabed from two raised ends has the forces of one without friction."""
+    nodes = Node("fixed", (0.0, 0.0, -15.0)), Node("coupled", (90.0, 0.0, -5.0))
+    states = [
+        solve_network(Network(nodes, [Element(30.0, 1e6, 100.0, (0, 1), friction)], Environment(depth=20.0)))
+        for friction in (0.0, 0.5)
+    ]
+    assert states[0].H[0] > 0 and [s.H[0] for s in states] == [states[0].H[0]] * 2
 
 
 # ---------------------------------------------------------------- fails well
@@ -731,7 +787,7 @@ def test_a_reference_point_has_three_coordinates(reference):
         solved(bridle()).body_stiffness(reference)
 
 
-def test_a_buoyant_line_knows_no_seabed():
+def test_a_buoyant_line_is_not_affected_by_the_seabed():
     """It hangs as without one: upwards between nodes just above the seabed, and with an end on it."""
     line = ElementCase(-50.0, 1e7, 140.0, (0, 1))
     for height in (0.0, 1.0):
@@ -741,7 +797,7 @@ def test_a_buoyant_line_knows_no_seabed():
         assert solved(near).H == solved(far).H and solved(near).V == solved(far).V
 
 
-def test_success_is_never_more_than_the_promise(monkeypatch):
+def test_success_is_reported_only_within_the_tolerance(monkeypatch):
     """Exact spans between rounded positions leave 1.7e-9 of the largest force unbalanced here: no success.
 
     The refinement within the rounding balances the network.
@@ -788,7 +844,7 @@ def test_forces_below_the_rounding_of_positions(name, method, monkeypatch):
         assert alone.status is Status.NOT_CONVERGED
 
 
-def test_a_force_that_is_none():
+def test_a_load_below_rounding_is_not_unbalanced():
     """A load far below the rounding of the weights does not count as unbalanced where the lines carry nothing."""
     nodes = (BUOY[0], NodeCase("free", (0.0, 0.0, 0.0), force=(0.0, 7e-263, 0.0)))
     lines = (ElementCase(0.0, 1e4, 10.0, (0, 1)), ElementCase(1.0, 1e4, 10.0, (0, 1)))
@@ -872,7 +928,7 @@ def test_what_is_accepted_as_within_rounding_is(tolerance):
     assert accepted[count - 1][0] > allowed / 100  # larger errors are refused
 
 
-def test_what_more_than_rounding_explains_is_not_mended():
+def test_a_residual_beyond_rounding_is_not_refined():
     """A node off by half a rounding is refined; by a hundred it is not, though one step would balance it."""
     rounding = 4 * EPS * (12.0 + 11.0) * 0.25
     assert error_within_rounding((0.0, rounding / 2), 1e-12, 1.0) is not None

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from solvers import InputError, solve_periodic, solve_time_domain
-from solvers.numerics.chain import ChainSystem, Residual
+from solvers.numerics.chain import ChainSystem, Residual, product, stack
 
-from ..cases.oscillators import MassChain, towed_chain
+from ..cases.oscillators import LINEAR, MassChain, towed_chain
+from ..reference import EPS
 
 PERIOD = 2 * math.pi / 0.7
 AGREES = 2e-3  # of the largest of each field, at 200 steps a period; measured 1.2e-3
@@ -135,6 +136,35 @@ def test_the_vector_of_a_chain_is_its_rows_in_order():
     ]
 
 
+def test_defaults_of_a_chain_are_those_it_says():
+    """Rest in zeros, errors in units of one, corrections of the drift at once and in full; nothing else is offered."""
+    chain = Minimal()
+    assert chain.rest_state().tolist() == [[0.0], [0.0]] and chain.scale().tolist() == [1.0, 1.0]
+    assert (chain.settling_time(), chain.drift_gain(), chain.rest_warnings()) == (0.0, 1.0, ())
+    assert chain.ramped(3.0) is chain
+    y = chain.rest_state()
+    assert {chain.mirror(), chain.invalid(y), chain.coarser(), chain.fourth_order(), chain.drift(y, 0.0)} == {None}
+    assert chain.quasi_static_predictor(np.zeros(1)) is None
+
+
+@pytest.mark.parametrize("samples", [(), (5,)])
+def test_a_single_node_has_rows_of_no_cells(samples):
+    """cells_or_empty: the shapes of a chain of no cells, for a single field, too."""
+    chain = ChainSystem()
+    chain.fields, chain.nodes = ("q",), 1
+    empty = chain.cells_or_empty(np.zeros((1, 1, *samples)), np.zeros((1, 1, *samples)), np.zeros(samples))
+    assert [part.shape for part in empty] == [(1, 0, *samples), *[(2, 1, 1, 0, *samples)] * 2]
+
+
+def test_vectors_of_many_samples_are_those_of_each():
+    """residual with sample axes: each sample's rows in the order of one instant."""
+    t = np.array([0.0, 0.3])
+    y, ydot = np.random.default_rng(5).normal(size=(2, 3, 4, t.size))
+    chain = towed_chain(4)
+    one_by_one = [chain.residual(y[..., i], ydot[..., i], t[i]) for i in range(t.size)]
+    assert np.array_equal(chain.residual(y, ydot, t), np.stack(one_by_one, axis=-1))
+
+
 # ---------------------------------------------------------------- masses in a row are such a chain
 def distance(steps, hold, chain=None) -> np.ndarray:
     """Largest distance of the fields in the 20th period of a time integration from the periodic response, (n_f,).
@@ -156,6 +186,16 @@ def test_towed_masses_in_time_tend_to_their_periodic_response(hold):
     coarse, fine = distance(100, hold), distance(200, hold)
     assert (fine <= AGREES).all(), fine
     assert (coarse / fine > SECOND_ORDER[0]).all() and (coarse / fine < SECOND_ORDER[1]).all(), coarse / fine
+
+
+def test_tangents_times_a_state_are_the_change_of_the_rows():
+    """The matrix product of the eigenvalue solver, on a chain whose rows are linear: F(y + x) - F(y), node by node."""
+    y, x = np.random.default_rng(12).normal(size=(2, 3, 3))
+    rows = [part(y, 0 * y, 0.0) for part in (LINEAR.start, LINEAR.cells_or_empty, LINEAR.end)]
+    values = [[part(state, 0 * y, 0.0).value for part in (LINEAR.start, LINEAR.cells_or_empty, LINEAR.end)]
+              for state in (y, y + x)]  # fmt: skip
+    change = stack(*(Residual(b - a) for a, b in zip(*values, strict=True)))
+    assert abs(product([part.dy for part in rows], x) - change).max() <= 100 * EPS
 
 
 class Misplaced(MassChain):

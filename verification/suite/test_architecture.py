@@ -39,7 +39,7 @@ MAY_IMPORT = {
 }  # fmt: skip
 
 # Rooms of solvers from the lowest to the highest: imports between rooms run only downwards.
-ROOMS = ("common", "numerics", "catenary", "network", "cable", "time_domain", "harmonic_balance", "io")
+ROOMS = ("common", "numerics", "catenary", "network", "cable", "time_domain", "harmonic_balance", "mooring", "io")
 # The dynamic solvers know chains only, and no line.
 UNRELATED = {"time_domain": ("catenary", "network", "cable"),
              "harmonic_balance": ("catenary", "network", "cable", "time_domain")}  # fmt: skip
@@ -54,6 +54,7 @@ REPORT_ORDER = (
     "network",
     "cable",
     "harmonic_balance",
+    "mooring",
     "stability",
     "scenes",
     "papers",
@@ -68,8 +69,9 @@ TEST_ROOMS = ("browser",)  # looks at the finished page, and imports none of the
 ALSO = {
     "solvers/numerics/compiled.py": (
         "numba",
-    ),  # whose loops are worth it is measured: those of block_chain, harmonic_blocks
-    "solvers/numerics/lu/bordered.py": ("numba", "llvmlite"),  # LAPACK by address
+    ),  # whose loops are worth it is measured: those of numerics/lu/bordered, harmonic_balance/blocks
+    "solvers/numerics/lu/blas_by_address.py": ("numba", "llvmlite"),
+    "benchmarks/harmonic_balance/block_lu.py": ("numba",),  # what the elimination by address is timed against
 }
 
 # Beside that, what a row must never import, standard library included.
@@ -346,7 +348,7 @@ BAD_IMPORTS = [
 
 GOOD_IMPORTS = [
     ("solvers/x.py", "import math\nimport numpy as np\nfrom .newton import root\nfrom scipy.linalg import lapack"),
-    ("solvers/numerics/lu/bordered.py", "from numba import njit"),
+    ("solvers/numerics/lu/blas_by_address.py", "from numba import njit\nimport llvmlite.binding"),
     ("solvers/numerics/compiled.py", "from numba import njit"),
     ("verification/x.py", "import pytest\nfrom solvers import Span\nfrom .cases.spans import NAMED"),
     ("benchmarks/x.py", "from verification.cases.spans import NAMED\nfrom . import harness"),

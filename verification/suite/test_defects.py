@@ -278,7 +278,7 @@ def test_a_check_that_is_red_by_itself_is_no_evidence(tiny, tmp_path):
     assert counts["void"] == [TINY[0].check] and counts["survivors"] == ["tripled"] and not kept(counts)
 
 
-def test_a_blind_spot_that_is_seen_is_told(tiny, tmp_path):
+def test_a_blind_spot_that_a_check_finds_is_reported(tiny, tmp_path):
     """A defect declared blind that a check finds breaks the promise."""
     seen = [replace(TINY[1], blind="it is not")]
     counts = summary(verdicts(seen, finished(tiny, Log(tmp_path / "log"), seen)))
@@ -382,7 +382,7 @@ def campaigning(tiny, monkeypatch) -> Path:
     (tiny / "verification" / "defects").mkdir()
     for name in ("__init__.py", "ordering.py"):
         shutil.copy2(ROOT / "verification" / "defects" / name, tiny / "verification" / "defects")
-    monkeypatch.setattr(campaign, "test_files", lambda module: ["test_numbers.py", "test_more.py"])
+    monkeypatch.setattr(campaign, "files", lambda module: ["test_numbers.py", "test_more.py"])
     monkeypatch.setattr(campaign, "deselected", lambda file: "")
     return tiny
 
@@ -547,7 +547,7 @@ def test_a_killed_run_goes_on_where_it_was(tiny, tmp_path):
 
 
 # ---------------------------------------------------------------- the page
-def test_the_page_tells_what_was_found(tmp_path):
+def test_the_page_shows_the_results_of_the_catalogue(tmp_path):
     """Counts, rate, survivors with their reasons, blind spots and each module stand on the page; its links lead on."""
     defects = [replace(CATALOGUE[0], survives="It was left to show this sentence."), *CATALOGUE[1:]]
     results = [Result(d.name, d.check, "missed" if d.blind else "caught", 1.0, d.check) for d in defects]

@@ -12,7 +12,7 @@ from solvers.io import load_network, read_map_file
 from solvers.numerics.modes import natural_modes
 
 RETURNED = {"CableSystem", "CatenaryBatch", "CatenaryState", "ConvergenceError", "InputError", "NetworkState",
-            "PeriodicResponse", "Regime", "StaticState", "Status", "TimeHistory"}  # fmt: skip
+            "PeriodicResponse", "Regime", "StaticState", "Status", "TimeHistory", "MooringSystem"}  # fmt: skip
 """Public classes that calls return or raise, and callers do not build."""
 
 PUBLIC = {name: getattr(solvers, name) for name in solvers.__all__ if callable(getattr(solvers, name))}

@@ -12,8 +12,8 @@ import pytest
 
 from .test_report import ROOT, Page, broken_anchors, missing_files, report, undescribed
 
-TIME, BALANCE = "cable", "harmonic_balance"
-FILES = {TIME: "dynamics.json", BALANCE: "harmonic_balance.json"}
+TIME, BALANCE, LINE = "cable", "harmonic_balance", "mooring"
+FILES = {TIME: "dynamics.json", BALANCE: "harmonic_balance.json", LINE: "mooring.json"}
 CHEAP = {TIME: ("profile",), BALANCE: ("fields", "oscillators")}
 
 
@@ -108,3 +108,42 @@ def test_report_of_every_part_is_whole(tmp_path, deep):
         assert heading in result.text, heading
     assert undescribed(result) == [] and missing_files(result, tmp_path) == [] and broken_anchors(result) == []
     assert "drift of the fairlead" in result.text and "time of time domain" in result.text
+
+
+# ---------------------------------------------------------------- the line of nodes and elements
+@pytest.fixture(scope="module")
+def line(tmp_path_factory):
+    """(folder, results, page) of cheap parts of the line of nodes and elements."""
+    out = tmp_path_factory.mktemp("line")
+    result = measure(LINE, out / "results", "--parts", "laboratory", "orcaflex", "three_periods")
+    return out, result, page(out)
+
+
+def test_report_shows_the_validation_that_was_measured(line):
+    """The parts that were measured have their headings and figures, others none; deviations are quoted."""
+    out, result, shown = line
+    for heading in ("The moving line of nodes and elements", "Measured in the laboratory", "OrcaFlex, a studless"):
+        assert heading in shown.text
+    for heading in ("Ten thousand cells", "Everyday lines over a seabed", "Where harmonic balance pays"):
+        assert heading not in shown.text
+    assert undescribed(shown) == [] and missing_files(shown, out) == [] and broken_anchors(shown) == []
+    data, text = result["laboratory"], words(shown)
+    assert f"mean size {100 * data['mean_absolute']:.1f} %, greatest {100 * data['greatest']:.1f} %" in text
+    computed = [row["computed"]["without friction"]["fairlead"] for row in result["orcaflex"]]
+    rms = ", ".join(f"{100 * one['rms']:.1f} %" for one in computed)
+    assert f"without friction: {rms} at the fairlead" in text
+
+
+def test_report_calls_a_validation_that_is_missed_not_reached(line):
+    """Planted deviations and times change the words and turn the verdicts."""
+    out, result, _ = line
+    planted = json.loads(json.dumps(result))
+    planted["laboratory"] |= {"mean_absolute": 0.234, "greatest": 0.345}
+    planted["three_periods"]["ratio"] = 0.5
+    for row in planted["orcaflex"]:
+        row["computed"]["without friction"]["fairlead"]["rms"] = 0.456
+    (out / "results" / FILES[LINE]).write_text(json.dumps(planted), encoding="utf-8")
+    text = words(page(out))
+    assert "mean size 23.4 %, greatest 34.5 %" in text and "45.6 %, 45.6 %, 45.6 % at the fairlead" in text
+    for label in ("off the laboratory", "off OrcaFlex", "time of the box scheme"):
+        assert re.search(f"{label} . not reached", text), label

@@ -134,7 +134,7 @@ def test_what_is_not_there_or_not_alone_is_refused(function, old, new, why):
     assert f"solvers/example.py, {function or 'outside functions'}: {old!r} -> {new!r}" in str(refusal.value)
 
 
-def test_equal_places_are_told_by_number():
+def test_equal_places_are_distinguished_by_number():
     """The n-th in the order of the text; one more than there are is refused."""
     text = "def f(a):\n    return (a + 1) * (a\n        + 1) - (a + 1)\n"
     changed = [fault("f", "a + 1", "2", occurrence=n).apply_to(text).split("return ")[1] for n in (1, 2, 3)]

@@ -161,7 +161,7 @@ def test_a_stage_that_ends_first_leaves_no_child(tmp_path, planted, how):
 
 @needs_kill
 @pytest.mark.parametrize("signalled", [signal.SIGTERM, signal.SIGINT])
-def test_a_guard_that_is_told_to_end_ends_its_stage(tmp_path, planted, signalled):
+def test_a_terminated_guard_ends_its_stage(tmp_path, planted, signalled):
     """The stage, its child, and the output that a report would wait for; the status is that of shells."""
     beats, part = tmp_path / "beats", tmp_path / "part"
     command = [
@@ -408,7 +408,7 @@ SCENE = "reference_data/scenes/shallow_chain.toml"
         (("--out", "{file}/below"), "below: no results can be written there (Not a directory): give another"),
     ],
 )
-def test_what_cannot_be_done_is_told_in_a_sentence(tmp_path, arguments, says):
+def test_impossible_runs_end_with_a_sentence(tmp_path, arguments, says):
     """Status 2, what is wrong and what to do instead; nothing is measured and no page written."""
     (tmp_path / "file").touch()
     words = [word.format(file=tmp_path / "file") for word in arguments]
@@ -499,6 +499,11 @@ def closure(*roots: str) -> set[str]:
     """What the report takes a result to depend on."""
     code = "from reports.pipeline.sources import *; import sys, json; print(json.dumps(depends_on(sys.argv[1:])))"
     return set(json.loads(python(code, *roots).stdout))
+
+
+def test_timings_of_spans_do_not_depend_on_cables():
+    """The harness asks no module that imports all solvers, as for the version: their results stay good."""
+    assert not [path for path in closure("benchmarks/run/harness.py") if path.startswith("solvers/cable/")]
 
 
 @pytest.mark.parametrize("name", RUNS)

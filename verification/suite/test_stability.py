@@ -257,7 +257,7 @@ def test_a_good_result_warns_of_nothing():
 
 @pytest.mark.parametrize("rho_inf", [0.0, 0.5, 1.0])
 @pytest.mark.parametrize("hold", ["position", "mean"])
-def test_steps_too_long_for_the_motion_are_told(rho_inf, hold):
+def test_steps_too_long_for_the_motion_are_warned_of(rho_inf, hold):
     """Half a period in a step, where the error is 0.3 to 2.4 of the range, and a tenth, where it is 0.1: both warn."""
     system = at(SURGE_5, 10, amplitude=(2.0, 0.0, 0.0))
     for steps in (2, 10):
@@ -267,7 +267,7 @@ def test_steps_too_long_for_the_motion_are_told(rho_inf, hold):
     assert not one.success or "time" in warned(one)
 
 
-def test_drift_is_told():
+def test_drift_is_warned_of():
     """Without a hold the fairlead of a violent motion moves away from its place; held, it does not."""
     system = at(SURGE_5, 20, amplitude=(8.0, 0.0, 0.0))
     free, controlled = (solve_time_domain(system, dt=0.2, periods=6, hold=hold) for hold in (None, "position"))
@@ -290,7 +290,7 @@ def test_advice_of_one_solver_is_not_that_of_another():
     assert "more nodes" in texts[Status.NO_PERIODIC_RESPONSE]
 
 
-def test_the_cure_of_a_drift_is_one_that_is_left():
+def test_the_warning_of_a_drift_names_a_remedy_that_is_left():
     """A mesh so coarse that the held end misses its place: more nodes or a shorter step, not the hold that it has."""
     chain = at(SURGE_5, 5, amplitude=(2.0, 0.0, 0.0))
     texts = {}
@@ -302,7 +302,7 @@ def test_the_cure_of_a_drift_is_one_that_is_left():
 
 
 @pytest.mark.parametrize("nodes", [3, 5, 10, 20])
-def test_the_hold_feeds_no_wave(nodes):
+def test_drift_control_feeds_no_wave(nodes):
     """A millimetre of surge, in which nothing damps, for 20 periods: held, the end stays as near as it does free."""
     system = at(SURGE_5, nodes, amplitude=(1e-3, 0.0, 0.0))
     free, controlled = (
@@ -436,14 +436,14 @@ def test_waves_that_nothing_damps_end_with_a_reason():
     assert run(0.9).success
 
 
-def test_a_motion_that_has_not_settled_is_told():
+def test_a_motion_that_is_not_periodic_yet_is_warned_of():
     """Nearly undamped, the second period differs from the first; settled, the sixth does not from the fifth."""
     calm = at(SURGE_5, 20, amplitude=(0.5, 0.0, 0.0), Cdn=0.02)
     assert "periods" in warned(solve_time_domain(calm, dt=0.2, periods=2))
     assert "periods" not in warned(solve_time_domain(at(SURGE_5, 20), dt=0.2, periods=6))
 
 
-def test_compression_between_two_steps_is_told():
+def test_compression_between_two_steps_is_warned_of():
     """Positive at every step, the tension dips below zero between two by the rates there."""
     history = solve_time_domain(at(SURGE_5, 20, amplitude=(2.0, 0.0, 0.0)), dt=0.3, periods=1)
     rates = history.ydot.copy()
@@ -452,7 +452,7 @@ def test_compression_between_two_steps_is_told():
     assert history.tension.min() > 0 and "tension" in warned(spoiled) - warned(history)
 
 
-def test_what_a_periodic_response_lacks_is_told():
+def test_shortcomings_of_a_periodic_response_are_warned_of():
     """Too few harmonics, a mesh of three nodes, and no constant term."""
     system = at(SURGE_5, 20, amplitude=(2.0, 0.0, 0.0))
     assert "harmonics" in warned(solve_periodic(system, harmonics=3))
@@ -502,7 +502,7 @@ def test_axial_waves_decay_by_the_spectral_radius(waves, radius):
 
 
 def test_another_radius_would_be_seen(waves):
-    """The check tells spectral radius 0.6 from 0.5."""
+    """The check distinguishes spectral radius 0.6 from 0.5."""
     measured, expected = _loss(waves, 0.6, 0.5)
     assert abs(measured - expected) > 10 * LINEAR
 

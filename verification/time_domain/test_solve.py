@@ -7,7 +7,7 @@ programs' numbers, and what happens when something is wrong.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise
 
@@ -19,7 +19,7 @@ from solvers.time_domain.generalized_alpha import Stepper
 
 from ..cable.problems import LENGTH, SOLVERS, TERMS, Manufactured, chosen_fields, system
 from ..cases.cables import HEAVE_5, OC3, STUDLESS_CHAIN, SURGE_5, SURGE_9, CableCase
-from ..cases.oscillators import duffing
+from ..cases.oscillators import MassChain, duffing
 from ..defects.dynamics import TIME_FAULTS
 from ..exact import frequencies, travelling_wave
 from ..reference import EPS
@@ -188,6 +188,17 @@ def test_small_forced_motion(direction):
         exact = frequencies.fairlead_response(*OC3_LINE, f, direction, beta=0.02, places=chain.s).tension
         errors.append(abs(case.EA * (1 + omega * case.damping) * strain - exact).max() / abs(exact).max())
     assert_order([4, 2, 1], errors, 2, ceiling=MEASURED, what="tension")
+
+
+def test_damping_of_modes_is_that_of_a_kelvin_voigt_bar():
+    """A Kelvin-Voigt bar: the axial mode of frequency f has the share pi f beta of the critical damping."""
+    beta = 1e-4
+    bar = CableCase("bar", 1e7, mass_per_length=10.0, submerged_weight=0.0, length=100.0, fairlead=(101.3, 0.0, 0.0),
+                    Cdn=0.0, Ca=0.0, rho=0.0, diameter=0.1, damping=beta)  # fmt: skip
+    modes = natural_modes(system(bar, 101), 3, near=5.0)
+    axial = np.argmax([np.linalg.norm(modes.shapes[1, :, i]) / np.linalg.norm(modes.shapes[2, :, i]) for i in range(3)])
+    assert modes.frequencies[axial] == pytest.approx(5.0, rel=2e-3)
+    assert modes.damping[axial] == pytest.approx(math.pi * modes.frequencies[axial] * beta, rel=1e-3)
 
 
 # ---------------------------------------------------------------- waves and decay: exact solutions of all equations
@@ -367,7 +378,7 @@ def test_the_error_controlled_step_follows_its_tolerance():
 
 
 def test_outputs_belong_together():
-    """Stored, thinned and interpolated states, rates, forces, places and progress tell the same story."""
+    """Stored, thinned and interpolated states, rates, forces, positions and progress are consistent."""
     chain, output = system(HEAVE_5, 20), []
     whole = solve(chain, dt=0.1, periods=1, progress=output.append)
     assert output == whole.time[1:].tolist() and whole.steps == 200 and whole.rejected == 0
@@ -491,6 +502,14 @@ def heaving(**options):
     return solve(chain, dt=chain.period / 100, periods=2, throw=False, **options)
 
 
+def test_the_ramp_takes_half_a_period():
+    """HB 4.3: by default the motion grows over half a period; from a given start it is there at once."""
+    chain = system(SURGE_5, 5)
+    run = {"dt": 0.1, "duration": 0.1}
+    assert solve(chain, **run).ramped_system.motion.duration == chain.period / 2
+    assert solve(chain, **run, start=(chain.rest_state(), 0 * chain.rest_state())).ramped_system is chain
+
+
 def test_a_failure_in_the_first_ramp_takes_a_longer_one():
     """The history is that of the longer ramp, and says so; a ramp that is asked for is kept, failure or not."""
     history, asked = heaving(), heaving(ramp=2.5)
@@ -525,6 +544,52 @@ def test_a_converged_step_is_accepted_after_relaxed_ones():
     again = Stepper(chain, Scheme.from_spectral_radius(0.5), 1e-10, None, 2.0)
     from_near = again.step(rest, 0 * rest, 0.0, 2.0, ydot)
     assert abs(from_near[0] - y).max() <= 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class BreakingMass(MassChain):
+    """A mass whose first rows have zeros for tangents after a time in s."""
+
+    singular_after: float = math.inf
+
+    def start(self, y, ydot, t, tangents=True):
+        """Return the rows q' = v and of the spring on the wall."""
+        rows = super().start(y, ydot, t, tangents)
+        singular = tangents and t > self.singular_after
+        return rows._replace(dy=0 * rows.dy, dydot=0 * rows.dydot) if singular else rows
+
+
+def breaking_mass(nan_after=math.inf, singular_after=math.inf) -> BreakingMass:
+    """Return a mass under the force sin(t), N, that is not a number after a time in s."""
+    force = lambda t: np.where(t > nan_after, np.nan, np.sin(t))[None]
+    return BreakingMass("a mass that breaks", 2 * math.pi, force, singular_after=singular_after)
+
+
+BREAKS = pytest.mark.parametrize("cause", ["singular_after", "nan_after"])
+
+
+@BREAKS
+@pytest.mark.parametrize("start", [None, (np.zeros((3, 1)), None)], ids=["from rest", "without a rate"])
+def test_a_history_whose_first_step_fails_has_an_infinite_residual(cause, start):
+    """Where the Jacobian is singular or a step is not finite: not 0, the residual before any step."""
+    chain = breaking_mass(**{cause: 0.0})
+    history = solve(chain, dt=0.1, duration=1.0, start=start, hold=None, throw=False)
+    assert history.status is Status.STEP_FAILED and history.time.size == 1
+    assert history.residual_norm == math.inf
+
+
+@BREAKS
+def test_a_failed_step_has_an_infinite_error(cause):
+    """Not the error of the good step before; the failed one is longer, which takes a new Jacobian."""
+    chain = breaking_mass(**{cause: 0.5})
+    stepper, y = Stepper(chain, Scheme.from_spectral_radius(0.5), 1e-10, None, 0.1), chain.rest_state()
+    ydot = 0 * y
+    for k in range(4):
+        y, ydot = stepper.step(y, ydot, 0.1 * k, 0.1, ydot)
+        assert stepper.error <= 1e-10
+    with np.errstate(invalid="ignore"):  # the step that is not a number is what is asked for
+        assert stepper.step(y, ydot, 0.4, 0.2, ydot) is None
+    assert stepper.error == math.inf
 
 
 @pytest.mark.parametrize(

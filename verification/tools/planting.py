@@ -129,15 +129,20 @@ class _Modules(importlib.abc.MetaPathFinder, importlib.abc.Loader):
     def __init__(self, fault: Fault):
         self.name, self.path = f"{PLANTED}.{fault.module}", ROOT / fault.path
         text = self.path.read_text(encoding="utf-8")
+        self.text = fault.apply_to(text)
         # numba keeps compiled loops by the name of their file: those with a fault must not be taken for the true ones
         file = f"<{self.path.name} with a fault>" if "compiled import" in text else str(self.path)
-        self.code = compile(fault.apply_to(text), file, "exec")
+        self.code = compile(self.text, file, "exec")
 
     def find_spec(self, fullname, path, target=None):
         """Says how to load the module with the fault; all others are left to Python."""
         if fullname != self.name:
             return None
         return importlib.util.spec_from_loader(fullname, self, origin=str(self.path))
+
+    def get_source(self, fullname):
+        """Return the text with the fault."""
+        return self.text
 
     def exec_module(self, module):
         """Runs the text with the fault."""

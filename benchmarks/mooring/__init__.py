@@ -1,0 +1,1 @@
+"""Measurements of moving lines of nodes and elements."""

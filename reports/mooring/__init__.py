@@ -1,0 +1,1 @@
+"""The section on moving lines of nodes and elements."""

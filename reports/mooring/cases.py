@@ -1,0 +1,36 @@
+"""The cases, methods and lines of the section on moving lines, as the page names and draws them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ..cable import cases as cable_cases
+from ..drawing import style
+from ..page.figures import Figure
+from ..page.formatting import slug
+
+CASES = cable_cases.CASES
+"""Cases of the paper; those over a seabed have their titles in the results."""
+GROWING = "case 1"
+METHODS = {
+    "in time": {"color": style.PALETTE[1], "marker": "s"},
+    "in time, extrapolated": {"color": style.PALETTE[4], "marker": "X"},
+    "harmonic balance": {"color": style.PALETTE[0], "marker": "o"},
+    "harmonic balance, extrapolated": {"color": style.PALETTE[3], "marker": "P"},
+    "box scheme, in time": {"color": style.PALE, "marker": "v"},
+    "box scheme, harmonic balance, corrected": {"color": style.PALETTE[5], "marker": "^"},
+    "MoorDyn": {"color": style.PALETTE[2], "marker": "D"},
+}
+LEGEND = {
+    "harmonic balance": "harmonic balance (HB)",
+    "harmonic balance, extrapolated": "HB, extrapolated",
+    "box scheme, harmonic balance, corrected": "box scheme, HB corrected",
+}
+"""Names of methods that are too long for a legend."""
+OWN = tuple(METHODS)[:4]
+"""Methods of nodes and elements."""
+
+
+def save(figure, folder: Path, name: str, title: str, alt: str) -> Figure:
+    """Write a figure as style.save does, under the names that all figures of this section have."""
+    return style.save(figure, folder, f"mooring_{slug(name)}", title, alt)

@@ -1,0 +1,234 @@
+"""Equations of a moving line of nodes and elements: compiled, in two or three axes.
+
+A cell c joins nodes c and c + 1: d = r[c+1] - r[c], t = d/|d|, e = |d|/l - 1, e' = t.(v[c+1] - v[c])/l, and its tension
+is T = EA (e + beta e') while that is positive, else 0. Half of its mass, added mass and drag stands at either end, with
+that cell's t. The last axis points up; the number of axes is that of ``Line.current``, a constant for the compiler.
+
+The residual R of a node is its inertia less the forces on it:
+(m + ma) a - ma (a.t) t  of half a cell  -+ T t + drag - load - seabed.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..numerics.compiled import compiled
+
+
+class Line(NamedTuple):
+    """Cells (C,) and nodes (N,) of a line; n axes.
+
+    length m, EA N, damping s, mass and added_mass kg/m: of the cells. normal_drag and tangential_drag: 1/2 rho d Cdn
+    and 1/2 rho pi d Cdt, kg/m^2. point_mass kg and load (N, n) N: of the nodes, weight included. seabed_stiffness N/m,
+    seabed_damping N s/m and friction: of the nodes, over a floor at height ``floor`` in m. slip_speed m/s: at which
+    friction reaches 0.7 of Coulomb's. current: n floats, m/s.
+    """
+
+    length: np.ndarray
+    EA: np.ndarray
+    damping: np.ndarray
+    mass: np.ndarray
+    added_mass: np.ndarray
+    normal_drag: np.ndarray
+    tangential_drag: np.ndarray
+    point_mass: np.ndarray
+    load: np.ndarray
+    seabed_stiffness: np.ndarray
+    seabed_damping: np.ndarray
+    friction: np.ndarray
+    floor: float
+    slip_speed: float
+    current: tuple
+
+
+# ---------------------------------------------------------------- one state
+@compiled
+def residual(line, r, v, a, auxiliary, R, T, unit):
+    """Set R (N, n) in N to inertia less forces, T (C,) in N to the tensions, unit (C, n) to t.
+
+    auxiliary (C,): the tension of each cell as Newton's method has it, an unknown of its own beside the positions. A
+    cell is taut where that or the law is positive (a primal-dual active set), else its tension is zero.
+    """
+    n, nodes = len(line.current), r.shape[0]
+    for i in range(nodes):
+        for k in range(n):
+            R[i, k] = line.point_mass[i] * a[i, k] - line.load[i, k]
+        seabed(line, r, v, i, R)
+    for c in range(nodes - 1):
+        l, square, rate = line.length[c], 0.0 * r[0, 0], 0.0 * r[0, 0]
+        for k in range(n):
+            unit[c, k] = r[c + 1, k] - r[c, k]
+            square += unit[c, k] * unit[c, k]
+        distance = np.sqrt(square)
+        for k in range(n):
+            unit[c, k] /= distance
+            rate += unit[c, k] * (v[c + 1, k] - v[c, k])
+        T[c] = line.EA[c] * (distance / l - 1 + line.damping[c] * rate / l)
+        if T[c].real <= 0 and auxiliary[c] <= 0:
+            T[c] = 0.0
+        else:
+            for k in range(n):
+                R[c, k] -= T[c] * unit[c, k]
+                R[c + 1, k] += T[c] * unit[c, k]
+        half, stretch = l / 2, np.sqrt(distance / l)
+        for i in range(c, c + 2):
+            along, across, inertia = 0.0 * r[0, 0], 0.0 * r[0, 0], 0.0 * r[0, 0]
+            for k in range(n):
+                along += (v[i, k] - line.current[k]) * unit[c, k]
+                inertia += a[i, k] * unit[c, k]
+            for k in range(n):
+                across += (v[i, k] - line.current[k] - along * unit[c, k]) ** 2
+            normal = half * stretch * line.normal_drag[c] * np.sqrt(across)
+            tangential = half * stretch * line.tangential_drag[c] * (along if along.real > 0 else -along)
+            by_t = (tangential - normal) * along - half * line.added_mass[c] * inertia
+            for k in range(n):
+                R[i, k] += half * (line.mass[c] + line.added_mass[c]) * a[i, k] + by_t * unit[c, k]
+                R[i, k] += normal * (v[i, k] - line.current[k])
+
+
+@compiled
+def seabed(line, r, v, i, R):
+    """Subtract the seabed's normal force, which never pulls, and its regularised friction from R[i]."""
+    n, penetration = len(line.current), line.floor - r[i, -1]
+    if penetration.real <= 0:
+        return
+    normal = line.seabed_stiffness[i] * penetration - line.seabed_damping[i] * v[i, -1]
+    if normal.real <= 0:
+        return
+    R[i, -1] -= normal
+    square = line.slip_speed**2 + 0.0 * v[0, 0]
+    for k in range(n - 1):
+        square += v[i, k] * v[i, k]
+    for k in range(n - 1):
+        R[i, k] += line.friction[i] * normal * v[i, k] / np.sqrt(square)
+
+
+@compiled
+def tangents(line, r, v, a, auxiliary, weights, diagonal, right, left):
+    """Set diagonal (N, n, n), right and left (C, n, n) to w_r dR/dr + w_v dR/dv + w_a dR/da.
+
+    right[c] is of R[c] by node c + 1, left[c] of R[c + 1] by node c. A cell turns with its auxiliary tension.
+    """
+    n, nodes, (w_r, w_v, w_a) = len(line.current), r.shape[0], weights
+    unit, normal = np.empty(n), np.empty(n)
+    diagonal[:] = 0.0
+    for i in range(nodes):
+        for k in range(n):
+            diagonal[i, k, k] = w_a * line.point_mass[i]
+        seabed_tangents(line, r, v, i, w_r, w_v, diagonal)
+    for c in range(nodes - 1):
+        l, square, rate = line.length[c], 0.0, 0.0
+        for k in range(n):
+            unit[k] = r[c + 1, k] - r[c, k]
+            square += unit[k] * unit[k]
+        distance = np.sqrt(square)
+        for k in range(n):
+            unit[k] /= distance
+            rate += unit[k] * (v[c + 1, k] - v[c, k])
+        taut = 1.0 if auxiliary[c] > 0 or distance / l - 1 + line.damping[c] * rate / l > 0 else 0.0
+        axial = taut * (w_r + w_v * line.damping[c]) * line.EA[c] / l
+        lateral = w_r * max(auxiliary[c], 0.0) / distance
+        turning = taut * w_r * line.EA[c] * line.damping[c] / (l * distance)  # the rate of strain as the cell turns
+        for j in range(n):
+            for k in range(n):
+                tt = unit[j] * unit[k]
+                across = v[c + 1, k] - v[c, k] - rate * unit[k]
+                G = axial * tt + lateral * ((1.0 if j == k else 0.0) - tt) + turning * unit[j] * across
+                diagonal[c, j, k] += G
+                diagonal[c + 1, j, k] += G
+                right[c, j, k] = -G
+                left[c, j, k] = -G
+        half, stretch = l / 2, np.sqrt(distance / l)
+        ma = half * line.added_mass[c]
+        for side in range(2):
+            i, sign, along, inertia, speed = c + side, 2.0 * side - 1, 0.0, 0.0, 0.0
+            for k in range(n):
+                along += (v[i, k] - line.current[k]) * unit[k]
+                inertia += a[i, k] * unit[k]
+            for k in range(n):
+                normal[k] = v[i, k] - line.current[k] - along * unit[k]
+                speed += normal[k] * normal[k]
+            speed = np.sqrt(speed)
+            cn, ct = half * stretch * line.normal_drag[c], half * stretch * line.tangential_drag[c]
+            sharp = cn / speed if speed > 0 else 0.0
+            for j in range(n):
+                force = cn * speed * normal[j] + ct * abs(along) * along * unit[j]
+                for k in range(n):
+                    tt = unit[j] * unit[k]
+                    P = (1.0 if j == k else 0.0) - tt
+                    by_normal = cn * speed * P + sharp * normal[j] * normal[k]
+                    own = w_v * (by_normal + 2 * ct * abs(along) * tt)
+                    own += w_a * (half * line.mass[c] * (tt + P) + ma * P)
+                    turn = -cn * speed * unit[j] * normal[k] - along * by_normal
+                    turn += ct * abs(along) * (2 * unit[j] * normal[k] + along * P)
+                    turn -= ma * (unit[j] * (a[i, k] - inertia * unit[k]) + inertia * P)
+                    turn = sign * w_r * (turn + force * unit[k] / 2) / distance
+                    if side == 0:
+                        diagonal[i, j, k] += own + turn
+                        right[c, j, k] -= turn
+                    else:
+                        diagonal[i, j, k] += own + turn
+                        left[c, j, k] -= turn
+
+
+@compiled
+def seabed_tangents(line, r, v, i, w_r, w_v, diagonal):
+    """Add the tangents of the seabed's forces on node i to diagonal[i]."""
+    n, k, c = len(line.current), line.seabed_stiffness[i], line.seabed_damping[i]
+    penetration = line.floor - r[i, -1]
+    if penetration <= 0:
+        return
+    normal = k * penetration - c * v[i, -1]
+    if normal <= 0:
+        return
+    by_height = w_r * k + w_v * c
+    diagonal[i, -1, -1] += by_height
+    square = line.slip_speed**2
+    for p in range(n - 1):
+        square += v[i, p] * v[i, p]
+    root = np.sqrt(square)
+    for p in range(n - 1):
+        diagonal[i, p, p] += w_v * line.friction[i] * normal / root
+        diagonal[i, p, -1] -= line.friction[i] * by_height * v[i, p] / root
+        for q in range(n - 1):
+            diagonal[i, p, q] -= w_v * line.friction[i] * normal * v[i, p] * v[i, q] / (square * root)
+
+
+# ---------------------------------------------------------------- many states
+@compiled
+def node_forces(line, record, forces, tensions):
+    """Set forces (K, N, n), N, to the sums that holders of the nodes would feel, tensions (K, C) to those of the cells.
+
+    record: r, v, a (K, N, n). The force on the holder of a node is what the balance of the node leaves.
+    """
+    nodes, n = record[0].shape[1:]
+    R, unit, zeros = np.empty((nodes, n)), np.empty((nodes - 1, n)), np.zeros(nodes - 1)
+    for k in range(record[0].shape[0]):
+        residual(line, record[0][k], record[1][k], record[2][k], zeros, R, tensions[k], unit)
+        for i in range(nodes):
+            for p in range(n):
+                forces[k, i, p] = -R[i, p]
+
+
+@compiled
+def sampled_residual(line, samples, auxiliary, R, T, unit):
+    """Set R (S, N, n), T (S, C) and unit (S, C, n) at samples: r, v, a (S, N, n) with auxiliary tensions (S, C)."""
+    for k in range(R.shape[0]):
+        residual(line, samples[0][k], samples[1][k], samples[2][k], auxiliary[k], R[k], T[k], unit[k])
+
+
+@compiled
+def sampled_tangents(line, samples, auxiliary, weights, diagonal, right, left):
+    """Set the tangents at samples, diagonal (n, n, N, S), right and left (n, n, C, S), else as ``tangents``."""
+    n, (count, nodes) = len(line.current), samples[0].shape[:2]
+    D, U, L = np.empty((nodes, n, n)), np.empty((nodes - 1, n, n)), np.empty((nodes - 1, n, n))
+    for s in range(count):
+        tangents(line, samples[0][s], samples[1][s], samples[2][s], auxiliary[s], weights, D, U, L)
+        for i in range(nodes):
+            for j in range(n):
+                for k in range(n):
+                    diagonal[j, k, i, s] = D[i, j, k]
+                    if i < nodes - 1:
+                        right[j, k, i, s], left[j, k, i, s] = U[i, j, k], L[i, j, k]

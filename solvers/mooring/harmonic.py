@@ -1,0 +1,282 @@
+"""Harmonic balance of a moving line: the rows of its nodes in Fourier coefficients, and their Jacobian.
+
+Sampled, transformed and solved as the paper's cable is (HB (63), (72)-(74)), on nodes with positions alone: of a node
+n (2 Nh + 1) unknowns, coupled to its two neighbours. The tensions of the cells at the samples are unknowns of their own
+that each Newton step condenses (``equations.residual``): plain full steps then converge from a linear guess.
+"""
+
+from __future__ import annotations
+
+import copy
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from scipy.linalg.lapack import dgetrf, dgetrs
+
+from ..common.diagnostics import relative_change
+from ..common.outcome import InputError
+from ..harmonic_balance.blocks import Blocks
+from ..harmonic_balance.response import PeriodicResponse
+from ..harmonic_balance.solve import solve_periodic
+from ..numerics.newton import damped_newton, full_newton
+from ..time_domain.solve import solve_time_domain
+from . import diagnostics
+from .equations import sampled_residual, sampled_tangents
+from .history import LineOutputs
+
+
+@dataclass(frozen=True)
+class MooringResponse(LineOutputs, PeriodicResponse):
+    """Periodic state of a moving line: PeriodicResponse with the outputs of LineOutputs at the samples.
+
+    coarse: the response on half as many cells, which forces at the ends are extrapolated with, or None.
+    """
+
+    system: Any = field(repr=False)
+    coarse: MooringResponse | None = field(repr=False, default=None)
+
+    @property
+    def yddot(self) -> np.ndarray:
+        """Accelerations at the samples, (n, N, Nt), m/s^2."""
+        return self.acceleration_at(self.time)
+
+    def acceleration_at(self, t) -> np.ndarray:
+        """Accelerations at times t (S,) in s, (n, N, S), m/s^2."""
+        q = self.basis.functions(np.asarray(t, dtype=float))[0]
+        return -(self.z * (self.basis.omega * self.basis.harmonic) ** 2) @ q.T
+
+    def end_forces(self, t) -> np.ndarray:
+        """Forces on what holds anchor and fairlead at times t (S,) in s, (3, 2, S), N; extrapolated with ``coarse``.
+
+        The error of both meshes is of second order in the cells, so a third of their difference is left.
+        """
+        t = np.asarray(t, dtype=float)
+        motion = self.at(t), self.rate_at(t), self.acceleration_at(t)
+        both = np.stack([self.system.end_force(*motion, end) for end in (0, -1)])
+        forces = np.einsum("dc,ekd->cek", self.system.axes, both)
+        return forces if self.coarse is None else forces + (forces - self.coarse.end_forces(t)) / 3
+
+    @property
+    def fairlead_force(self) -> np.ndarray:
+        """Force on the vessel at the samples, (3, Nt), N."""
+        return self.end_forces(self.time)[:, 1]
+
+    @property
+    def anchor_force(self) -> np.ndarray:
+        """Force on the anchor at the samples, (3, Nt), N."""
+        return self.end_forces(self.time)[:, 0]
+
+    def _tension_at(self, t) -> np.ndarray:
+        """Return the size of the force on the vessel at times t (S,) in s, N."""
+        return np.linalg.norm(self.end_forces(t)[:, 1], axis=0)
+
+    @cached_property
+    def mesh_error(self) -> float | None:
+        """Rms change of the fairlead tension that half as many cells make, over its range; None where that fails.
+
+        Solved for on every second node when first asked, unless ``coarse`` is there.
+        """
+        if self.coarse is not None:
+            return relative_change(self, self.coarse)
+        coarser, repeat = self.system.coarser(), self.repeat
+        return None if coarser is None or repeat is None else relative_change(self, repeat(coarser[0]))
+
+    @cached_property
+    def warnings(self) -> tuple[str, ...]:
+        """What the mesh or the number of harmonics has lost."""
+        return tuple(diagnostics.check_response(self))
+
+
+def start_from_time(system, basis, periods) -> np.ndarray:
+    """Return the coefficients z (n, N, C) of the last of ``periods`` of a time integration; zeros where that fails."""
+    steps = max(LEAST_STEPS, STEPS_PER_HARMONIC * basis.harmonics)
+    period = 2 * np.pi / basis.omega
+    history = solve_time_domain(system, dt=period / steps, duration=periods * period, throw=False)
+    if not history.success:
+        return np.zeros((len(system.axes), system.nodes, basis.harmonic.size))
+    t = period * np.arange(steps) / steps
+    displacement = history.y[..., -steps - 1 : -1] - system.rest_state()[..., None]
+    return 2 / steps * displacement @ basis.functions(t)[0]
+
+
+def solve_extrapolated(system, **options) -> MooringResponse:
+    """Return the periodic response of a MooringSystem with ``coarse``, that on half as many cells.
+
+    options: of ``solve_periodic``. Raises as that does; InputError where the line has too few cells for a coarser one.
+    """
+    coarser = system.coarser()
+    if coarser is None:
+        problem = f"{system.nodes - 1} cells are too few for a mesh of half as many"
+        raise InputError(problem, field="deferred_correction", value=True)
+    coarse: Any = solve_periodic(coarser[0], **options | {"start": None})
+    if not coarse.success:
+        return coarse
+    fine: Any = solve_periodic(system, **options)
+    return replace(fine, coarse=coarse)
+
+
+LEAST_STEPS, STEPS_PER_HARMONIC = 48, 6  # in a period of the time integration that a solve starts from
+
+
+class MooringHarmonics:
+    """Rows of a MooringSystem for the coefficients z (n, N, C) of its displacement from rest; x (N, n C) as a vector.
+
+    The methods are those of ``harmonic_balance.residual.HarmonicResidual``.
+    """
+
+    symmetric = False
+    iterative = False
+
+    def __init__(self, system, basis):
+        self.system, self.basis = system, basis
+        self.rest = np.ascontiguousarray(system.rest_state().T)
+        self.n, count = len(system.axes), basis.harmonic.size
+        self.shape = (system.nodes, self.n, count)
+        self.blocks = Blocks(basis, [np.arange(count)] * self.n)
+        self.rows = Blocks.harmonics([np.arange(count)] * self.n, basis)
+        self.Q_tt = -((basis.omega * basis.harmonic) ** 2)  # of the functions themselves
+        path = system.path(basis.times)[:, 0] - self.rest[system.held]
+        self.prescribed = np.moveaxis(path, 0, -1) @ basis.P  # (P, n, C)
+        self.auxiliary = np.empty((basis.samples, system.nodes - 1))
+        self.first: Any = None  # unknowns where Newton's method began
+        self.before: Any = None  # unknowns, tensions and directions where the last Jacobian stood
+
+    # ------------------------------------------------------------ what solve_periodic asks
+    def start_is_symmetric(self, z) -> bool:
+        """Return True: a line uses no symmetry, so every start will do."""
+        return True
+
+    def satisfies_omitted_rows(self, z) -> bool:
+        """Return True: without a symmetry no rows are left out."""
+        return True
+
+    def with_system(self, system) -> MooringHarmonics:
+        """Return the same rows of another system with the same nodes."""
+        other = copy.copy(self)
+        other.system = system
+        return other
+
+    def pack(self, z) -> np.ndarray:
+        """Return x (N, n C) of z (n, N, C)."""
+        return np.swapaxes(z, 0, 1).reshape(self.shape[0], -1)
+
+    def unpack(self, x) -> np.ndarray:
+        """Return z (n, N, C) of x (N, n C)."""
+        return np.ascontiguousarray(x.reshape(self.shape).swapaxes(0, 1))
+
+    # ------------------------------------------------------------ rows
+    def samples(self, x):
+        """Return r, v, a (Nt, N, n) at the samples."""
+        z, turn = x.reshape(self.shape), lambda part: np.ascontiguousarray(np.moveaxis(part, -1, 0))
+        return (
+            self.rest + turn(z @ self.basis.Q.T),
+            turn(z @ self.basis.Q_t.T),
+            turn((z * self.Q_tt) @ self.basis.Q.T),
+        )
+
+    def evaluate(self, x):
+        """Return the rows (N, n C), tensions (Nt, C) and directions (Nt, C, n) at the samples, and the samples."""
+        samples, nodes = self.samples(x), self.shape[0]
+        R, T = np.empty(samples[0].shape), np.empty(self.auxiliary.shape)
+        unit = np.empty((len(R), nodes - 1, self.n))
+        sampled_residual(self.system.line, samples, self.auxiliary, R, T, unit)
+        source = self.system.source_at(self.basis.times)
+        if len(source):
+            R -= source
+        rows = np.moveaxis(R, 0, -1) @ self.basis.P
+        held = self.system.held
+        rows[held] = x.reshape(self.shape)[held] - self.prescribed
+        return rows.reshape(nodes, -1), T, unit, samples
+
+    def residual(self, x) -> np.ndarray:
+        """Return all rows, (N, n C)."""
+        if self.first is None:
+            self._condense(x)
+        return self.evaluate(x)[0]
+
+    def linearise(self, x):
+        """Return the rows and a function that solves with the Jacobian, None where it is singular."""
+        self._condense(x)
+        rows, T, unit, samples = self.evaluate(x)
+        self.before = x.copy(), T, unit
+        if not np.isfinite(rows).all():
+            return rows, None
+        factors = _BlockTridiagonal(*self.jacobian(samples))
+        return rows, None if factors.singular else lambda F: factors.solve(F.reshape(rows.shape))
+
+    def _condense(self, x):
+        """Set the auxiliary tensions: those of the start, then what the last Jacobian foretold for the step to x."""
+        if self.first is None:
+            self.first = x.copy()
+        if np.array_equal(x, self.first):  # the first step, or a solve that starts again
+            self.auxiliary = np.zeros((self.basis.samples, self.system.nodes - 1))
+            self.auxiliary = self.evaluate(x)[1] if x.any() else self.auxiliary + self.system.rest.tension
+            return
+        x0, T0, unit0 = self.before
+        line, z = self.system.line, (x - x0).reshape(self.shape)
+        moved = np.moveaxis(z @ self.basis.Q.T, -1, 0)
+        rate = np.moveaxis(z @ self.basis.Q_t.T, -1, 0)
+        stretch = np.diff(moved, axis=1) + line.damping[:, None] * np.diff(rate, axis=1)
+        change = line.EA / line.length * np.einsum("scn,scn->sc", unit0, stretch)
+        self.auxiliary = np.where(T0 != 0, T0 + change, 0.0)
+
+    def jacobian(self, samples):
+        """Return blocks diagonal (N, m, m), right and left (C, m, m) of the rows, m = n C."""
+        n, nodes, count = self.n, self.shape[0], self.basis.samples
+        by = []
+        for weights in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)):
+            parts = (
+                np.empty((n, n, nodes, count)),
+                np.empty((n, n, nodes - 1, count)),
+                np.empty((n, n, nodes - 1, count)),
+            )
+            sampled_tangents(self.system.line, samples, self.auxiliary, weights, *parts)
+            by.append(parts)
+        blocks = [self.blocks(K, C, self.rows, float) for K, C in zip(by[0], by[1], strict=True)]
+        mass = by[2][0]
+        blocks[0] += self.blocks(mass, np.zeros_like(mass), self.rows, float) * np.tile(self.Q_tt, n)
+        diagonal, right, left = blocks
+        for i in self.system.held:
+            diagonal[i] = np.eye(diagonal.shape[1])
+            if i < nodes - 1:
+                right[i] = 0.0
+            if i > 0:
+                left[i - 1] = 0.0
+        return diagonal, right, left
+
+
+def full_then_damped_newton(linearise, residual, x, tolerance, norm):
+    """Return (x, steps, converged): full steps, which the mixed method takes; where they diverge damped ones from x."""
+    result, full, converged = full_newton(linearise, residual, x, tolerance, norm)
+    if converged:
+        return result, full, True
+    result, steps, converged = damped_newton(linearise, residual, x, tolerance, norm)
+    return result, full + steps, converged
+
+
+class _BlockTridiagonal:
+    """LU factors of a block-tridiagonal matrix: diagonal (N, m, m), right and left (N - 1, m, m)."""
+
+    def __init__(self, diagonal, right, left):
+        self.left, self.ahead, self.factors, self.singular = left, np.empty_like(right), [], False
+        for i, D in enumerate(diagonal):
+            if i > 0:
+                D = D - left[i - 1] @ self.ahead[i - 1]
+            lu, order, info = dgetrf(D.T, overwrite_a=True)
+            self.factors.append((lu, order))
+            self.singular |= info != 0
+            if i < len(right):
+                self.ahead[i] = dgetrs(lu, order, right[i], trans=1)[0]
+        self.singular = bool(self.singular or not np.isfinite(self.factors[-1][0]).all())
+
+    def solve(self, F) -> np.ndarray:
+        """Return the solution (N, m) for a right-hand side (N, m)."""
+        x = np.empty_like(F)
+        for i, (lu, order) in enumerate(self.factors):
+            right = F[i] if i == 0 else F[i] - self.left[i - 1] @ x[i - 1]
+            x[i] = dgetrs(lu, order, right, trans=1)[0]
+        for i in range(len(x) - 2, -1, -1):
+            x[i] -= self.ahead[i] @ x[i + 1]
+        return x

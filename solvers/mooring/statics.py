@@ -1,0 +1,190 @@
+"""Equilibrium of a moving line on its own mesh: nodes and elements with nothing moving, started from the catenaries."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ..common.outcome import Outcome, Status
+from ..numerics.continuation import continue_in_load
+from ..numerics.newton import Step, relaxed_newton
+from . import elimination, equations
+from .diagnostics import exact_pretension, rest_warnings
+
+TOLERANCE = 1e-13  # largest change of a position over the length: some hundred roundings of a coordinate
+MAX_STEPS = 30  # of Newton's method; the mixed one takes four to eight from a catenary
+MIN_LOAD_STEP = 2.0**-10  # of the load parameter, in the continuation
+
+
+@dataclass(frozen=True)
+class MooringState(Outcome):
+    """Equilibrium: y (n, N): coordinates of the nodes in m, axes of the system; tension (C,) of the cells, N.
+
+    forces (3, N): on what holds each node, public frame, N; those of free nodes are what Newton's method left.
+    residual_norm: the largest of these, N.
+    """
+
+    system: Any = field(repr=False)
+    y: np.ndarray = field(repr=False)
+    tension: np.ndarray = field(repr=False)
+    forces: np.ndarray = field(repr=False)
+    status: Status
+    iterations: int
+    residual_norm: float
+    steps: tuple[Step, ...] = field(repr=False, default=())
+
+    @cached_property
+    def r(self) -> np.ndarray:
+        """Positions of the nodes, (3, N), m."""
+        return self.system.positions(self.y)
+
+    @cached_property
+    def pretension_error(self) -> float | None:
+        """Relative difference of the fairlead tension from the exact catenaries'; None where they do not tell it."""
+        exact = exact_pretension(self.system) if self.success else None
+        return None if exact is None else abs(self.fairlead_tension / exact - 1)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What the mesh has lost: a pretension that is off."""
+        return tuple(rest_warnings(self.system)) if self.success else ()
+
+    @property
+    def fairlead_force(self) -> np.ndarray:
+        """Force of the line on the vessel, (3,), N."""
+        return self.forces[:, -1]
+
+    @property
+    def anchor_force(self) -> np.ndarray:
+        """Force of the line on the anchor, (3,), N."""
+        return self.forces[:, 0]
+
+    @property
+    def fairlead_tension(self) -> float:
+        """Size of the force on the vessel, N."""
+        return float(np.linalg.norm(self.fairlead_force))
+
+
+def solve_rest(system, displacement=(0.0, 0.0, 0.0), throw=True) -> MooringState:
+    """Return the equilibrium of a MooringSystem, its last point displaced (3,) in m, from the catenaries.
+
+    Newton's method with the tensions of the cells as unknowns of their own beside the positions; where it fails, the
+    current grows and the seabed stiffens in steps. Raises ConvergenceError where no equilibrium is found
+    (``throw=False``: a state whose status says so).
+    """
+    start, tension = catenary_profile(system, displacement)
+    solve = lambda load_factor, x: _Statics(system, load_factor, tension).newton(x)
+    x, reached, iterations, steps = continue_in_load(solve, start, min_step=MIN_LOAD_STEP)
+    R, T, _ = _Statics(system, 1.0, np.zeros_like(tension)).evaluate(x)
+    forces = system.axes.T @ -R.T
+    free = np.delete(R, system.held, axis=0)
+    status = Status.SUCCESS if reached == 1.0 else Status.NO_EQUILIBRIUM_FOUND
+    norm = float(abs(free).max(initial=0.0))
+    state = MooringState(system, x.T.copy(), np.maximum(T, 0.0), forces, status, iterations, norm, tuple(steps))
+    return state.or_raise(system.model.name) if throw else state
+
+
+def catenary_profile(system, displacement) -> tuple[np.ndarray, np.ndarray]:
+    """Return coordinates (N, n) of the nodes on the catenaries in m, and the tensions (C,) in their cells in N.
+
+    Nodes that rest on the seabed are taken to be as deep as their weight presses them.
+    """
+    model, s = system.model, system.s
+    points, joint = model.equilibrium(displacement), 0.0
+    r, middles, tension = np.zeros((3, s.size)), (s[1:] + s[:-1]) / 2, np.zeros(s.size - 1)
+    for segment, start, end in zip(model.segments, points, points[1:], strict=False):
+        at = (s >= joint - 1e-9 * segment.length) & (s <= joint + segment.length * (1 + 1e-9))
+        local = np.clip(s[at] - joint, 0.0, segment.length)
+        position, _, state = segment.profile(start, end, model.environment, local)
+        if state.grounded_length > 0 and model.environment.seabed_stiffness:
+            lying = (segment.length - local if segment.reversed else local) <= state.grounded_length
+            position[2] -= np.where(lying, segment.weight / model.environment.seabed_stiffness, 0.0)
+        r[:, at] = position
+        cells = (middles > joint) & (middles < joint + segment.length)
+        tension[cells] = segment.profile(start, end, model.environment, middles[cells] - joint)[1]
+        joint += segment.length
+    y = system.place(r).T
+    y[system.held] = system.place(np.transpose([points[0 if i == 0 else -1] for i in system.held])).T
+    return y, tension
+
+
+def rest_response(system, moved) -> np.ndarray:
+    """Return the displacements (n, N, S) in m of the line at rest as its prescribed nodes move by moved (S, P, n)."""
+    statics, n, nodes = _Statics(system, 1.0, system.rest.tension), len(system.axes), system.nodes
+    solve = statics.tangents(np.ascontiguousarray(system.rest.y.T))
+    response = np.zeros((n, nodes, len(moved)))
+    for p, node in enumerate(system.held):
+        for k in range(n):
+            unit = np.zeros((nodes, n))
+            unit[node, k] = 1.0
+            response += solve(unit).T[..., None] * moved[:, p, k]
+    return response
+
+
+class _Statics:
+    """Rows and Newton's method of the equilibrium under a share of the current, over a seabed as soft as the mesh."""
+
+    def __init__(self, system, load_factor, tension):
+        self.auxiliary = tension
+        line = system.line
+        if load_factor < 1.0:
+            line = line._replace(current=tuple(load_factor * c for c in line.current))
+            stiffest = line.seabed_stiffness.max()
+            if stiffest > 0:
+                soft = float(tension.max()) / (4 * float(line.length.max()))  # the line lifts off over two cells
+                line = line._replace(
+                    seabed_stiffness=line.seabed_stiffness * min(1.0, soft / stiffest) ** (1 - load_factor)
+                )
+        self.line, self.held, self.length = line, system.held, float(system.s[-1])
+        self.still = np.zeros((system.nodes, len(system.axes)))
+        self.prescribed = np.zeros(system.nodes, dtype=bool)
+        self.prescribed[system.held] = True
+        self.before = None  # positions, tensions and directions where the last Jacobian stood
+
+    def evaluate(self, x):
+        """Return R (N, n), T (C,) and unit (C, n)."""
+        R, T, unit = np.empty_like(x), np.empty(len(x) - 1), np.empty((len(x) - 1, x.shape[1]))
+        equations.residual(self.line, x, self.still, self.still, self.auxiliary, R, T, unit)
+        return R, T, unit
+
+    def residual(self, x):
+        """Return R, zero at prescribed nodes."""
+        R = self.evaluate(x)[0]
+        R[self.held] = 0.0
+        return R
+
+    def tangents(self, x):
+        """Return a function that solves with the tangents at x, None where they are singular."""
+        nodes, n = x.shape
+        diagonal, right, left = np.empty((nodes, n, n)), np.empty((nodes - 1, n, n)), np.empty((nodes - 1, n, n))
+        weights = (1.0, 0.0, 0.0)
+        equations.tangents(self.line, x, self.still, self.still, self.auxiliary, weights, diagonal, right, left)
+        elimination.factorise(self.line, diagonal, right, left, self.prescribed)
+
+        def solve(F):
+            step = F.copy()
+            elimination.solve(self.line, diagonal, right, left, step)
+            return step
+
+        return solve if np.isfinite(diagonal).all() else None
+
+    def newton(self, x):
+        """Return (x, steps, converged) of the mixed method from x, in full steps until they grow."""
+
+        def linearise(x):
+            if self.before is not None:
+                x0, T0, unit0 = self.before
+                stretch = np.sum(unit0 * (np.diff(x, axis=0) - np.diff(x0, axis=0)), axis=1)
+                self.auxiliary = np.where(T0 != 0, T0 + self.line.EA / self.line.length * stretch, 0.0)
+            R, T, unit = self.evaluate(x)
+            R[self.held] = 0.0
+            self.before = x, T, unit
+            return R, self.tangents(x)
+
+        norm = lambda step: float(abs(step).max()) / self.length
+        with np.errstate(all="ignore"):  # a diverging step is seen by its size
+            result, steps, converged = relaxed_newton(linearise, self.residual, x, TOLERANCE, norm, MAX_STEPS)
+        return result if converged else x, steps, converged

@@ -1,0 +1,135 @@
+"""The steps of generalized-alpha on a moving line, as one compiled loop.
+
+M(r) a at n + 1 - alpha_m balances the forces at r, v of n + 1 - alpha_f; r and v at n + 1 follow from a by Newmark's
+formulas. Newton's method solves for r at n + 1, with the tensions of the cells as unknowns of their own.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..numerics.compiled import compiled
+from . import elimination, equations
+from .elimination import factorise, solve
+from .equations import residual, tangents
+
+MAX_ITERATIONS = 30  # of one step
+FULL_STEPS = 15  # of Newton's method, before they are halved
+MAX_CONTRACTION = 0.03  # contraction above which a new factorisation is cheaper than more iterations with the old one
+
+
+@compiled(calls=(equations, elimination))
+def integrate(line, held, path, source, h, scheme, scale, tolerance, rest, state, auxiliary, record, every, watch):
+    """Take a step of generalized-alpha for each row but the first of ``path`` (S + 1, 3, P, n); stop where one fails.
+
+    held (P,): the prescribed nodes, path: their r, v, a at the ends of the steps. source (S, N, n): load added at
+    n + 1 - alpha_f, N, or empty. scheme: (alpha_m, alpha_f, beta, gamma). scale: tension in N and length in m that
+    errors refer to; the largest change of a tension from ``rest`` (C,) so far over the former, which the tolerance
+    refers to, and which grows; the error that rounding makes. state: r, v, a and the a before (N, n), and auxiliary
+    (C,): left at the last step that was taken. record: r, v, a (K, N, n) of every ``every``-th step. watch: end after a
+    step with slack.
+    Returns steps, iterations, factorisations and the error of the last iteration: the largest change of a tension or
+    position, relative to ``scale``.
+    """
+    r, v, a, before = state
+    nodes, n = r.shape
+    alpha_m, alpha_f, beta, gamma = scheme
+    prescribed = np.zeros(nodes, np.bool_)
+    prescribed[held] = True
+    r1, v1, a1 = np.empty((nodes, n)), np.empty((nodes, n)), np.empty((nodes, n))
+    rf, vf, am, R = np.empty((nodes, n)), np.empty((nodes, n)), np.empty((nodes, n)), np.empty((nodes, n))
+    T, unit = np.empty(nodes - 1), np.empty((nodes - 1, n))
+    diagonal, right, left = np.empty((nodes, n, n)), np.empty((nodes - 1, n, n)), np.empty((nodes - 1, n, n))
+    iterations, factorisations, error, factorised = 0, 0, 0.0, False
+    by_v, by_a = gamma / (beta * h), 1 / (beta * h * h)
+    weights = (1 - alpha_f, (1 - alpha_f) * by_v, (1 - alpha_m) * by_a)
+    kept = auxiliary.copy()
+    for step in range(path.shape[0] - 1):
+        kept[:], solved = auxiliary, False
+        for attempt in range(2):  # predicted with a steady change of acceleration, then with a steady velocity
+            for i in range(nodes):
+                for k in range(n):
+                    a1[i, k] = 2 * a[i, k] - before[i, k] if attempt == 0 else (1 - 0.5 / beta) * a[i, k]
+                    r1[i, k] = r[i, k] + h * v[i, k] + h * h * ((0.5 - beta) * a[i, k] + beta * a1[i, k])
+                    v1[i, k] = v[i, k] + h * ((1 - gamma) * a[i, k] + gamma * a1[i, k])
+            for p in range(held.size):
+                for k in range(n):
+                    r1[held[p], k], v1[held[p], k] = path[step + 1, 0, p, k], path[step + 1, 1, p, k]
+                    a1[held[p], k] = path[step + 1, 2, p, k]
+            if attempt == 1:
+                auxiliary[:], factorised = kept, False
+            last = np.inf
+            for iteration in range(MAX_ITERATIONS):
+                for i in range(nodes):
+                    for k in range(n):
+                        rf[i, k] = (1 - alpha_f) * r1[i, k] + alpha_f * r[i, k]
+                        vf[i, k] = (1 - alpha_f) * v1[i, k] + alpha_f * v[i, k]
+                        am[i, k] = (1 - alpha_m) * a1[i, k] + alpha_m * a[i, k]
+                if iteration >= FULL_STEPS:
+                    auxiliary[:] = 0.0
+                residual(line, rf, vf, am, auxiliary, R, T, unit)
+                if iteration >= FULL_STEPS:
+                    auxiliary[:] = T
+                if source.shape[0] > 0:
+                    for i in range(nodes):
+                        for k in range(n):
+                            R[i, k] -= source[step, i, k]
+                for p in range(held.size):
+                    for k in range(n):
+                        R[held[p], k] = 0.0
+                iterations += 1
+                if not factorised:
+                    tangents(line, rf, vf, am, auxiliary, weights, diagonal, right, left)
+                    factorise(line, diagonal, right, left, prescribed)
+                    factorisations += 1
+                    factorised = True
+                solve(line, diagonal, right, left, R)
+                error = 0.0
+                for i in range(nodes):
+                    for k in range(n):
+                        error = max(error, abs(R[i, k]) / scale[1])
+                        if not abs(R[i, k]) < np.inf:
+                            error = np.inf
+                for c in range(nodes - 1):
+                    change = 0.0
+                    for k in range(n):
+                        change -= unit[c, k] * (R[c + 1, k] - R[c, k])
+                    change *= line.EA[c] / line.length[c] * (weights[0] + weights[1] * line.damping[c])
+                    if T[c] != 0:
+                        error = max(error, abs(change) / scale[0], -(T[c] + change) / scale[0])
+                        auxiliary[c] = T[c] + change
+                    else:
+                        auxiliary[c] = 0.0
+                solved = error <= max(tolerance * scale[2], scale[3])
+                part = 1.0 if solved or iteration < FULL_STEPS else 0.5  # cells that turn taut and slack by turns
+                for i in range(nodes):
+                    for k in range(n):
+                        r1[i, k] -= part * R[i, k]
+                        v1[i, k] -= part * by_v * R[i, k]
+                        a1[i, k] -= part * by_a * R[i, k]
+                if solved or not error < np.inf:
+                    break
+                if error > MAX_CONTRACTION * last:
+                    factorised = False
+                last = error
+            if solved:
+                break
+        if not solved:
+            auxiliary[:] = kept
+            return step, iterations, factorisations, error
+        for i in range(nodes):
+            for k in range(n):
+                before[i, k] = a[i, k]
+                r[i, k], v[i, k], a[i, k] = r1[i, k], v1[i, k], a1[i, k]
+        slack = False
+        for c in range(nodes - 1):
+            scale[2] = max(scale[2], abs(T[c] - rest[c]) / scale[0])
+            slack = slack or T[c] == 0
+        if (step + 1) % every == 0:
+            for i in range(nodes):
+                for k in range(n):
+                    at = (step + 1) // every - 1
+                    record[0][at, i, k], record[1][at, i, k], record[2][at, i, k] = r[i, k], v[i, k], a[i, k]
+        if watch and slack:
+            return step + 1, iterations, factorisations, error
+    return path.shape[0] - 1, iterations, factorisations, error

@@ -1,0 +1,177 @@
+"""Time integration of a moving line: generalized-alpha for r, v, a (Chung and Hulbert, J. Appl. Mech. 60 (1993) 371).
+
+The loop over the steps is compiled (``steps.integrate``); here are the steps that it is given, those that fail or
+are too long, which are taken again in 2, 4, 8, ... parts, and the history.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..common.motion import Ramped
+from ..common.outcome import Status
+from .history import MooringHistory
+from .statics import solve_rest
+from .steps import integrate
+
+MOST_HALVINGS = 10  # of one step
+STEPS_AT_ONCE = 256  # between two calls of ``progress``
+RHO_INF = 0.5  # spectral radius at infinite frequency while all cells are taut
+ROUNDINGS = 4  # of a position as far away as the line is long, below which no Newton step is asked to fall
+LEAST_CHANGE = 1e-3  # of the greatest tension at rest: smaller changes are not resolved any further
+LENGTHEN = 0.1  # of the step tolerance, below which the next step is in half as many parts
+
+
+def integrate_line(
+    system, *, dt, count, rho_inf, tolerance, step_tolerance, ramp, start, every, progress=None
+) -> MooringHistory:
+    """Return the MooringHistory of ``count`` steps of dt in s from rest, or from ``start`` = (y, ydot).
+
+    Settings as ``solve_time_domain`` has validated them. rho_inf: None for 0.5, and 0 from the first time that a cell
+    is slack (``history.damped_from``): a snap excites the shortest axial waves, which feed on the step where nothing
+    damps them. tolerance: what the last Newton step of a time step may change in a tension or, relative to the length,
+    a position, of the largest change of a tension from rest so far. step_tolerance: error of a step in a position, over
+    the largest displacement so far; a step of dt is then taken in as many parts as that needs.
+    """
+    settings = {"dt": dt, "count": count, "rho_inf": rho_inf, "tolerance": tolerance, "step_tolerance": step_tolerance}
+    settings |= {"ramp": ramp, "start": start, "every": every}
+    moved = system.ramped(ramp) if ramp else system
+    run = _Run(moved, rho_inf, tolerance, step_tolerance, _state(moved, start))
+    kept = count // every
+    record = tuple(np.empty((kept + 1 + (count % every > 0), *run.state[0].shape)) for _ in range(3))
+    for part, first in zip(record, run.state, strict=False):
+        part[0] = first
+    done, chunk = 0, count if progress is None else every * max(1, STEPS_AT_ONCE // every)
+    event = None
+    while done < count and event is None:
+        last = min(done + chunk, count)
+        taken = run.advance(dt * np.arange(done, last + 1), [part[1 + done // every :] for part in record], every)
+        if done + taken < last:
+            event = dt * (done + taken), run.worst
+        done += taken
+        if progress is not None:
+            progress(dt * done)
+    time = dt * every * np.arange(done // every + 1)
+    if done % every:
+        time = np.append(time, dt * done)
+        for part, now in zip(record, run.state, strict=False):
+            part[time.size - 1] = now
+    y, ydot, yddot = (part[: time.size].transpose(2, 1, 0) for part in record)
+    status = Status.SUCCESS if event is None else Status.STEP_FAILED
+    counts = run.iterations, run.factorisations, run.error, done, run.cut, run.damped_from
+    return MooringHistory(system, moved, time, y, ydot, yddot, status, *counts, ramp, event, settings)
+
+
+def _scheme(rho_inf) -> tuple[float, float, float, float]:
+    """Return alpha_m, alpha_f, beta, gamma of second order with this spectral radius at infinite frequency."""
+    alpha_m, alpha_f = (2 * rho_inf - 1) / (rho_inf + 1), rho_inf / (rho_inf + 1)
+    return alpha_m, alpha_f, (1 - alpha_m + alpha_f) ** 2 / 4, 0.5 - alpha_m + alpha_f
+
+
+class _Run:
+    """The state of an integration and the counts of its work."""
+
+    def __init__(self, system, rho_inf, tolerance, step_tolerance, state):
+        self.system, self.tolerance, self.step_tolerance = system, tolerance, step_tolerance
+        self.scheme, self.watches = _scheme(RHO_INF if rho_inf is None else rho_inf), rho_inf is None
+        self.damped_from = None
+        self.state = state
+        self.rest = system.rest.tension
+        self.auxiliary = self.rest.copy()
+        greatest, length = float(self.rest.max()) or 1.0, float(system.s[-1])
+        stiffest = float((system.line.EA / system.line.length).max())
+        rounding = ROUNDINGS * np.finfo(float).eps * (1 + stiffest * length / greatest)  # of a position, in a tension
+        self.scale = np.array([greatest, length, LEAST_CHANGE, rounding])
+        self.iterations = self.factorisations = self.cut = self.worst = self.halvings = 0
+        self.error = self.travel = 0.0
+
+    def advance(self, t, record, every) -> int:
+        """Take the steps between the times t; return how many succeeded."""
+        path, done, steps = self.system.path(t), 0, t.size - 1
+        h = t[1] - t[0]
+        while done < steps:
+            if self.step_tolerance is None:
+                behind = -done % every  # steps to the next one that is kept
+                end = min(done + behind, steps) if behind else steps
+                kept = tuple(part[done // every :] for part in record)
+                taken = self._integrate(path[done : end + 1], t[done : end + 1], h, kept, behind or every)
+                done += taken
+                if done == end or self._is_slack(taken, t[done]):
+                    continue
+                self.cut += 1
+            if not self._in_parts(t[done], h):
+                break
+            done += 1
+            if done % every == 0:
+                for part, now in zip(record, self.state, strict=False):
+                    part[done // every - 1] = now
+        return done
+
+    def _integrate(self, path, t, h, record, every) -> int:
+        source = self.system.source_at(t[:-1] + (1 - self.scheme[1]) * h)
+        taken, iterations, factorisations, self.error = integrate(
+            self.system.line, self.system.held, path, source, h, self.scheme, self.scale, self.tolerance, self.rest,
+            self.state, self.auxiliary, record, every, self.watches)  # fmt: skip
+        self.iterations += iterations
+        self.factorisations += factorisations
+        return taken
+
+    def _is_slack(self, taken, t) -> bool:
+        """Return whether the steps ended at the first slack cell, and take the damped scheme from there on."""
+        if not (self.watches and taken and (self.auxiliary <= 0).any()):
+            return False
+        self.scheme, self.watches, self.damped_from = _scheme(0.0), False, float(t)
+        return True
+
+    def _in_parts(self, t, h) -> bool:
+        """Take one step in as many parts as it needs; False, with the state as it was, where no number of them does."""
+        begin, auxiliary = [part.copy() for part in self.state], self.auxiliary.copy()
+        first = self.halvings if self.step_tolerance is not None else 1
+        for halvings in range(first, MOST_HALVINGS + 1):
+            parts = 2**halvings
+            times = t + h / parts * np.arange(parts + 1)
+            record = tuple(np.empty((parts, *begin[0].shape)) for _ in range(3))
+            self.state[3][:] = self.state[2] if self.step_tolerance is None else self.state[3]
+            watches, self.watches = self.watches, False  # a step in parts ends before the scheme may change
+            taken = self._integrate(self.system.path(times), times, h / parts, record, 1)
+            self.watches = watches
+            if taken == parts:
+                error = self._step_error(record, begin[2], h / parts)
+                if self.step_tolerance is None or error <= self.step_tolerance:
+                    if self.step_tolerance is None:
+                        self.state[3][:] = self.state[2]
+                    elif error < LENGTHEN * self.step_tolerance:
+                        self.halvings = max(0, halvings - 1)
+                    self._is_slack(parts, times[-1])
+                    return True
+            self.cut += self.step_tolerance is not None
+            self.halvings = halvings + 1
+            for part, old in zip(self.state, begin, strict=True):
+                part[:] = old
+            self.auxiliary[:] = auxiliary
+        self.worst = int(abs(begin[1]).max(axis=1).argmax())
+        return False
+
+    def _step_error(self, record, first, h) -> float:
+        """Return the largest local error of some steps, h^2 |beta - 1/6| |change of a|, over the travel so far."""
+        if self.step_tolerance is None:
+            return 0.0
+        change = np.diff(np.concatenate([first[None], record[2]]), axis=0)
+        self.travel = max(self.travel, float(abs(record[0] - self.system.rest.y.T).max()), 1e-6 * self.scale[1])
+        return h * h * abs(self.scheme[2] - 1 / 6) * float(abs(change).max()) / self.travel
+
+
+def _state(system, start):
+    """Return r, v, a and the a before, (N, n) each: at rest, or as given with the acceleration that balances it."""
+    if start is None:
+        state, v = system.rest, np.zeros((system.nodes, len(system.axes)))
+        if system.motion is not None and not isinstance(system.motion, Ramped):
+            if (displacement := system.motion.displacement(0.0)).any():
+                state = solve_rest(system, displacement)
+            v[system.held] = system.path(np.zeros(1))[0, 1]
+        return np.array(state.y.T, order="C"), v, np.zeros_like(v), np.zeros_like(v)
+    y, ydot = start
+    ydot = np.zeros_like(y) if ydot is None else ydot
+    r, v = np.ascontiguousarray(y.T), np.ascontiguousarray(ydot.T)
+    a = system.acceleration(r, v)
+    return r, v, a, a.copy()

@@ -1,0 +1,354 @@
+"""Defects of the moving line of nodes and elements: equations, elimination, steps, mesh, rest, harmonics, results."""
+
+from __future__ import annotations
+
+from ..tools.planting import Fault
+from .defect import Defect
+
+_FORCES = "mooring/test_equations.py::test_forces_are_those_of_mpmath"
+_TANGENTS = "mooring/test_equations.py::test_tangents_are_complex_steps"
+_IN_DT = "mooring/test_order.py::test_order_in_dt"
+_ARRAYS = "mooring/test_model.py::test_arrays_of_a_line_of_two_materials"
+_NETWORKS = "mooring/test_statics.py::test_lines_of_several_materials_rest_as_their_network"
+_MANUFACTURED = "mooring/test_periodic.py::test_a_motion_of_two_harmonics_comes_out"
+
+DEFECTS = (
+    # ------------------------------------------------------------ equations
+    Defect(
+        "a cell pulls one end alone",
+        Fault("mooring.equations", "residual", "R[c + 1, k] += T[c] * unit[c, k]", "pass"),
+        "term",
+        "the tension acts on the first node of a cell, not on the second",
+        f"{_FORCES} -k tension",
+    ),
+    Defect(
+        "strain rate of the stretched cell",
+        Fault("mooring.equations", "residual", "line.damping[c] * rate / l", "line.damping[c] * rate / distance"),
+        "symbol",
+        "the rate of strain refers to the stretched length",
+        f"{_FORCES} -k damping",
+    ),
+    Defect(
+        "added mass along the line",
+        Fault("mooring.equations", "residual", "half * line.added_mass[c] * inertia", "0.0 * inertia"),
+        "term",
+        "the added mass resists motion along the cell too",
+        f"{_FORCES} -k added",
+    ),
+    Defect(
+        "tangential drag that pushes",
+        Fault(
+            "mooring.equations",
+            "residual",
+            "along if along.real > 0 else -along",
+            "along if along.real < 0 else -along",
+        ),
+        "sign",
+        "the drag along a cell has the direction of the velocity",
+        f"{_FORCES} -k tangential",
+    ),
+    Defect(
+        "a line that pushes",
+        Fault("mooring.equations", "residual", "T[c].real <= 0 and auxiliary[c] <= 0", "T[c].real <= -1e30"),
+        "regime",
+        "a slack cell keeps its negative tension",
+        "mooring/test_slack.py::test_a_mass_bounces_as_it_has_to -k undamped",
+    ),
+    Defect(
+        "a seabed that holds",
+        Fault("mooring.equations", "seabed", "normal.real <= 0", "normal.real <= -1e30"),
+        "regime",
+        "the damper of the seabed pulls a node that is lifted",
+        f"{_FORCES} -k damping",
+    ),
+    Defect(
+        "friction of the sinking",
+        Fault("mooring.equations", "seabed", "range(n - 1)", "range(n)", 1),
+        "index",
+        "the vertical velocity counts in the speed of friction",
+        f"{_FORCES} -k friction",
+    ),
+    Defect(
+        "a cell that does not turn",
+        Fault("mooring.equations", "tangents", "max(auxiliary[c], 0.0)", "0.0"),
+        "derivative",
+        "the tangents leave the lateral stiffness of the tension out",
+        f"{_TANGENTS} -k tension",
+    ),
+    Defect(
+        "drag tangent halved",
+        Fault("mooring.equations", "tangents", "2 * ct * abs(along) * tt", "ct * abs(along) * tt"),
+        "derivative",
+        "d(|u| u)/du is |u| along the cell",
+        f"{_TANGENTS} -k tangential",
+    ),
+    Defect(
+        "friction with a constant weight",
+        Fault("mooring.equations", "seabed_tangents", "line.friction[i] * by_height", "0.0 * by_height"),
+        "derivative",
+        "the tangents of friction do not see the height of the node",
+        f"{_TANGENTS} -k friction",
+    ),
+    Defect(
+        "forces of the holder exchanged",
+        Fault("mooring.equations", "node_forces", "-R[i, p]", "R[i, p]"),
+        "sign",
+        "the force on what holds a node is that on the node",
+        "mooring/test_statics.py::test_the_end_forces_carry_the_line "
+        "mooring/test_time_domain.py::test_energy_of_a_swing_closes",
+    ),
+    Defect(
+        "tangents of one sample",
+        Fault(
+            "mooring.equations",
+            "sampled_tangents",
+            "diagonal[j, k, i, s] = D[i, j, k]",
+            "diagonal[k, j, i, s] = D[i, j, k]",
+        ),
+        "index",
+        "the blocks of the harmonic balance are transposed at each node",
+        "mooring/test_periodic.py::test_jacobian_blocks_are_differences_of_the_rows",
+    ),
+    # ------------------------------------------------------------ elimination
+    Defect(
+        "elimination with the block behind",
+        Fault(
+            "mooring.elimination",
+            "factorise",
+            "left[i - 1, j, p] * right[i - 1, p, k]",
+            "left[i - 1, j, p] * right[i - 1, k, p]",
+        ),
+        "index",
+        "the Schur complement takes a block transposed",
+        "mooring/test_equations.py::test_blocks_are_eliminated",
+    ),
+    Defect(
+        "a prescribed node that yields",
+        Fault("mooring.elimination", "factorise", "left[i - 1, j, k] = 0.0", "pass"),
+        "boundary",
+        "the row of a prescribed node keeps the entries of its neighbour",
+        "mooring/test_equations.py::test_blocks_are_eliminated",
+    ),
+    # ------------------------------------------------------------ steps
+    Defect(
+        "velocity at the end of the step",
+        Fault("mooring.steps", "integrate", "(1 - alpha_f) * v1[i, k] + alpha_f * v[i, k]", "v1[i, k]"),
+        "order",
+        "drag and damping are taken at the end of the step, positions between",
+        _IN_DT,
+    ),
+    Defect(
+        "acceleration with the weight of positions",
+        Fault(
+            "mooring.steps",
+            "integrate",
+            "(1 - alpha_m) * a1[i, k] + alpha_m * a[i, k]",
+            "(1 - alpha_f) * a1[i, k] + alpha_f * a[i, k]",
+        ),
+        "order",
+        "alpha_f stands where alpha_m has to",
+        _IN_DT,
+    ),
+    Defect(
+        "states a step late",
+        Fault("mooring.steps", "integrate", "(step + 1) % every == 0", "step % every == 0"),
+        "index",
+        "of every n-th step the one after it is kept",
+        "mooring/test_time_domain.py::test_states_are_kept_every_so_often",
+    ),
+    Defect(
+        "old factors for ever",
+        Fault("mooring.steps", "integrate", "if error > MAX_CONTRACTION * last:\n    factorised = False", "pass"),
+        "stale",
+        "a step that converges slowly keeps the factors of an earlier one",
+        "mooring/test_order.py::test_work_of_a_step",
+    ),
+    # ------------------------------------------------------------ time_domain
+    Defect(
+        "a scheme of first order",
+        Fault("mooring.time_domain", "_scheme", "0.5 - alpha_m + alpha_f", "0.5 + alpha_m - alpha_f"),
+        "order",
+        "gamma has the signs of another convention",
+        "mooring/test_order.py::test_order_in_dt_of_each_scheme",
+    ),
+    Defect(
+        "a start without its load",
+        Fault("mooring.system", "MooringSystem.acceleration", "R -= self.source_at(np.zeros(1)).sum(axis=0)", "pass"),
+        "term",
+        "the acceleration at the start does not know the load of a manufactured solution",
+        _IN_DT,
+    ),
+    Defect(
+        "kept states shifted by a stop",
+        Fault("mooring.time_domain", "_Run.advance", "behind = -done % every", "behind = 0"),
+        "index",
+        "after the steps stopped at a slack cell every n-th state is counted anew",
+        "mooring/test_slack.py::test_states_are_kept_at_their_times",
+    ),
+    Defect(
+        "a load at the end of the step",
+        Fault("mooring.time_domain", "_Run._integrate", "(1 - self.scheme[1]) * h", "h"),
+        "order",
+        "the source is taken at the end of the step",
+        _IN_DT,
+    ),
+    # ------------------------------------------------------------ model, mesh, system
+    Defect(
+        "a catenary from the wrong end",
+        Fault("mooring.model", "Segment.profile", "self.length - s if self.reversed else s", "s"),
+        "index",
+        "arc lengths of an element that runs backward count from its other end",
+        "mooring/test_model.py::test_a_segment_may_run_backward",
+    ),
+    Defect(
+        "the fairlead first",
+        Fault(
+            "mooring.model", "_from_network", 'network.nodes[i].kind == "coupled"', 'network.nodes[i].kind == "free"'
+        ),
+        "index",
+        "a line given as a network begins at its fairlead",
+        _ARRAYS,
+    ),
+    Defect(
+        "cells of one material short",
+        Fault("mooring.mesh", "_share", "counts + 1", "np.maximum(counts, 1)"),
+        "index",
+        "the cell that each material is given first is not counted",
+        "mooring/test_model.py::test_meshes_have_their_cells_and_joints",
+    ),
+    Defect(
+        "a mesh for the line at rest alone",
+        Fault("mooring.mesh", "_amount", "motion is not None and period is not None", "False"),
+        "regime",
+        "the travel of the touchdown is not meshed",
+        "mooring/test_model.py::test_a_fitted_mesh_covers_the_travel_of_the_touchdown",
+    ),
+    Defect(
+        "a buoy without its water",
+        Fault("mooring.system", "_line_arrays", "point.mass - rho * point.volume", "point.mass"),
+        "term",
+        "the volume of a point mass displaces nothing",
+        f"{_NETWORKS} -k 'buoy or clump'",
+    ),
+    Defect(
+        "tangential drag without pi",
+        Fault(
+            "mooring.system",
+            "_line_arrays",
+            "rho * math.pi * segment.cable.diameter * segment.cable.Cdt / 2",
+            "rho * segment.cable.diameter * segment.cable.Cdt / 2",
+        ),
+        "factor",
+        "the drag along the line refers to its diameter, not its girth",
+        _ARRAYS,
+    ),
+    Defect(
+        "whole cells on the last nodes",
+        Fault("mooring.system", "_line_arrays", "halves = per_length * length / 2", "halves = per_length * length"),
+        "factor",
+        "a node carries both of its cells whole",
+        _ARRAYS,
+    ),
+    Defect(
+        "a fairlead without its acceleration",
+        Fault(
+            "mooring.system",
+            "MooringSystem.path",
+            "self.axes @ a",
+            "0 * self.axes @ a",
+        ),
+        "term",
+        "the force on the vessel misses the inertia of the last half cell",
+        "mooring/test_time_domain.py::test_the_fairlead_is_where_it_is_prescribed",
+    ),
+    # ------------------------------------------------------------ statics, calibration, modes
+    Defect(
+        "the forces of slack cells",
+        Fault("mooring.statics", "solve_rest", "system.axes.T @ -R.T", "system.axes.T @ R.T"),
+        "sign",
+        "the forces at rest are those on the line",
+        "mooring/test_statics.py::test_order_against_the_catenary",
+    ),
+    Defect(
+        "calibrated without stretch",
+        Fault("mooring.calibration", "calibrated_line", "1 + tension / line.EA", "1"),
+        "term",
+        "calibrated cells have the stretched length",
+        "mooring/test_statics.py::test_calibrated_cells_rest_on_the_catenary",
+    ),
+    Defect(
+        "modes that damping feeds",
+        Fault("mooring.modes", "LinePencil.inverse", "self.M @ q + self.C @ p", "self.M @ q - self.C @ p"),
+        "sign",
+        "the damping has the other sign in one part of the pencil",
+        "mooring/test_statics.py::test_natural_modes_are_damped",
+    ),
+    Defect(
+        "modes without the coupling behind",
+        Fault(
+            "mooring.modes",
+            "LinePencil._matrix",
+            "columns[1::3], columns[2::3] = np.arange(1, nodes), np.arange(nodes - 1)",
+            "columns[1::3], columns[2::3] = np.arange(1, nodes), np.arange(1, nodes)",
+        ),
+        "index",
+        "the blocks behind the diagonal stand on it",
+        "mooring/test_statics.py::test_natural_modes_are_those_of_the_tangents",
+    ),
+    # ------------------------------------------------------------ harmonic
+    Defect(
+        "accelerations of the fundamental",
+        Fault(
+            "mooring.harmonic",
+            "MooringHarmonics.__init__",
+            "(basis.omega * basis.harmonic) ** 2",
+            "basis.omega**2 * basis.harmonic",
+        ),
+        "factor",
+        "the k-th harmonic is accelerated by k, not k^2",
+        _MANUFACTURED,
+    ),
+    Defect(
+        "no damper in the condensed tensions",
+        Fault("mooring.harmonic", "MooringHarmonics.jacobian", "mass = by[2][0]", "mass = by[1][0]"),
+        "derivative",
+        "the Jacobian takes the damping for the mass",
+        "mooring/test_periodic.py::test_jacobian_blocks_are_differences_of_the_rows",
+    ),
+    Defect(
+        "extrapolated the wrong way",
+        Fault(
+            "mooring.harmonic",
+            "MooringResponse.end_forces",
+            "forces + (forces - self.coarse.end_forces(t)) / 3",
+            "forces - (forces - self.coarse.end_forces(t)) / 3",
+        ),
+        "sign",
+        "the error of the cells is added once more",
+        "mooring/test_periodic.py::test_end_forces_are_extrapolated",
+    ),
+    # ------------------------------------------------------------ history, diagnostics
+    Defect(
+        "slack that ends a state late",
+        Fault("mooring.history", "MooringHistory.slack", "some[:-1] & ~some[1:]", "some[1:] & ~some[:-1]"),
+        "index",
+        "times of slack end where they begin",
+        "mooring/test_slack.py::test_times_of_slack_are_those_of_the_bounce",
+    ),
+    Defect(
+        "a pretension never doubted",
+        Fault(
+            "mooring.diagnostics", "rest_warnings", "error > MAX_PRETENSION_ERROR", "error > 100 * MAX_PRETENSION_ERROR"
+        ),
+        "tolerance",
+        "a tension at rest that is wrong by some per cent is passed over",
+        "mooring/test_periodic.py::test_pretension_is_held_against_the_catenary",
+    ),
+    Defect(
+        "settled before it is",
+        Fault("mooring.diagnostics", "check_history", "time[-1] < 2 * period", "time[-1] < 200 * period"),
+        "tolerance",
+        "a motion that has not settled is taken for periodic",
+        "mooring/test_periodic.py::test_a_bad_history_warns",
+    ),
+)

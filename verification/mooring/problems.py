@@ -1,0 +1,359 @@
+"""Lines, states and manufactured problems for the moving line of nodes and elements, and its text without a compiler.
+
+Checks of the equations take the module they look at, so that they can look at one with a planted fault.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass, replace
+from functools import cache
+from types import ModuleType, SimpleNamespace
+
+import numpy as np
+from mpmath import mp
+
+from solvers import CableProperties, Element, Environment, Motion, Network, Node, Scene, mooring_system
+from solvers.mooring import elimination, equations
+from solvers.mooring.equations import Line
+
+from ..cases.cables import CableCase
+from ..exact.lumped_node import Cell, Seabed, force_terms
+from ..exact.moving_line import ManufacturedLine
+from ..tools.planting import ROOT, Fault
+
+EQUATIONS, ELIMINATION, STEPS = "mooring.equations", "mooring.elimination", "mooring.steps"
+
+
+def interpreted(fault: Fault | None = None) -> ModuleType:
+    """Return equations, elimination and steps in one module as Python runs them, complex too, with a fault."""
+    module = ModuleType("solvers.mooring.as_written")
+    module.__package__ = "solvers.mooring"
+    for place in (STEPS, EQUATIONS, ELIMINATION):  # what the first imports, the others define anew
+        path = ROOT / Fault(place, "", "", "").path
+        text = path.read_text(encoding="utf-8")
+        text = fault.apply_to(text) if fault is not None and fault.module == place else text
+        text = re.sub(r"^@compiled.*$", "", text, flags=re.MULTILINE)
+        exec(compile(text, f"<{path.name} as it is written>", "exec"), module.__dict__)
+    return module
+
+
+compiled = SimpleNamespace(
+    residual=equations.residual,
+    tangents=equations.tangents,
+    factorise=elimination.factorise,
+    solve=elimination.solve,
+)
+"""The same functions as the solvers use them."""
+
+
+# ---------------------------------------------------------------- scenes and systems
+def scene(case: CableCase, **environment) -> Scene:
+    """Return the solvers.Scene of a case; more of its Environment by keyword, as seabed_damping."""
+    section = (case.EA, case.diameter, case.mass_per_length, case.submerged_weight)
+    loads = {name: getattr(case, name) for name in ("Cdn", "Cdt", "Ca", "damping")}
+    water = {"depth": case.depth, "current": case.current, "seabed_stiffness": case.seabed_stiffness} | environment
+    motion = Motion(case.frequency, [case.amplitude], [case.quadrature]) if case.amplitude else None
+    cable = CableProperties(*section, **loads)
+    return Scene(case.name, cable, case.length, case.anchor, case.fairlead, Environment(case.rho, **water),
+                 motion=motion)  # fmt: skip
+
+
+def system(case: CableCase, cells=25, **options):
+    """Return the solvers.mooring_system of a case."""
+    return mooring_system(scene(case), cells, **options)
+
+
+def hanging_mass(mass, *, EA, length, damping=0.0, position, cells=2, line_mass=1e-6, environment=None):
+    """Return the system of a light line from an anchor at the origin to a free mass below it, of two cells or more.
+
+    mass: kg; EA N, length m, damping s: of the line; line_mass: kg, of all of it; position: z of the mass, m.
+    """
+    per_metre = line_mass / length
+    cable = CableProperties(EA, 0.01, per_metre, 0.0, damping=damping)
+    nodes = [Node("fixed", (0.0, 0.0, 0.0)), Node("free", (0.0, 0.0, position), mass=mass)]
+    line = Network(nodes, [Element(1e-9, EA, length, (1, 0), cable=cable)], environment or Environment(rho=0.0))
+    return mooring_system(line, cells, mesh="uniform")
+
+
+# ---------------------------------------------------------------- random lines and states
+NODES = 6
+TERMS = {
+    "inertia": ("mass",),
+    "added mass": ("added_mass",),
+    "point mass": ("point_mass",),
+    "load": ("load",),
+    "tension": ("EA",),
+    "tension and damping": ("EA", "damping"),
+    "normal drag": ("normal_drag",),
+    "tangential drag": ("tangential_drag",),
+    "drag in a current": ("normal_drag", "tangential_drag", "current"),
+    "seabed": ("seabed_stiffness",),
+    "seabed and damping": ("seabed_stiffness", "seabed_damping"),
+    "seabed and friction": ("seabed_stiffness", "friction"),
+    "seabed, damping and friction": ("seabed_stiffness", "seabed_damping", "friction"),
+}
+"""Fields of equations.Line that are not zero; "all" has every one."""
+TERMS["all"] = tuple(sorted({field for fields in TERMS.values() for field in fields}))
+
+
+@dataclass(frozen=True)
+class RandomState:
+    """A line of NODES nodes in n axes with its state r, v, a (N, n) and auxiliary tensions (C,), N.
+
+    residual (N, n): what 40 digits make of it, N; size: the largest force on a node, N.
+    """
+
+    line: Line
+    r: np.ndarray
+    v: np.ndarray
+    a: np.ndarray
+    auxiliary: np.ndarray
+    residual: np.ndarray
+    size: float
+
+
+@cache
+def random_state(name: str, n: int, seed: int = 1) -> RandomState:
+    """Return a line with the terms of that name in a state far from rest: cells taut and slack, nodes in and out."""
+    rng = np.random.default_rng([2026, n, seed])
+    kept = TERMS[name]
+    number = lambda size, count: size * rng.uniform(0.7, 1.3, count)
+    cells, nodes = NODES - 1, NODES
+    given = {
+        "EA": number(3e3, cells), "damping": number(0.4, cells), "mass": number(80.0, cells),
+        "added_mass": number(60.0, cells), "point_mass": number(300.0, nodes), "load": number(500.0, (nodes, n)),
+        "seabed_stiffness": number(100.0, cells), "seabed_damping": number(60.0, cells), "friction": number(0.6, nodes),
+        "current": tuple(number(0.6, n) * [-1.0, 1.0, 0.5][-n:]), "Cdn": number(1.2, cells), "Cdt": number(0.5, cells),
+    }  # fmt: skip
+    length, d, rho = number(6.0, cells), number(0.3, cells), 1025.0
+    stretch = rng.permutation([0.8, 0.93, 1.05, 1.3, 1.6])
+    direction = rng.normal(0, 1, (cells, n))
+    direction /= np.linalg.norm(direction, axis=1)[:, None]
+    r = np.concatenate([np.zeros((1, n)), np.cumsum((length * stretch)[:, None] * direction, axis=0)])
+    v, a = rng.normal(0, 1.0, (nodes, n)), rng.normal(0, 1.0, (nodes, n))
+    below, above = np.argsort(r[:, -1])[nodes // 2 - 1 : nodes // 2 + 1]
+    floor = float(r[above, -1] - 0.05)  # half of the nodes in the seabed; one just above sinks, one below is pulled out
+    v[above, -1], v[below, -1] = -1.2, 4 * (floor - r[below, -1]) + 0.2
+    value = {field: array if field in kept else 0 * np.array(array) for field, array in given.items()}
+    value["Cdn"], value["Cdt"] = (
+        given[x] if f"{long}_drag" in kept else 0 * given[x] for x, long in (("Cdn", "normal"), ("Cdt", "tangential"))
+    )
+    halves = np.append(length, 0.0) / 2 + np.append(0.0, length) / 2
+    k, c, slip = float(value["seabed_stiffness"][0]), float(value["seabed_damping"][0]), 0.5
+    mu = np.array(value["friction"])
+    line = Line(
+        length, value["EA"], value["damping"], value["mass"], value["added_mass"], rho * d * value["Cdn"] / 2,
+        rho * math.pi * d * value["Cdt"] / 2, value["point_mass"], value["load"], k * halves, c * halves, mu, floor,
+        slip, tuple(float(x) for x in value["current"]),
+    )  # fmt: skip
+    of_mpmath = [
+        Cell(length[i], line.EA[i], line.damping[i], line.mass[i], line.added_mass[i], 0.0, rho, d[i], value["Cdn"][i],
+             value["Cdt"][i])
+        for i in range(cells)
+    ]  # fmt: skip
+    beyond = Cell(1e-40, 0.0)  # of no length and no mass, behind the ends
+    current = (line.current[0], 0.0, line.current[1]) if n == 2 else line.current
+    R, size = np.zeros((nodes, n)), 0.0
+    with mp.workdps(40):
+        for i in range(nodes):
+            three = [max(i - 1, 0), i, min(i + 1, nodes - 1)]
+            places, speeds = ([list(map(float, x[j])) for j in three] for x in (r, v))
+            if i == 0:
+                places[0][0] -= 1.0
+            if i == nodes - 1:
+                places[2][0] += 1.0
+            around = (of_mpmath[i - 1] if i else beyond, of_mpmath[i] if i < cells else beyond)
+            bed = Seabed(-floor, k, c, mu[i], slip)
+            forces = force_terms(around, places, speeds, list(map(float, a[i])), current=current, seabed=bed)
+            own = [line.point_mass[i] * a[i], -line.load[i]]
+            sums = [mp.fsum(parts) for parts in zip(*forces.values(), strict=True)]
+            R[i] = [float(own[0][q] + own[1][q] - sums[q]) for q in range(n)]
+            size = max(size, *(abs(float(x)) for force in (*forces.values(), *own) for x in force))
+    rate = np.sum(direction * np.diff(v, axis=0), axis=1)
+    T = line.EA * (stretch - 1 + line.damping * rate / length)
+    return RandomState(line, r, v, a, np.maximum(T, 0.0), R, size)
+
+
+def evaluate(module, line, r, v, a, auxiliary):
+    """Return R (N, n), T (C,) and unit (C, n) of the module's residual, of the type of r."""
+    kind = np.result_type(r, v, a)
+    R, T, unit = np.empty(r.shape, kind), np.empty(len(r) - 1, kind), np.empty((len(r) - 1, r.shape[1]), kind)
+    module.residual(line, r.astype(kind), v.astype(kind), a.astype(kind), auxiliary, R, T, unit)
+    return R, T, unit
+
+
+def tangent_blocks(module, line, r, v, a, auxiliary, weights):
+    """Return diagonal (N, n, n), right and left (C, n, n) of the module's tangents."""
+    nodes, n = r.shape
+    diagonal, right, left = np.empty((nodes, n, n)), np.empty((nodes - 1, n, n)), np.empty((nodes - 1, n, n))
+    module.tangents(line, r, v, a, auxiliary, weights, diagonal, right, left)
+    return diagonal, right, left
+
+
+def dense(diagonal, right, left) -> np.ndarray:
+    """Return the block-tridiagonal matrix (N n, N n): right[c] is of row c and node c + 1, left[c] of row c + 1."""
+    nodes, n = diagonal.shape[:2]
+    matrix = np.zeros((nodes, n, nodes, n))
+    for i in range(nodes):
+        matrix[i, :, i] = diagonal[i]
+        if i < nodes - 1:
+            matrix[i, :, i + 1], matrix[i + 1, :, i] = right[i], left[i]
+    return matrix.reshape(nodes * n, nodes * n)
+
+
+def matrix(module, line, r, v, a, auxiliary, weights) -> np.ndarray:
+    """Return the module's tangents as one matrix."""
+    return dense(*tangent_blocks(module, line, r, v, a, auxiliary, weights))
+
+
+# ---------------------------------------------------------------- manufactured problems
+class EndMotion:
+    """The motion of the last node of a manufactured line from where it is on average, with its acceleration."""
+
+    def __init__(self, line: ManufacturedLine):
+        self.line, self.mean = line, in_space(line, line.position(line.length, 0.0))
+        if line.omega:
+            self.period = 2 * np.pi / line.omega
+
+    def displacement(self, t):
+        """Return the displacement (3, *S), m."""
+        return in_space(self.line, self.line.position(self.line.length, t)) - self.mean.reshape(3, *(1,) * np.ndim(t))
+
+    def velocity(self, t):
+        """Return the velocity (3, *S), m/s."""
+        return in_space(self.line, self.line.velocity(self.line.length, t))
+
+    def acceleration(self, t):
+        """Return the acceleration (3, *S), m/s^2."""
+        return in_space(self.line, self.line.acceleration(self.line.length, t))
+
+    def directions(self):
+        """Return the axes of the motion."""
+        return np.eye(3)[self.line.components]
+
+
+def in_space(line, vector) -> np.ndarray:
+    """Return vectors (3, ...) of those in the components of a line, planar or spatial."""
+    whole = np.zeros((3, *np.shape(vector)[1:]))
+    whole[line.components] = vector
+    return whole
+
+
+def manufactured(line: ManufacturedLine, cells: int, mesh="uniform"):
+    """Return the system of a manufactured line of mass and stiffness, with the load that it needs.
+
+    Its catenaries, which only start a search, know no seabed: the line lies wholly inside it.
+    """
+    bed = {"depth": line.depth, "seabed_stiffness": line.seabed_stiffness, "seabed_damping": line.seabed_damping}
+    current = tuple(float(c) if i in line.components else 0.0 for i, c in enumerate(line.current))
+    environment = Environment(line.rho, current=current, **(bed if line.seabed_stiffness else {}))
+    cable = CableProperties(line.EA, line.d, line.mass, line.weight, Cdn=line.Cdn, Cdt=line.Cdt, Ca=line.Ca,
+                            damping=line.beta)  # fmt: skip
+    motion = EndMotion(line)
+    given = SimpleNamespace(name="manufactured", cable=cable, length=line.length, anchor=line.anchor,
+                            fairlead=tuple(motion.mean.tolist()), environment=environment,
+                            friction=(line.friction,))  # fmt: skip
+    made = mooring_system(given, cells, mesh=mesh, fields="planar" if line.planar else "spatial", motion=motion,
+                          calibrate=False, slip_speed=line.friction_speed)  # fmt: skip
+    made.source = lambda t: lumped_load(made, line, t)
+    made.model = replace(made.model, environment=Environment(line.rho, current=current))
+    return made
+
+
+def lumped_load(made, line, t) -> np.ndarray:
+    """Return the load of a manufactured line on the nodes, (S, N, n), N: that of a node times its share of the line."""
+    share = np.append(made.line.length, 0.0) / 2 + np.append(0.0, made.line.length) / 2
+    return (line.load(made.s, np.atleast_1d(t)) * share[:, None]).transpose(2, 1, 0)
+
+
+def exact_load(made, line, t) -> np.ndarray:
+    """Return the load (S, N, n), N, that makes a manufactured motion exact on its mesh, all cells taut."""
+    t = np.atleast_1d(t)
+    y = np.stack([exact_state(made, line, one)[0].T for one in t])
+    v, a = (rate(made.s, t).transpose(2, 1, 0) for rate in (line.velocity, line.acceleration))
+    taut = np.ones(made.nodes - 1)
+    return np.stack([evaluate(compiled, made.line, *state, taut)[0] for state in zip(y, v, a, strict=True)])
+
+
+def exact_state(made, line, t):
+    """Return y and ydot (n, N) of a manufactured line at a time, coordinates of its system."""
+    lift = -made.origin[line.components]
+    return line.position(made.s, t) + lift[:, None], line.velocity(made.s, t)
+
+
+# ---------------------------------------------------------------- energy
+@dataclass(frozen=True)
+class Energy:
+    """Energy of a line at stored times (K,), J, and the powers that change it, W, each by its own formula.
+
+    total: kinetic with added mass, elastic, of the loads and of the seabed's springs. given: by the holders of the
+    ends; drag, damper (of the cells), seabed (its damper) and friction: taken. turning: what the energy of the added
+    mass changes by as its cell turns, for the equations leave the force of that out.
+    """
+
+    total: np.ndarray
+    given: np.ndarray
+    drag: np.ndarray
+    damper: np.ndarray
+    seabed: np.ndarray
+    friction: np.ndarray
+    turning: np.ndarray
+
+    @property
+    def power(self) -> np.ndarray:
+        """What the total changes by, W."""
+        return self.given - self.drag - self.damper - self.seabed - self.friction + self.turning
+
+
+def energy_of(history) -> Energy:
+    """Return the Energy of a MooringHistory."""
+    line, system = history.system.line, history.system
+    r, v = (part.transpose(2, 1, 0) for part in (history.y, history.ydot))
+    l = line.length
+    d, opening = np.diff(r, axis=1), np.diff(v, axis=1)
+    size = np.linalg.norm(d, axis=2)
+    t = d / size[..., None]
+    strain, rate = size / l - 1, (t * opening).sum(axis=2) / l
+    turn = (opening - (t * opening).sum(axis=2)[..., None] * t) / size[..., None]  # rate of t
+    T = np.maximum(line.EA * (strain + line.damping * rate), 0.0)
+    elastic = np.maximum(strain, 0.0) ** 2 * line.EA * l / 2
+    total = elastic.sum(axis=1) - (line.load * r).sum(axis=(1, 2))
+    total = total + (line.point_mass / 2 * (v**2).sum(axis=2)).sum(axis=1)
+    damper = ((T - np.maximum(line.EA * strain, 0.0)) * rate * l).sum(axis=1)
+    drag, turning = np.zeros(len(r)), np.zeros(len(r))
+    for ends in (slice(None, -1), slice(1, None)):
+        velocity, half = v[:, ends], l / 2
+        along = (velocity * t).sum(axis=2)
+        square = (velocity**2).sum(axis=2)
+        total = total + (half / 2 * (line.mass * square + line.added_mass * (square - along**2))).sum(axis=1)
+        turning -= (half * line.added_mass * along * (velocity * turn).sum(axis=2)).sum(axis=1)
+        u = velocity - np.array(line.current)
+        u_t = (u * t).sum(axis=2)
+        u_n = u - u_t[..., None] * t
+        wet = half * np.sqrt(size / l)
+        force = (wet * line.normal_drag * np.linalg.norm(u_n, axis=2))[..., None] * u_n
+        force += (wet * line.tangential_drag * abs(u_t) * u_t)[..., None] * t
+        drag += (force * velocity).sum(axis=(1, 2))
+    penetration = np.maximum(line.floor - r[..., -1], 0.0)
+    normal = np.maximum(line.seabed_stiffness * penetration - line.seabed_damping * v[..., -1], 0.0) * (penetration > 0)
+    total = total + (line.seabed_stiffness * penetration**2).sum(axis=1) / 2
+    seabed = -((normal - line.seabed_stiffness * penetration) * v[..., -1]).sum(axis=1)
+    level = (v[..., :-1] ** 2).sum(axis=2)
+    friction = (line.friction * normal * level / np.sqrt(level + line.slip_speed**2)).sum(axis=1)
+    held = system.held
+    on_line = -np.tensordot(system.axes, history.forces, 1).transpose(2, 1, 0)[:, held]
+    return Energy(total, (on_line * v[:, held]).sum(axis=(1, 2)), drag, damper, seabed, friction, turning)
+
+
+def energy_gap(history) -> float:
+    """Return the largest difference of the change of energy and the work done, over the largest change, J/J."""
+    energy = energy_of(history)
+    h = np.diff(history.time)
+    work = np.concatenate([[0.0], np.cumsum(h * (energy.power[1:] + energy.power[:-1]) / 2)])
+    change = energy.total - energy.total[0]
+    exchanged = sum(
+        np.sum(h * abs(part)[1:]) for part in (energy.given, energy.drag, energy.damper, energy.seabed, energy.friction)
+    )
+    return float(abs(change - work).max() / max(abs(change).max(), exchanged))

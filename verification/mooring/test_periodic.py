@@ -1,0 +1,180 @@
+"""Is the periodic response of a moving line the one that its equations have, and do results warn where they must?"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from solvers import InputError, Motion, mooring_system, solve_periodic, solve_time_domain
+from solvers.numerics.fourier import Basis
+
+from ..cases.cables import EVERYTHING, OC3, OC3_SEABED, SURGE_5
+from ..exact.moving_line import ALL_TERMS
+from ..tools.orders import assert_order, extrapolated
+from .problems import exact_load, exact_state, manufactured, system
+from .test_order import graded
+from .test_statics import NETWORKS
+
+SPATIAL = pytest.mark.parametrize("planar", [True, False], ids=["planar", "spatial"])
+SOLVED = 1e-9  # m: the last Newton step of 1e-10; measured 2e-12
+
+
+def periodic_errors(line, cells, exact_on_mesh):
+    """Return the largest error of the positions over a period, m, of a manufactured motion of two harmonics."""
+    made = manufactured(line, cells)
+    if exact_on_mesh:
+        made.source = lambda t: exact_load(made, line, t)
+    response = solve_periodic(made, harmonics=3 if exact_on_mesh else 6)
+    times = np.linspace(0.0, made.period, 9)
+    exact = np.stack([exact_state(made, line, t)[0] for t in times], axis=-1)
+    assert abs(response.rate_at(times)[:, -1] - line.velocity(line.length, times)).max() < 1e-9
+    return abs(response.at(times) - exact).max()
+
+
+@SPATIAL
+def test_a_motion_of_two_harmonics_comes_out(planar):
+    """With the load that makes it exact on the mesh, positions are those of the motion at all times."""
+    assert periodic_errors(replace(ALL_TERMS, planar=planar), 6, True) <= SOLVED
+
+
+@SPATIAL
+def test_order_in_ds(planar):
+    """With the load of the continuous line the error falls with ds^2."""
+    line, cells = replace(ALL_TERMS, planar=planar), (16, 32, 64)
+    errors = [periodic_errors(line, count, False) / line.length for count in cells]
+    assert_order([1 / c for c in cells], errors, 2, ceiling=2e-4, what="periodic, ds")
+
+
+@pytest.mark.parametrize("case", [SURGE_5, EVERYTHING], ids=lambda case: case.name)
+def test_jacobian_blocks_are_differences_of_the_rows(case):
+    """The Jacobian, its tensions condensed, takes a small change of the unknowns to the change of the rows."""
+    made = system(case, 6, calibrate=False)
+    rows = made.harmonic_residual(Basis(4, 16, 2 * np.pi / made.period, True), None, False)
+    rng, (nodes, n, count) = np.random.default_rng(5), rows.shape
+    x = rows.pack(rng.normal(0, 0.02, (n, nodes, count)))
+    rows.auxiliary = np.ones(rows.auxiliary.shape)
+    _, T, _, samples = rows.evaluate(x)
+    assert T.min() > 0
+    rows.auxiliary = T
+    diagonal, right, left = rows.jacobian(samples)
+    step = rng.normal(0, 1.0, x.shape)
+    got = np.einsum("nij,nj->ni", diagonal, step)
+    got[:-1] += np.einsum("nij,nj->ni", right, step[1:])
+    got[1:] += np.einsum("nij,nj->ni", left, step[:-1])
+    h = 1e-7
+    difference = (rows.evaluate(x + h * step)[0] - rows.evaluate(x - h * step)[0]) / (2 * h)
+    assert abs(got - difference).max() <= 1e-6 * abs(difference).max()
+
+
+def test_the_response_is_what_motions_in_time_settle_to():
+    """The tension over a period is that of the eighth period in time, extrapolated in the step."""
+    made, t = system(SURGE_5, 12, calibrate=False), np.linspace(0.0, 20.0, 200)
+    response = solve_periodic(made, harmonics=45)
+    runs = [
+        solve_time_domain(made, dt=dt, periods=8, tolerance=1e-7).fairlead_tension(140 + t) for dt in (0.025, 0.0125)
+    ]
+    limit = extrapolated((2, 1), runs)
+    assert abs(response.fairlead_tension(t) - limit).max() <= 5e-4 * np.ptp(limit)  # measured 2.4e-4
+    assert abs(response.r[:, -1] - np.array(SURGE_5.fairlead)[:, None]
+               - made.motion.displacement(response.time)).max() < 1e-9  # fmt: skip
+
+
+def test_end_forces_are_extrapolated():
+    """With a correction the error of the cells is a part of what it was, and the response of half as many is there."""
+    t = np.linspace(0.0, 20.0, 100)
+    fine = solve_periodic(system(SURGE_5, 160, mesh="uniform", calibrate=False), harmonics=8).fairlead_tension(t)
+    plain = solve_periodic(system(SURGE_5, 20, mesh="uniform", calibrate=False), harmonics=8)
+    better = solve_periodic(system(SURGE_5, 20, mesh="uniform", calibrate=False), harmonics=8, deferred_correction=True)
+    errors = [abs(one.fairlead_tension(t) - fine).max() for one in (plain, better)]
+    assert errors[1] < errors[0] / 3 and better.coarse.system.nodes == 11
+
+
+@pytest.mark.parametrize("name", ["buoy", "clump weight"])
+def test_a_line_of_several_materials_moves_periodically(name):
+    """Joints with mass: the response is that in time, on the same mesh."""
+    made = mooring_system(NETWORKS[name], 12, motion=Motion.harmonic(0.1, (1.0, 0.0, 0.5)), calibrate=False)
+    response, t = solve_periodic(made, harmonics=12), np.linspace(0, 10.0, 50)
+    history = solve_time_domain(made, dt=0.02, periods=25)
+    tension = history.fairlead_tension(240 + t)
+    assert abs(response.fairlead_tension(t) - tension).max() <= 2e-3 * np.ptp(tension)
+
+
+def test_iterative_solves_are_refused():
+    """A line is solved directly; a mesh of three cells has none of half as many."""
+    with pytest.raises(InputError) as caught:
+        solve_periodic(system(SURGE_5, 8), harmonics=3, linear_solver="iterative")
+    assert caught.value.field == "linear_solver"
+    with pytest.raises(InputError) as caught:
+        solve_periodic(system(SURGE_5, 3), harmonics=3, deferred_correction=True)
+    assert caught.value.field == "deferred_correction"
+
+
+# ---------------------------------------------------------------- warnings
+@cache
+def warned(case, cells=50, dt=0.1, periods=4, **options):
+    """Return the first words of the warnings of a history."""
+    history = solve_time_domain(system(case, cells, **options), dt=dt, periods=periods)
+    return {warning.split(":")[0] for warning in history.warnings}
+
+
+def test_a_good_history_has_no_warning():
+    """Fifty cells, steps of a tenth of a second, and four periods."""
+    assert warned(SURGE_5) == set()
+
+
+@pytest.mark.parametrize(
+    ("given", "word"),
+    [
+        ((SURGE_5, 4), "mesh"),
+        ((replace(OC3_SEABED, amplitude=(5.0, 0.0, 0.0), seabed_stiffness=1e5), 8), "mesh"),
+        ((SURGE_5, 50, 2.0), "dt"),
+        ((replace(OC3, amplitude=(12.0, 0.0, 0.0)),), "slack"),
+        ((SURGE_5, 50, 20.0, 1), "time"),
+        ((replace(SURGE_5, Cdn=0.0), 20), "periods"),
+    ],
+    ids=["coarse", "coarse over a seabed", "long steps", "slack", "one step", "not settled"],
+)
+def test_a_bad_history_warns(given, word):
+    """Each by the word that its warning begins with."""
+    assert word in warned(*given)
+
+
+def test_the_error_of_the_mesh_is_measured():
+    """mesh_error is the rms change that half as many cells make, for histories and responses alike."""
+    made = system(SURGE_5, 24, mesh="uniform", calibrate=False)
+    coarse = system(SURGE_5, 12, mesh="uniform", calibrate=False)
+    t = np.linspace(40.0, 60.0, 500)
+    fine, rough = (solve_time_domain(one, dt=0.1, periods=3) for one in (made, coarse))
+    T, other = (one.fairlead_tension(t) for one in (fine, rough))
+    wanted = np.sqrt(np.mean((T - other) ** 2)) / np.ptp(T)
+    assert fine.mesh_error == pytest.approx(wanted, rel=0.01)  # at other instants
+    assert solve_periodic(made, harmonics=9).mesh_error == pytest.approx(wanted, rel=0.2)
+
+
+def test_a_coarser_line_has_the_whole_load():
+    """Loads of a source on nodes that a coarser line has not go to their neighbours, in sum and in moment."""
+    made = manufactured(replace(ALL_TERMS, planar=True), 17, graded(ALL_TERMS.length, 17))
+    coarse, t = made.coarser()[0], np.array([0.3, 1.2])
+    load, other = made.source_at(t), coarse.source_at(t)
+    assert coarse.nodes == 10 and other.shape == (2, 10, 2)
+    assert np.allclose(load.sum(axis=1), other.sum(axis=1), rtol=1e-12)
+    assert np.allclose((load * made.s[:, None]).sum(axis=1), (other * coarse.s[:, None]).sum(axis=1), rtol=1e-12)
+
+
+def test_few_harmonics_and_no_mean_warn():
+    """Where the last harmonics carry much, and where the constant term is left out."""
+    assert any(w.startswith("harmonics") for w in solve_periodic(system(SURGE_5, 20), harmonics=2).warnings)
+    assert any(w.startswith("mean") for w in solve_periodic(system(SURGE_5, 20), harmonics=9, mean=False).warnings)
+
+
+def test_pretension_is_held_against_the_catenary():
+    """A state on few cells says how far its tension is off the exact one, and warns beyond a per cent."""
+    few, many = (system(OC3, cells, mesh="uniform", calibrate=False).solve_static() for cells in (4, 50))
+    assert few.pretension_error > 0.01 and many.pretension_error < 1e-3
+    assert any("pretension" in w for w in few.warnings) and many.warnings == ()
+    assert system(replace(OC3, current=(0.3, 0.0, 0.0)), 10).solve_static().pretension_error is None
+    lying = system(OC3_SEABED, 100).solve_static()
+    assert lying.pretension_error < 2e-3
