@@ -77,7 +77,7 @@ def check_response(response):
 def check_mesh(error, parts):
     """Yield a warning where the mesh, of nodes or cells, is too coarse or its error not known."""
     if error is None:
-        yield f"mesh: the error of the mesh is not known, for the line on half as many {parts} was not solved"
+        yield f"mesh: its error is not known: too few {parts} for a mesh of half as many, or no solution on that"
     elif error > MAX_MESH_ERROR:
         yield f"mesh: half as many {parts} change the fairlead tension by {error:.2g} of its range: use more {parts}"
 
