@@ -197,8 +197,8 @@ LOAD_FAULTS = [
         Fault(
             "cable.planar",
             "cells",
-            "(S_T, S[U], S[V])",
-            "(2 * T[1:], S[U], S[V])",
+            "T[1:] + T[:-1]",
+            "2 * T[1:]",
         ),
         "(39): K of one node, not the mean",
     ),
