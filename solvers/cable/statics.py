@@ -12,10 +12,11 @@ from functools import cached_property
 
 import numpy as np
 
+from ..catenary.pretension import mean_pretension, pretension_warnings
 from ..catenary.span import Span, solve_span
 from ..common.outcome import InputError, Outcome, Status
 from ..common.types import as_system
-from ..common.validation import flags, one_of, positive_number
+from ..common.validation import flags, one_of, positive_number, refuse_for_lines
 from ..numerics.chain import BandedJacobian, Residual, stack
 from ..numerics.continuation import continue_in_load
 from ..numerics.newton import Step, damped_newton
@@ -25,8 +26,6 @@ from .shooting import shoot
 
 TOLERANCE = 1e-11  # mean change of (eps, angles in rad, positions in chords): a hundred roundings of a position
 _ROUNDING = 1e-14  # mean change of a state that fifty roundings make
-MAX_PRETENSION_ERROR = 0.01  # of the tension: what is left of a safety factor is read to a per cent
-_MAX_SEABED_EFFECT = 0.02  # of the tension, by w/k of depth: up to here the mean of two catenaries is right to 4e-4
 MIN_LOAD_STEP = 2.0**-10  # of the load parameter, in the continuation
 
 
@@ -62,7 +61,7 @@ class StaticState(Outcome):
     @property
     def warnings(self) -> tuple[str, ...]:
         """What the mesh has lost: a pretension that is off by more than ``MAX_PRETENSION_ERROR``."""
-        return mesh_warnings(self.pretension_error)
+        return pretension_warnings(self.pretension_error, "nodes")
 
     @property
     def fairlead_force(self) -> np.ndarray:
@@ -94,7 +93,8 @@ def solve_static(
     one_of("method", method, ("box", "shooting"))
     flags(throw=throw)
     system = as_system(system)
-    if hasattr(system, "solve_static"):  # a moving line of nodes and elements
+    if hasattr(system, "solve_static"):  # a line of nodes and elements
+        refuse_for_lines(("method", method, "box"), ("tolerance", tolerance, TOLERANCE))
         return system.solve_static(throw=throw)
     tolerance = positive_number("tolerance", tolerance, "(mean change of a state)")
     if tolerance < _ROUNDING:
@@ -133,13 +133,12 @@ def exact_pretension(system) -> float | None:
     """
     if system.current is not None or system.w0 <= 0:
         return None
-    sinks = (0.0, system.w0 / system.seabed_stiffness) if _has_contact(system) else (0.0,)
-    states = [solve_span(_span(system, sink), throw=False) for sink in sinks]
-    if not all(state.success and state.tension > 0 for state in states):
-        return None
-    tensions = [float(state.tension) for state in states]
-    mean = sum(tensions) / len(tensions)
-    return mean if max(tensions) - min(tensions) <= _MAX_SEABED_EFFECT * mean else None
+
+    def tension_over(depth):
+        state = solve_span(_span(system, depth), throw=False)
+        return float(state.tension) if state.success else None
+
+    return mean_pretension(tension_over, system.w0 / system.seabed_stiffness if _has_contact(system) else 0.0)
 
 
 def _span(system, sink=0.0) -> Span:
@@ -153,16 +152,6 @@ def _span(system, sink=0.0) -> Span:
 def _has_contact(system) -> bool:
     """Return whether there is a seabed that supports the line."""
     return system.has_seabed and system.seabed_stiffness > 0
-
-
-def mesh_warnings(pretension_error) -> tuple[str, ...]:
-    """Return a warning where the pretension is off by more than ``MAX_PRETENSION_ERROR``."""
-    if pretension_error is None or not pretension_error > MAX_PRETENSION_ERROR:
-        return ()
-    return (
-        f"mesh: the pretension is off by {pretension_error:.2g} of the exact catenary's: use more nodes, or a finer "
-        "mesh where the line touches down or bends",
-    )
 
 
 def rest_sensitivity(system) -> tuple[np.ndarray, np.ndarray] | None:

@@ -101,3 +101,11 @@ def vector(name: str, value, unit: str, what: str = "components") -> tuple[float
         raise InputError(f"{value!r} must be three {what} [x, y, z] ({unit})", field=name, value=value, unit=unit)
     x, y, z = (real_number(f"{name}[{i}]", v, unit) for i, v in enumerate(value))
     return x, y, z
+
+
+def refuse_for_lines(*options):
+    """Raise InputError for an option (name, value, default) that means nothing to a line of nodes and elements."""
+    for name, value, default in options:
+        if value is not default and value != default:
+            problem = f"{value!r} has no meaning for a line of nodes and elements; leave it out"
+            raise InputError(problem, field=name, value=value)

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from ..common.outcome import InputError, Status
 from ..common.types import as_system
-from ..common.validation import flags, one_of, positive_number, real_array, whole_number
+from ..common.validation import flags, one_of, positive_number, real_array, refuse_for_lines, whole_number
 from ..numerics.chain import ChainSystem
 from ..numerics.fourier import Basis
 from ..numerics.memory import keep_freed_memory
@@ -85,6 +85,8 @@ def solve_periodic(
     one_of("globalisation", globalisation, _NEWTON)
     one_of("linear_solver", linear_solver, ("direct", "iterative"))
     flags(mean=mean, multilevel=multilevel, symmetry=symmetry, deferred_correction=deferred_correction, throw=throw)
+    if hasattr(system, "harmonic_residual"):  # a line of nodes and elements
+        refuse_for_lines(("linear_solver", linear_solver, "direct"))
     finer = system.fourth_order() if deferred_correction else None
     if deferred_correction and finer is None:
         problem = "this chain has no rows of higher order"
@@ -93,7 +95,9 @@ def solve_periodic(
         problem = "the chain has no periodic driving, and its periodic response takes one"
         raise InputError(problem, field="motion", value=system.motion)
     basis = Basis(Nh, Nt, 2 * math.pi / (nu * system.period), bool(mean))
-    newton, iterative = getattr(system, "newton", _NEWTON[globalisation]), linear_solver == "iterative"
+    newton, iterative = _NEWTON[globalisation], linear_solver == "iterative"
+    if globalisation == "damped":
+        newton = getattr(system, "newton", newton)  # a line of nodes and elements takes full steps first
     z, coarse_iterations = _start_coefficients(system, basis, start), 0
     keep_freed_memory()
     with one_blas_thread(), np.errstate(all="ignore"):  # a diverging step is found by its size

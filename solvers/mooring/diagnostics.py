@@ -6,47 +6,33 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..catenary.pretension import mean_pretension, pretension_warnings
 from ..common.diagnostics import CURVED, SETTLED, TAIL, check_mesh, largest_slope_change
 from ..common.outcome import ConvergenceError
 
-MAX_PRETENSION_ERROR = 0.01  # of the tension
-MAX_SPREAD = 0.02  # of the tension: what a yielding seabed may change for rigid catenaries to give the pretension
 _INSTANTS = 500  # at which two waveforms are compared
 
 
 def exact_pretension(system) -> float | None:
-    """Return the fairlead tension of the exact catenaries, N; None in a current or where a soft seabed decides it.
-
-    A line sinks into a seabed by w/k where it rests. Its tension is then close to half way between those over rigid
-    seabeds at the height of first contact and w/k lower; None where these differ by more than ``MAX_SPREAD``.
-    """
+    """Return the fairlead tension of the exact catenaries, N; None in a current or where a soft seabed decides it."""
     model, environment = system.model, system.model.environment
     if any(system.line.current) or system.held.size < 2:
         return None
-    heaviest = max(segment.weight for segment in model.segments)
-    sinks = [0.0]
-    if environment.depth is not None and environment.seabed_stiffness and heaviest > 0:
-        sinks.append(heaviest / environment.seabed_stiffness)
-    tensions = []
-    try:
-        for sink in sinks:
-            depth = None if environment.depth is None else environment.depth + sink
-            at_depth = replace(model, environment=replace(environment, depth=depth))
-            points = at_depth.equilibrium()
-            last = model.segments[-1]
-            state = last.profile(points[-2], points[-1], at_depth.environment, np.zeros(1))[2]
-            tensions.append(np.hypot(state.H_anchor, state.V_anchor) if last.reversed else state.tension)
-    except ConvergenceError:
-        return None
-    mean = float(np.mean(tensions))
-    return mean if mean > 0 and np.ptp(tensions) <= MAX_SPREAD * mean else None
+
+    def tension_over(depth):
+        lower = None if environment.depth is None else environment.depth + depth
+        try:
+            return replace(model, environment=replace(environment, depth=lower)).pretension()
+        except ConvergenceError:
+            return None
+
+    weight, stiffness = max(segment.weight for segment in model.segments), environment.seabed_stiffness
+    return mean_pretension(tension_over, weight / stiffness if stiffness and weight > 0 else 0.0)
 
 
-def rest_warnings(system):
-    """Yield a sentence where the mesh makes the tension at rest wrong by more than ``MAX_PRETENSION_ERROR``."""
-    error = system.rest.pretension_error
-    if error is not None and error > MAX_PRETENSION_ERROR:
-        yield f"mesh: the pretension is off by {error:.2g} of the exact catenary's: use more cells"
+def rest_warnings(system) -> tuple[str, ...]:
+    """Return a warning where the mesh makes the tension at rest wrong."""
+    return pretension_warnings(system.rest.pretension_error, "cells")
 
 
 def check_history(history):

@@ -7,7 +7,6 @@ that each Newton step condenses (``equations.residual``): plain full steps then 
 
 from __future__ import annotations
 
-import copy
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -151,12 +150,6 @@ class MooringHarmonics:
     def satisfies_omitted_rows(self, z) -> bool:
         """Return True: without a symmetry no rows are left out."""
         return True
-
-    def with_system(self, system) -> MooringHarmonics:
-        """Return the same rows of another system with the same nodes."""
-        other = copy.copy(self)
-        other.system = system
-        return other
 
     def pack(self, z) -> np.ndarray:
         """Return x (N, n C) of z (n, N, C)."""

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -79,6 +81,44 @@ class LineModel:
             for i in free:
                 places[i] = state.r[i]
         return places
+
+    def pretension(self, displacement=(0.0, 0.0, 0.0)) -> float:
+        """Return the tension of the catenaries at the last point, displaced by (3,) in m, N."""
+        points, last = self.equilibrium(displacement), self.segments[-1]
+        state = last.profile(points[-2], points[-1], self.environment, np.zeros(1))[2]
+        return math.hypot(state.H_anchor, state.V_anchor) if last.reversed else state.tension
+
+    def at_rest(self, s, displacement=(0.0, 0.0, 0.0)) -> LineAtRest:
+        """Return the catenaries on a mesh s (N,) in m, the last point displaced by (3,) in m.
+
+        Nodes that rest on the seabed are as deep as their weight presses them.
+        """
+        points, joint, middles = self.equilibrium(displacement), 0.0, (s[1:] + s[:-1]) / 2
+        r, tension, level_pull, states = np.zeros((3, s.size)), np.zeros(s.size - 1), np.zeros(s.size - 1), []
+        for segment, (start, end) in zip(self.segments, pairwise(points), strict=True):
+            nodes = (s >= joint - 1e-9 * segment.length) & (s <= joint + segment.length * (1 + 1e-9))
+            local = np.clip(s[nodes] - joint, 0.0, segment.length)
+            position, _, state = segment.profile(start, end, self.environment, local)
+            if state.grounded_length > 0 and self.environment.seabed_stiffness:
+                lying = (segment.length - local if segment.reversed else local) <= state.grounded_length
+                position[2] -= np.where(lying, segment.weight / self.environment.seabed_stiffness, 0.0)
+            r[:, nodes] = position
+            cells = (middles > joint) & (middles < joint + segment.length)
+            tension[cells] = segment.profile(start, end, self.environment, middles[cells] - joint)[1]
+            level_pull[cells] = state.H
+            states.append(state)
+            joint += segment.length
+        r[:, 0], r[:, -1] = points[0], points[-1]
+        return LineAtRest(r, tension, level_pull, tuple(states))
+
+
+class LineAtRest(NamedTuple):
+    """Catenaries on a mesh: r (3, N) m of the nodes; tension and level_pull (C,) N of the cells; states of segments."""
+
+    r: np.ndarray
+    tension: np.ndarray
+    level_pull: np.ndarray
+    states: tuple
 
 
 def line_model(given) -> LineModel:

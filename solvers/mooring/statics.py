@@ -50,7 +50,7 @@ class MooringState(Outcome):
     @property
     def warnings(self) -> tuple[str, ...]:
         """What the mesh has lost: a pretension that is off."""
-        return tuple(rest_warnings(self.system)) if self.success else ()
+        return rest_warnings(self.system) if self.success else ()
 
     @property
     def fairlead_force(self) -> np.ndarray:
@@ -75,53 +75,17 @@ def solve_rest(system, displacement=(0.0, 0.0, 0.0), throw=True) -> MooringState
     current grows and the seabed stiffens in steps. Raises ConvergenceError where no equilibrium is found
     (``throw=False``: a state whose status says so).
     """
-    start, tension = catenary_profile(system, displacement)
-    solve = lambda load_factor, x: _Statics(system, load_factor, tension).newton(x)
+    catenaries = system.model.at_rest(system.s, displacement)
+    start = np.ascontiguousarray(system.place(catenaries.r).T)
+    solve = lambda load_factor, x: _Statics(system, load_factor, catenaries.tension).newton(x)
     x, reached, iterations, steps = continue_in_load(solve, start, min_step=MIN_LOAD_STEP)
-    R, T, _ = _Statics(system, 1.0, np.zeros_like(tension)).evaluate(x)
+    R, T, _ = _Statics(system, 1.0, np.zeros(system.nodes - 1)).evaluate(x)
     forces = system.axes.T @ -R.T
     free = np.delete(R, system.held, axis=0)
     status = Status.SUCCESS if reached == 1.0 else Status.NO_EQUILIBRIUM_FOUND
     norm = float(abs(free).max(initial=0.0))
     state = MooringState(system, x.T.copy(), np.maximum(T, 0.0), forces, status, iterations, norm, tuple(steps))
     return state.or_raise(system.model.name) if throw else state
-
-
-def catenary_profile(system, displacement) -> tuple[np.ndarray, np.ndarray]:
-    """Return coordinates (N, n) of the nodes on the catenaries in m, and the tensions (C,) in their cells in N.
-
-    Nodes that rest on the seabed are taken to be as deep as their weight presses them.
-    """
-    model, s = system.model, system.s
-    points, joint = model.equilibrium(displacement), 0.0
-    r, middles, tension = np.zeros((3, s.size)), (s[1:] + s[:-1]) / 2, np.zeros(s.size - 1)
-    for segment, start, end in zip(model.segments, points, points[1:], strict=False):
-        at = (s >= joint - 1e-9 * segment.length) & (s <= joint + segment.length * (1 + 1e-9))
-        local = np.clip(s[at] - joint, 0.0, segment.length)
-        position, _, state = segment.profile(start, end, model.environment, local)
-        if state.grounded_length > 0 and model.environment.seabed_stiffness:
-            lying = (segment.length - local if segment.reversed else local) <= state.grounded_length
-            position[2] -= np.where(lying, segment.weight / model.environment.seabed_stiffness, 0.0)
-        r[:, at] = position
-        cells = (middles > joint) & (middles < joint + segment.length)
-        tension[cells] = segment.profile(start, end, model.environment, middles[cells] - joint)[1]
-        joint += segment.length
-    y = system.place(r).T
-    y[system.held] = system.place(np.transpose([points[0 if i == 0 else -1] for i in system.held])).T
-    return y, tension
-
-
-def rest_response(system, moved) -> np.ndarray:
-    """Return the displacements (n, N, S) in m of the line at rest as its prescribed nodes move by moved (S, P, n)."""
-    statics, n, nodes = _Statics(system, 1.0, system.rest.tension), len(system.axes), system.nodes
-    solve = statics.tangents(np.ascontiguousarray(system.rest.y.T))
-    response = np.zeros((n, nodes, len(moved)))
-    for p, node in enumerate(system.held):
-        for k in range(n):
-            unit = np.zeros((nodes, n))
-            unit[node, k] = 1.0
-            response += solve(unit).T[..., None] * moved[:, p, k]
-    return response
 
 
 class _Statics:
@@ -139,9 +103,9 @@ class _Statics:
                     seabed_stiffness=line.seabed_stiffness * min(1.0, soft / stiffest) ** (1 - load_factor)
                 )
         self.line, self.held, self.length = line, system.held, float(system.s[-1])
-        self.still = np.zeros((system.nodes, len(system.axes)))
         self.prescribed = np.zeros(system.nodes, dtype=bool)
         self.prescribed[system.held] = True
+        self.still = np.zeros((system.nodes, len(system.axes)))
         self.before = None  # positions, tensions and directions where the last Jacobian stood
 
     def evaluate(self, x):

@@ -1,5 +1,7 @@
 """The steps of generalized-alpha on a moving line, as one compiled loop.
 
+It is one function, for each call inside it would pass and count all arrays: parted into predictor, corrector and
+acceptance, put in line, it took 15 % longer on ten cells.
 M(r) a at n + 1 - alpha_m balances the forces at r, v of n + 1 - alpha_f; r and v at n + 1 follow from a by Newmark's
 formulas. Newton's method solves for r at n + 1, with the tensions of the cells as unknowns of their own.
 """

@@ -20,7 +20,7 @@ from .history import MooringHistory
 from .mesh import PLACES, mesh_of
 from .model import line_model
 from .modes import LinePencil
-from .statics import MooringState, rest_response, solve_rest
+from .statics import MooringState, solve_rest
 from .time_domain import integrate_line
 
 MIN_NODES = 4  # of a coarser line
@@ -134,10 +134,7 @@ class MooringSystem:
     periodic_response = MooringResponse
 
     def harmonic_residual(self, basis, mirror, iterative) -> MooringHarmonics:
-        """Return the rows in Fourier coefficients."""
-        if iterative:
-            problem = "'iterative' is not there for a line of nodes and elements; use 'direct'"
-            raise InputError(problem, field="linear_solver", value="iterative")
+        """Return the rows in Fourier coefficients; neither a mirror nor an iterative solver is used."""
         return MooringHarmonics(self, basis)
 
     def periodic_start(self, basis, harmonics_of_driving) -> np.ndarray:
@@ -170,11 +167,6 @@ class MooringSystem:
             source and (lambda t: share @ source(t)), self.period, self.calibrated)  # fmt: skip
         coarse.kept = kept
         return coarse, lambda z: make_interp_spline(coarse.s, z, axis=1)(self.s)
-
-    def quasi_static_predictor(self, t) -> np.ndarray:
-        """Return the equilibrium as it follows the prescribed nodes, linearised, (n, N, S) at times t (S,)."""
-        moved = self.path(t)[:, 0] - self.rest.y.T[self.held]
-        return self.rest.y[..., None] + rest_response(self, moved)
 
     @cached_property
     def _held_places(self):

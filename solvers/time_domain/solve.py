@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from ..common.outcome import InputError, Status
 from ..common.response import ROUNDING
 from ..common.types import as_system
-from ..common.validation import flags, one_of, positive_number, real_array, real_number, whole_number
+from ..common.validation import flags, one_of, positive_number, real_array, real_number, refuse_for_lines, whole_number
 from ..numerics.chain import ChainSystem
 from .drift_control import DRIFT_CONTROLS
 from .generalized_alpha import Scheme, Stepper
@@ -102,7 +102,9 @@ def solve_time_domain(
     first_ramp = _first_ramp(system, ramp, start)
     hold = _checked_hold(system, hold)
     if is_line:
-        _refuse(("scheme", given_scheme, None), ("hold", hold, "position"), ("allow_invalid", allow_invalid, False))
+        refuse_for_lines(
+            ("scheme", given_scheme, None), ("hold", hold, "position"), ("allow_invalid", allow_invalid, False)
+        )
     state = _start_state(system, start)
     if is_line:
         count = math.ceil(end / dt * (1 - ROUNDING))
@@ -137,14 +139,6 @@ def solve_time_domain(
     if not throw or (allow_invalid and history.status is not Status.STEP_FAILED):
         return history
     return history.or_raise(_given(history, dt, tried))
-
-
-def _refuse(*options):
-    """Raise InputError for an option (name, value, default) that means nothing to a line of nodes and elements."""
-    for name, value, default in options:
-        if value is not default and value != default:
-            problem = f"{value!r} has no meaning for a line of nodes and elements; leave it out"
-            raise InputError(problem, field=name, value=value)
 
 
 def _given(history, dt, ramps) -> str:

@@ -220,6 +220,7 @@ _FILES = {
         (*_PERIODIC, "harmonic_balance/test_start.py"),
     ),
     "numerics.compiled": ("numerics/test_compiled.py", "numerics/test_bordered.py"),
+    "catenary.pretension": ("cable/test_statics.py", "mooring/test_periodic.py"),
     "catenary.excursion": ("catenary/test_excursion.py", *_NETWORK),
     "common.diagnostics": ("common/test_diagnostics.py", "suite/test_stability.py"),
     "numerics.modes": ("numerics/test_modes.py", "time_domain/test_solve.py"),

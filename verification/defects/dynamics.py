@@ -865,7 +865,7 @@ DEFECTS = (
     ),
     Defect(
         "pretension over the lower seabed alone",
-        Fault("cable.statics", "exact_pretension", "sum(tensions) / len(tensions)", "tensions[-1]"),
+        Fault("catenary.pretension", "mean_pretension", "sum(tensions) / len(tensions)", "tensions[-1]"),
         "regime",
         "a rigid seabed w/k lower for the mean of two, up to 1 % too much tension",
         "cable/test_statics.py::test_the_exact_pretension_over_a_yielding_seabed_is_that_of_shooting",
@@ -879,7 +879,7 @@ DEFECTS = (
     ),
     Defect(
         "exact pretension over a seabed of mud",
-        Fault("cable.statics", "", "_MAX_SEABED_EFFECT = 0.02", "_MAX_SEABED_EFFECT = 0.2"),
+        Fault("catenary.pretension", "", "_MAX_SEABED_EFFECT = 0.02", "_MAX_SEABED_EFFECT = 0.2"),
         "tolerance",
         "a warning of the mesh where no catenary gives the tension",
         "cable/test_statics.py::test_a_seabed_too_soft_for_a_catenary_gives_no_pretension_error",

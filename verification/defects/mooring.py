@@ -338,7 +338,10 @@ DEFECTS = (
     Defect(
         "a pretension never doubted",
         Fault(
-            "mooring.diagnostics", "rest_warnings", "error > MAX_PRETENSION_ERROR", "error > 100 * MAX_PRETENSION_ERROR"
+            "catenary.pretension",
+            "pretension_warnings",
+            "error > MAX_PRETENSION_ERROR",
+            "error > 100 * MAX_PRETENSION_ERROR",
         ),
         "tolerance",
         "a tension at rest that is wrong by some per cent is passed over",

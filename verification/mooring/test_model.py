@@ -20,10 +20,14 @@ from solvers import (
     Node,
     Scene,
     mooring_system,
+    solve_network,
+    solve_periodic,
+    solve_static,
     solve_time_domain,
 )
+from solvers.mooring.calibration import tension_change
 from solvers.mooring.mesh import LEAST_DENSITY
-from solvers.mooring.model import Segment
+from solvers.mooring.model import Segment, line_model
 
 from ..cases.cables import OC3, OC3_SEABED, SLACK_CHAIN, SURGE_5
 from ..reference import EPS
@@ -222,6 +226,19 @@ def without(**changes):
     return replace(given, **changes)
 
 
+def test_the_pretension_is_that_at_the_fairlead_however_the_last_element_runs():
+    """Given from the fairlead down, its tension there is not the one at its own upper end, and the change as large."""
+    rope, chain = two_parts().elements
+    chain = replace(chain, friction=0.0)  # a moving line has none at rest
+    backward, forward = (two_parts(elements=[replace(rope, ends=ends), chain]) for ends in ((0, 2), (2, 0)))
+    models, surge = [line_model(network) for network in (backward, forward)], Motion.harmonic(0.1, (2.0, 0.0, 0.0))
+    assert [model.segments[-1].reversed for model in models] == [True, False]
+    state = solve_network(forward)
+    assert models[1].pretension() == pytest.approx(np.hypot(state.H[0], state.V[0]), rel=1e-9)
+    for value in (lambda model: model.pretension(), lambda model: tension_change(model, surge, 8)):
+        assert value(models[0]) == pytest.approx(value(models[1]), rel=1e-9)
+
+
 def branched():
     """Return a Network with three elements at one node."""
     nodes = [*two_parts().nodes, Node("fixed", (90.0, 50.0, -100.0))]
@@ -287,6 +304,10 @@ REFUSED = {
     "a start of words": (lambda: run(start=("a", None)), "start", ["(y, ydot)"]),
     "a start of another shape": (lambda: run(start=(np.zeros((2, 5)), None)), "start", ["(2, 5)", "(2, 11)"]),
     "a start that is not finite": (lambda: run(start=(np.full((2, 11), math.inf), None)), "start", ["finite"]),
+    "statics by shooting": (lambda: solve_static(SURGE(), method="shooting"), "method", ["'shooting'", "leave it out"]),
+    "a tolerance of statics": (lambda: solve_static(SURGE(), tolerance=1e-3), "tolerance", ["0.001", "leave it out"]),
+    "an iterative balance": (
+        lambda: solve_periodic(SURGE(), harmonics=3, linear_solver="iterative"), "linear_solver", ["'iterative'"]),
     "scheme": (lambda: solve_time_domain(SURGE(), **RUN, allow_invalid=True), "allow_invalid", ["True"]),
 }  # fmt: skip
 
