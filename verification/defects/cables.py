@@ -459,6 +459,7 @@ DEFECTS = (
             "CableSystem.replace",
             "super().replace(**kept | changes)",
             "super().replace(equilibrium=self.equilibrium, **changes)",
+            where="{'equilibrium': self.equilibrium}",
         ),
         "stale",
         "a copy of a system takes over an equilibrium that is none",

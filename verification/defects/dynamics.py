@@ -825,6 +825,7 @@ DEFECTS = (
             "Stepper.step",
             "error <= self.tolerance",
             "error <= self.tolerance and relaxation == 1.0",
+            where="last_error, relaxation = math.inf, 1.0",
         ),
         "regime",
         "steps sit at rounding until the limit, for the relaxation factor never comes back to one",
