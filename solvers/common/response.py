@@ -15,7 +15,7 @@ ROUNDING = 1e-12  # of a duration, that rounding may leave
 _SAMPLES = 64  # in a period for each harmonic asked for: the interpolated tension then has no alias above 1e-6
 
 
-def inside(t, time) -> np.ndarray:
+def within_history(t, time) -> np.ndarray:
     """Return times t in s as an array; raises InputError outside those that are stored, time (K,)."""
     t, rounding = np.asarray(t, dtype=float), ROUNDING * time[-1]
     within = (t >= time[0] - rounding) & (t <= time[-1] + rounding)

@@ -11,14 +11,14 @@ import numpy as np
 SMALL_CHANGE = 0.1  # of the tension at rest: quasi-static change over the motion below which lines are calibrated
 
 
-def tension_change(model, motion, places) -> float:
+def estimate_tension_change(model, motion, places) -> float:
     """Return the quasi-static range of the fairlead tension over a period of the motion, over that at rest."""
     times = motion.period * np.arange(places) / places
     tensions = [model.pretension(displacement) for displacement in (np.zeros(3), *motion.displacement(times).T)]
     return float(np.ptp(tensions) / tensions[0]) if tensions[0] > 0 else np.inf
 
 
-def calibrated_line(system):
+def calibrate_line(system):
     """Return the Line of a MooringSystem with cells and loads for which its nodes rest on the catenaries.
 
     The length of a cell is |d|/(1 + T/EA) with its chord d and the T whose level component is that of the catenary;
@@ -26,12 +26,12 @@ def calibrated_line(system):
     component the Line as it is.
     """
     line, segments = system.line, system.model.segments
-    r, _, level_pull, states = system.model.at_rest(system.s)
+    r, _, horizontal_tension, states = system.model.at_rest(system.s)
     chord = np.diff(r, axis=1)
     level = np.hypot(chord[0], chord[1])
-    if not ((level_pull > 0) & (level > 0)).all():
+    if not ((horizontal_tension > 0) & (level > 0)).all():
         return line
-    force = level_pull / level * chord  # of each cell on its first node
+    force = horizontal_tension / level * chord  # of each cell on its first node
     tension = np.linalg.norm(force, axis=0)
     length = np.linalg.norm(chord, axis=0) / (1 + tension / line.EA)
     load = np.zeros((3, system.nodes))

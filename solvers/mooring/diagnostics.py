@@ -16,7 +16,7 @@ _INSTANTS = 500  # at which two waveforms are compared
 def exact_pretension(system) -> float | None:
     """Return the fairlead tension of the exact catenaries, N; None in a current or where a soft seabed decides it."""
     model, environment = system.model, system.model.environment
-    if any(system.line.current) or system.held.size < 2:
+    if any(system.line.current) or system.prescribed_nodes.size < 2:
         return None
 
     def tension_over(depth):

@@ -11,12 +11,12 @@ from ..numerics.compiled import compiled
 
 
 @compiled
-def factorise(line, diagonal, right, left, prescribed):
-    """Replace the blocks by their LU factors, diagonal ones by inverses; rows of prescribed nodes are those of 1."""
+def factorise(line, diagonal, right, left, is_prescribed):
+    """Replace the blocks by their LU factors, diagonal ones by inverses; rows of is_prescribed nodes are those of 1."""
     n, nodes = len(line.current), diagonal.shape[0]
     row = np.empty(n)
     for i in range(nodes):
-        if prescribed[i]:
+        if is_prescribed[i]:
             for j in range(n):
                 for k in range(n):
                     diagonal[i, j, k] = 1.0 if j == k else 0.0

@@ -136,11 +136,11 @@ class MooringHarmonics:
         self.blocks = Blocks(basis, [np.arange(count)] * self.n)
         self.rows = Blocks.harmonics([np.arange(count)] * self.n, basis)
         self.Q_tt = -((basis.omega * basis.harmonic) ** 2)  # of the functions themselves
-        path = system.path(basis.times)[:, 0] - self.rest[system.held]
-        self.prescribed = np.moveaxis(path, 0, -1) @ basis.P  # (P, n, C)
+        path = system.path(basis.times)[:, 0] - self.rest[system.prescribed_nodes]
+        self.prescribed_coefficients = np.moveaxis(path, 0, -1) @ basis.P  # (P, n, C)
         self.auxiliary = np.empty((basis.samples, system.nodes - 1))
-        self.first: Any = None  # unknowns where Newton's method began
-        self.before: Any = None  # unknowns, tensions and directions where the last Jacobian stood
+        self.initial: Any = None  # unknowns where Newton's method began
+        self.last_linearisation: Any = None  # unknowns, tensions and directions where the last Jacobian stood
 
     # ------------------------------------------------------------ what solve_periodic asks
     def start_is_symmetric(self, z) -> bool:
@@ -179,13 +179,13 @@ class MooringHarmonics:
         if len(source):
             R -= source
         rows = np.moveaxis(R, 0, -1) @ self.basis.P
-        held = self.system.held
-        rows[held] = x.reshape(self.shape)[held] - self.prescribed
+        prescribed = self.system.prescribed_nodes
+        rows[prescribed] = x.reshape(self.shape)[prescribed] - self.prescribed_coefficients
         return rows.reshape(nodes, -1), T, unit, samples
 
     def residual(self, x) -> np.ndarray:
         """Return all rows, (N, n C)."""
-        if self.first is None:
+        if self.initial is None:
             self._condense(x)
         return self.evaluate(x)[0]
 
@@ -193,7 +193,7 @@ class MooringHarmonics:
         """Return the rows and a function that solves with the Jacobian, None where it is singular."""
         self._condense(x)
         rows, T, unit, samples = self.evaluate(x)
-        self.before = x.copy(), T, unit
+        self.last_linearisation = x.copy(), T, unit
         if not np.isfinite(rows).all():
             return rows, None
         factors = _BlockTridiagonal(*self.jacobian(samples))
@@ -201,13 +201,13 @@ class MooringHarmonics:
 
     def _condense(self, x):
         """Set the auxiliary tensions: those of the start, then what the last Jacobian foretold for the step to x."""
-        if self.first is None:
-            self.first = x.copy()
-        if np.array_equal(x, self.first):  # the first step, or a solve that starts again
+        if self.initial is None:
+            self.initial = x.copy()
+        if np.array_equal(x, self.initial):  # the first step, or a solve that starts again
             self.auxiliary = np.zeros((self.basis.samples, self.system.nodes - 1))
             self.auxiliary = self.evaluate(x)[1] if x.any() else self.auxiliary + self.system.rest.tension
             return
-        x0, T0, unit0 = self.before
+        x0, T0, unit0 = self.last_linearisation
         line, z = self.system.line, (x - x0).reshape(self.shape)
         moved = np.moveaxis(z @ self.basis.Q.T, -1, 0)
         rate = np.moveaxis(z @ self.basis.Q_t.T, -1, 0)
@@ -231,7 +231,7 @@ class MooringHarmonics:
         mass = by[2][0]
         blocks[0] += self.blocks(mass, np.zeros_like(mass), self.rows, float) * np.tile(self.Q_tt, n)
         diagonal, right, left = blocks
-        for i in self.system.held:
+        for i in self.system.prescribed_nodes:
             diagonal[i] = np.eye(diagonal.shape[1])
             if i < nodes - 1:
                 right[i] = 0.0
@@ -253,15 +253,15 @@ class _BlockTridiagonal:
     """LU factors of a block-tridiagonal matrix: diagonal (N, m, m), right and left (N - 1, m, m)."""
 
     def __init__(self, diagonal, right, left):
-        self.left, self.ahead, self.factors, self.singular = left, np.empty_like(right), [], False
+        self.left, self.eliminated, self.factors, self.singular = left, np.empty_like(right), [], False
         for i, D in enumerate(diagonal):
             if i > 0:
-                D = D - left[i - 1] @ self.ahead[i - 1]
+                D = D - left[i - 1] @ self.eliminated[i - 1]
             lu, order, info = dgetrf(D.T, overwrite_a=True)
             self.factors.append((lu, order))
             self.singular |= info != 0
             if i < len(right):
-                self.ahead[i] = dgetrs(lu, order, right[i], trans=1)[0]
+                self.eliminated[i] = dgetrs(lu, order, right[i], trans=1)[0]
         self.singular = bool(self.singular or not np.isfinite(self.factors[-1][0]).all())
 
     def solve(self, F) -> np.ndarray:
@@ -271,5 +271,5 @@ class _BlockTridiagonal:
             right = F[i] if i == 0 else F[i] - self.left[i - 1] @ x[i - 1]
             x[i] = dgetrs(lu, order, right, trans=1)[0]
         for i in range(len(x) - 2, -1, -1):
-            x[i] -= self.ahead[i] @ x[i + 1]
+            x[i] -= self.eliminated[i] @ x[i + 1]
         return x

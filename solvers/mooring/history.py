@@ -11,11 +11,11 @@ from scipy.interpolate import PchipInterpolator
 
 from ..common.diagnostics import relative_change
 from ..common.outcome import Outcome, Status
-from ..common.response import Response, inside, last_period
+from ..common.response import Response, last_period, within_history
 from . import diagnostics
 
-_SIX = 6  # points of the polynomials between steps
-_LAGRANGE = np.linalg.inv(np.vander(np.arange(_SIX), _SIX, increasing=True))
+_STENCIL = 6  # points of the polynomials between steps
+_LAGRANGE = np.linalg.inv(np.vander(np.arange(_STENCIL), _STENCIL, increasing=True))
 """Column j: coefficients of the polynomial that is one at j and zero at the other points 0..5."""
 
 
@@ -128,14 +128,15 @@ class MooringHistory(LineOutputs, Outcome):
         By polynomials of degree five through six equal steps; by monotone cubics, which do not overshoot, where a cell
         went slack, the steps are few or the last one stored is shorter.
         """
-        t, time = inside(t, self.time), self.time
-        if self.damped_from is not None or time.size < _SIX or not np.isclose(time[1] - time[0], time[-1] - time[-2]):
+        t, time = within_history(t, self.time), self.time
+        is_even = time.size >= _STENCIL and np.isclose(time[1] - time[0], time[-1] - time[-2])
+        if self.damped_from is not None or not is_even:
             return self._monotone(t)
         place = t / (time[1] - time[0])
-        first = np.clip(place.astype(int) - _SIX // 2 + 1, 0, time.size - _SIX)
-        powers = np.vander((place - first).ravel(), _SIX, increasing=True)
-        weights = (powers @ _LAGRANGE).reshape(*place.shape, _SIX)
-        return (weights * self._end_tension[first[..., None] + np.arange(_SIX)]).sum(axis=-1)
+        first = np.clip(place.astype(int) - _STENCIL // 2 + 1, 0, time.size - _STENCIL)
+        powers = np.vander((place - first).ravel(), _STENCIL, increasing=True)
+        weights = (powers @ _LAGRANGE).reshape(*place.shape, _STENCIL)
+        return (weights * self._end_tension[first[..., None] + np.arange(_STENCIL)]).sum(axis=-1)
 
     @cached_property
     def slack(self) -> tuple[Slack, ...]:

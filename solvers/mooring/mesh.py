@@ -9,13 +9,13 @@ import numpy as np
 from ..common.outcome import InputError
 from ..common.validation import real_array, whole_number
 
-PLACES = 16  # of the fairlead in its motion, over which the touchdown travels
+FAIRLEAD_POSITIONS = 16  # of the fairlead in its motion, over which the touchdown travels
 LEAST_DENSITY = 0.15  # of the greatest density of nodes
 _MOST_CELLS = 10**6
-_FINE = 400  # places of a segment at which the curvature is looked at
+_SAMPLES_PER_SEGMENT = 400  # places of a segment at which the curvature is looked at
 
 
-def mesh_of(model, cells, mesh, motion) -> np.ndarray:
+def build_mesh(model, cells, mesh, motion) -> np.ndarray:
     """Return arc lengths (N,), m: ``mesh`` as given, "uniform", or "fitted" to the line at rest.
 
     Fitted: nodes as dense as the square root of the static curvature, the greatest over places of the motion.
@@ -25,13 +25,13 @@ def mesh_of(model, cells, mesh, motion) -> np.ndarray:
     if isinstance(mesh, str) and mesh == "uniform":
         s, amount = joints, joints
     elif isinstance(mesh, str) and mesh == "fitted":
-        s, amount = _amount(model, joints, motion)
+        s, amount = _cumulative_density(model, joints, motion)
     elif isinstance(mesh, str):
         raise InputError(f"{mesh!r} must be 'fitted', 'uniform' or arc lengths (m)", field="mesh", value=mesh, unit="m")
     else:
         return _given(mesh, joints)
     at_joints = np.interp(joints, s, amount)
-    counts = _share(np.diff(at_joints), cells)
+    counts = _apportion_cells(np.diff(at_joints), cells)
     pieces = [np.linspace(a, b, count + 1)[:-1] for a, b, count in zip(at_joints, at_joints[1:], counts, strict=False)]
     nodes = np.interp(np.append(np.concatenate(pieces), amount[-1]), amount, s)
     nodes[np.cumsum([0, *counts])] = joints
@@ -55,7 +55,7 @@ def _given(mesh, joints) -> np.ndarray:
     return s
 
 
-def _share(amounts, cells) -> list[int]:
+def _apportion_cells(amounts, cells) -> list[int]:
     """Return whole numbers of cells in proportion to amounts, at least one each, ``cells`` in total."""
     wanted = amounts / amounts.sum() * (cells - len(amounts))
     counts = np.floor(wanted).astype(int)
@@ -64,13 +64,13 @@ def _share(amounts, cells) -> list[int]:
     return (counts + 1).tolist()
 
 
-def _amount(model, joints, motion):
+def _cumulative_density(model, joints, motion):
     """Return fine arc lengths and the integral of the wanted density of nodes up to them."""
     period = getattr(motion, "period", None)
     places = [np.zeros(3)]
     if motion is not None and period is not None:
-        places = [*motion.displacement(period * np.arange(PLACES) / PLACES).T, *places]
-    s = [np.linspace(a, b, _FINE) for a, b in pairwise(joints)]
+        places = [*motion.displacement(period * np.arange(FAIRLEAD_POSITIONS) / FAIRLEAD_POSITIONS).T, *places]
+    s = [np.linspace(a, b, _SAMPLES_PER_SEGMENT) for a, b in pairwise(joints)]
     middles = [(part[1:] + part[:-1]) / 2 for part in s]
     curvature = [np.zeros(part.size) for part in middles]
     for displacement in places:

@@ -94,7 +94,7 @@ class LineModel:
         Nodes that rest on the seabed are as deep as their weight presses them.
         """
         points, joint, middles = self.equilibrium(displacement), 0.0, (s[1:] + s[:-1]) / 2
-        r, tension, level_pull, states = np.zeros((3, s.size)), np.zeros(s.size - 1), np.zeros(s.size - 1), []
+        r, tension, horizontal_tension, states = np.zeros((3, s.size)), np.zeros(s.size - 1), np.zeros(s.size - 1), []
         for segment, (start, end) in zip(self.segments, pairwise(points), strict=True):
             nodes = (s >= joint - 1e-9 * segment.length) & (s <= joint + segment.length * (1 + 1e-9))
             local = np.clip(s[nodes] - joint, 0.0, segment.length)
@@ -105,23 +105,26 @@ class LineModel:
             r[:, nodes] = position
             cells = (middles > joint) & (middles < joint + segment.length)
             tension[cells] = segment.profile(start, end, self.environment, middles[cells] - joint)[1]
-            level_pull[cells] = state.H
+            horizontal_tension[cells] = state.H
             states.append(state)
             joint += segment.length
         r[:, 0], r[:, -1] = points[0], points[-1]
-        return LineAtRest(r, tension, level_pull, tuple(states))
+        return LineAtRest(r, tension, horizontal_tension, tuple(states))
 
 
 class LineAtRest(NamedTuple):
-    """Catenaries on a mesh: r (3, N) m of the nodes; tension and level_pull (C,) N of the cells; states of segments."""
+    """Catenaries on a mesh: nodes at r (3, N) in m; tension of the cells and its horizontal part, (C,) in N.
+
+    states: a CatenaryState of each segment.
+    """
 
     r: np.ndarray
     tension: np.ndarray
-    level_pull: np.ndarray
+    horizontal_tension: np.ndarray
     states: tuple
 
 
-def line_model(given) -> LineModel:
+def build_line_model(given) -> LineModel:
     """Return the line of a Scene, or of a Network whose elements follow one another.
 
     Raises InputError where elements branch, or where what dynamics needs is missing.
@@ -135,7 +138,7 @@ def line_model(given) -> LineModel:
     weight = given.cable.weight_in(given.environment)
     segment = Segment(weight, given.cable.EA, given.length, friction, given.cable)
     points = Node("fixed", given.anchor), Node("coupled", given.fairlead)
-    return _checked(LineModel(given.name, (segment,), points, given.environment))
+    return _require_dynamic_data(LineModel(given.name, (segment,), points, given.environment))
 
 
 def _from_network(network) -> LineModel:
@@ -157,10 +160,10 @@ def _from_network(network) -> LineModel:
         node = ends[e][0] if backward else ends[e][1]
         order.append(node)
     points = tuple(network.nodes[i] for i in order)
-    return _checked(LineModel("the network", tuple(segments), points, network.environment))
+    return _require_dynamic_data(LineModel("the network", tuple(segments), points, network.environment))
 
 
-def _checked(model) -> LineModel:
+def _require_dynamic_data(model) -> LineModel:
     for i, segment in enumerate(model.segments):
         for name, unit in (("diameter", "m"), ("mass_per_length", "kg/m")):
             if getattr(segment.cable, name) is None:

@@ -18,7 +18,7 @@ class LinePencil:
     def __init__(self, system):
         self.system = system
         nodes, n = system.nodes, len(system.axes)
-        self.free = np.delete(np.arange(nodes), system.held)
+        self.free = np.delete(np.arange(nodes), system.prescribed_nodes)
         self.size = 2 * n * self.free.size
         self.K, self.C, self.M = (self._matrix(weights) for weights in np.eye(3))
 

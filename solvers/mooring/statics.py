@@ -76,12 +76,12 @@ def solve_rest(system, displacement=(0.0, 0.0, 0.0), throw=True) -> MooringState
     (``throw=False``: a state whose status says so).
     """
     catenaries = system.model.at_rest(system.s, displacement)
-    start = np.ascontiguousarray(system.place(catenaries.r).T)
+    start = np.ascontiguousarray(system.to_axes(catenaries.r).T)
     solve = lambda load_factor, x: _Statics(system, load_factor, catenaries.tension).newton(x)
     x, reached, iterations, steps = continue_in_load(solve, start, min_step=MIN_LOAD_STEP)
     R, T, _ = _Statics(system, 1.0, np.zeros(system.nodes - 1)).evaluate(x)
     forces = system.axes.T @ -R.T
-    free = np.delete(R, system.held, axis=0)
+    free = np.delete(R, system.prescribed_nodes, axis=0)
     status = Status.SUCCESS if reached == 1.0 else Status.NO_EQUILIBRIUM_FOUND
     norm = float(abs(free).max(initial=0.0))
     state = MooringState(system, x.T.copy(), np.maximum(T, 0.0), forces, status, iterations, norm, tuple(steps))
@@ -102,11 +102,11 @@ class _Statics:
                 line = line._replace(
                     seabed_stiffness=line.seabed_stiffness * min(1.0, soft / stiffest) ** (1 - load_factor)
                 )
-        self.line, self.held, self.length = line, system.held, float(system.s[-1])
-        self.prescribed = np.zeros(system.nodes, dtype=bool)
-        self.prescribed[system.held] = True
+        self.line, self.prescribed_nodes, self.length = line, system.prescribed_nodes, float(system.s[-1])
+        self.is_prescribed = np.zeros(system.nodes, dtype=bool)
+        self.is_prescribed[system.prescribed_nodes] = True
         self.still = np.zeros((system.nodes, len(system.axes)))
-        self.before = None  # positions, tensions and directions where the last Jacobian stood
+        self.last_linearisation = None  # positions, tensions and directions where the last Jacobian stood
 
     def evaluate(self, x):
         """Return R (N, n), T (C,) and unit (C, n)."""
@@ -117,7 +117,7 @@ class _Statics:
     def residual(self, x):
         """Return R, zero at prescribed nodes."""
         R = self.evaluate(x)[0]
-        R[self.held] = 0.0
+        R[self.prescribed_nodes] = 0.0
         return R
 
     def tangents(self, x):
@@ -126,7 +126,7 @@ class _Statics:
         diagonal, right, left = np.empty((nodes, n, n)), np.empty((nodes - 1, n, n)), np.empty((nodes - 1, n, n))
         weights = (1.0, 0.0, 0.0)
         equations.tangents(self.line, x, self.still, self.still, self.auxiliary, weights, diagonal, right, left)
-        elimination.factorise(self.line, diagonal, right, left, self.prescribed)
+        elimination.factorise(self.line, diagonal, right, left, self.is_prescribed)
 
         def solve(F):
             step = F.copy()
@@ -139,13 +139,13 @@ class _Statics:
         """Return (x, steps, converged) of the mixed method from x, in full steps until they grow."""
 
         def linearise(x):
-            if self.before is not None:
-                x0, T0, unit0 = self.before
+            if self.last_linearisation is not None:
+                x0, T0, unit0 = self.last_linearisation
                 stretch = np.sum(unit0 * (np.diff(x, axis=0) - np.diff(x0, axis=0)), axis=1)
                 self.auxiliary = np.where(T0 != 0, T0 + self.line.EA / self.line.length * stretch, 0.0)
             R, T, unit = self.evaluate(x)
-            R[self.held] = 0.0
-            self.before = x, T, unit
+            R[self.prescribed_nodes] = 0.0
+            self.last_linearisation = x, T, unit
             return R, self.tangents(x)
 
         norm = lambda step: float(abs(step).max()) / self.length

@@ -21,23 +21,23 @@ MAX_CONTRACTION = 0.03  # contraction above which a new factorisation is cheaper
 
 
 @compiled(calls=(equations, elimination))
-def integrate(line, held, path, source, h, scheme, scale, tolerance, rest, state, auxiliary, record, every, watch):
+def integrate(line, driven, path, source, h, scheme, scale, tolerance, rest, state, auxiliary, record, every, stop):
     """Take a step of generalized-alpha for each row but the first of ``path`` (S + 1, 3, P, n); stop where one fails.
 
-    held (P,): the prescribed nodes, path: their r, v, a at the ends of the steps. source (S, N, n): load added at
-    n + 1 - alpha_f, N, or empty. scheme: (alpha_m, alpha_f, beta, gamma). scale: tension in N and length in m that
-    errors refer to; the largest change of a tension from ``rest`` (C,) so far over the former, which the tolerance
-    refers to, and which grows; the error that rounding makes. state: r, v, a and the a before (N, n), and auxiliary
-    (C,): left at the last step that was taken. record: r, v, a (K, N, n) of every ``every``-th step. watch: end after a
-    step with slack.
+    driven (P,): the nodes whose motion is prescribed, path: their r, v, a at the ends of the steps. source (S, N, n):
+    load added at n + 1 - alpha_f, N, or empty. scheme: (alpha_m, alpha_f, beta, gamma). scale: tension in N and length
+    in m that errors refer to; the largest change of a tension from ``rest`` (C,) so far over the former, which the
+    tolerance refers to, and which grows; the error that rounding makes. state: r, v, a and the a before (N, n), and
+    auxiliary (C,): left at the last step that was taken. record: r, v, a (K, N, n) of every ``every``-th step.
+    stop: end after a step with slack.
     Returns steps, iterations, factorisations and the error of the last iteration: the largest change of a tension or
     position, relative to ``scale``.
     """
     r, v, a, before = state
     nodes, n = r.shape
     alpha_m, alpha_f, beta, gamma = scheme
-    prescribed = np.zeros(nodes, np.bool_)
-    prescribed[held] = True
+    is_driven = np.zeros(nodes, np.bool_)
+    is_driven[driven] = True
     r1, v1, a1 = np.empty((nodes, n)), np.empty((nodes, n)), np.empty((nodes, n))
     rf, vf, am, R = np.empty((nodes, n)), np.empty((nodes, n)), np.empty((nodes, n)), np.empty((nodes, n))
     T, unit = np.empty(nodes - 1), np.empty((nodes - 1, n))
@@ -54,10 +54,10 @@ def integrate(line, held, path, source, h, scheme, scale, tolerance, rest, state
                     a1[i, k] = 2 * a[i, k] - before[i, k] if attempt == 0 else (1 - 0.5 / beta) * a[i, k]
                     r1[i, k] = r[i, k] + h * v[i, k] + h * h * ((0.5 - beta) * a[i, k] + beta * a1[i, k])
                     v1[i, k] = v[i, k] + h * ((1 - gamma) * a[i, k] + gamma * a1[i, k])
-            for p in range(held.size):
+            for p in range(driven.size):
                 for k in range(n):
-                    r1[held[p], k], v1[held[p], k] = path[step + 1, 0, p, k], path[step + 1, 1, p, k]
-                    a1[held[p], k] = path[step + 1, 2, p, k]
+                    r1[driven[p], k], v1[driven[p], k] = path[step + 1, 0, p, k], path[step + 1, 1, p, k]
+                    a1[driven[p], k] = path[step + 1, 2, p, k]
             if attempt == 1:
                 auxiliary[:], factorised = kept, False
             last = np.inf
@@ -76,13 +76,13 @@ def integrate(line, held, path, source, h, scheme, scale, tolerance, rest, state
                     for i in range(nodes):
                         for k in range(n):
                             R[i, k] -= source[step, i, k]
-                for p in range(held.size):
+                for p in range(driven.size):
                     for k in range(n):
-                        R[held[p], k] = 0.0
+                        R[driven[p], k] = 0.0
                 iterations += 1
                 if not factorised:
                     tangents(line, rf, vf, am, auxiliary, weights, diagonal, right, left)
-                    factorise(line, diagonal, right, left, prescribed)
+                    factorise(line, diagonal, right, left, is_driven)
                     factorisations += 1
                     factorised = True
                 solve(line, diagonal, right, left, R)
@@ -132,6 +132,6 @@ def integrate(line, held, path, source, h, scheme, scale, tolerance, rest, state
                 for k in range(n):
                     at = (step + 1) // every - 1
                     record[0][at, i, k], record[1][at, i, k], record[2][at, i, k] = r[i, k], v[i, k], a[i, k]
-        if watch and slack:
+        if stop and slack:
             return step + 1, iterations, factorisations, error
     return path.shape[0] - 1, iterations, factorisations, error

@@ -13,12 +13,12 @@ from scipy.interpolate import make_interp_spline
 from ..common.motion import Ramped, trajectory
 from ..common.outcome import InputError
 from ..common.validation import one_of, positive_number
-from .calibration import SMALL_CHANGE, calibrated_line, tension_change
+from .calibration import SMALL_CHANGE, calibrate_line, estimate_tension_change
 from .equations import Line, node_forces, residual, tangents
 from .harmonic import MooringHarmonics, MooringResponse, full_then_damped_newton, solve_extrapolated, start_from_time
 from .history import MooringHistory
-from .mesh import PLACES, mesh_of
-from .model import line_model
+from .mesh import FAIRLEAD_POSITIONS, build_mesh
+from .model import build_line_model
 from .modes import LinePencil
 from .statics import MooringState, solve_rest
 from .time_domain import integrate_line
@@ -57,12 +57,12 @@ def mooring_system(
     >>> mooring_system(scene, cells=20).fields
     ('along', 'z')
     """
-    model = line_model(scene)
+    model = build_line_model(scene)
     motion = getattr(scene, "motion", None) if motion is None else motion
     if motion is not None and not callable(getattr(motion, "velocity", None)):
         raise InputError(f"{motion!r} is no Motion, SampledMotion or FunctionMotion", field="motion", value=motion)
     axes = _axes(model, fields, motion)
-    s = mesh_of(model, cells, mesh, motion)
+    s = build_mesh(model, cells, mesh, motion)
     slip_speed = positive_number("slip_speed", slip_speed, "m/s")
     return MooringSystem(model, s, axes, motion, slip_speed, source, calibrated=_calibrates(calibrate, model, motion))
 
@@ -71,7 +71,7 @@ class MooringSystem:
     """A line of N nodes and C = N - 1 cells in n axes, the last one up; see ``mooring_system``.
 
     fields: names of the axes; s (N,): unstretched arc lengths, m; line: the arrays of ``equations.Line``;
-    held: indices of the nodes that are prescribed; period of the motion in s, or None.
+    prescribed_nodes: indices of the nodes that are prescribed; period of the motion in s, or None.
     """
 
     def __init__(self, model, s, axes, motion, slip_speed, source=None, period=None, calibrated=False):
@@ -82,11 +82,11 @@ class MooringSystem:
         self.period = getattr(motion, "period", period)
         anchor = np.array(model.points[0].r)
         self.origin = np.array([anchor[0], anchor[1], 0.0])
-        last = s.size - 1
-        self.held = np.array([i for i, p in ((0, model.points[0]), (last, model.points[-1])) if p.kind != "free"])
+        ends = (0, model.points[0]), (s.size - 1, model.points[-1])
+        self.prescribed_nodes = np.array([node for node, point in ends if point.kind != "free"])
         self.line, self.calibrated = _line_arrays(model, s, axes, slip_speed), calibrated
         if calibrated:
-            self.line = calibrated_line(self)
+            self.line = calibrate_line(self)
 
     # ------------------------------------------------------------ the same line, changed
     def with_motion(self, motion) -> MooringSystem:
@@ -169,15 +169,15 @@ class MooringSystem:
         return coarse, lambda z: make_interp_spline(coarse.s, z, axis=1)(self.s)
 
     @cached_property
-    def _held_places(self):
-        return self.place(np.array([self.model.points[0 if i == 0 else -1].r for i in self.held]).T).T
+    def _prescribed_positions(self):
+        return self.to_axes(np.array([self.model.points[0 if i == 0 else -1].r for i in self.prescribed_nodes]).T).T
 
     def path(self, t) -> np.ndarray:
         """Return position, velocity and acceleration of the prescribed nodes at times t (S,), (S, 3, P, n)."""
         t = np.asarray(t, dtype=float)
-        path = np.zeros((t.size, 3, self.held.size, len(self.axes)))
-        path[:, 0] = self._held_places
-        if self.motion is not None and self.held.size and self.held[-1] == self.nodes - 1:
+        path = np.zeros((t.size, 3, self.prescribed_nodes.size, len(self.axes)))
+        path[:, 0] = self._prescribed_positions
+        if self.motion is not None and self.prescribed_nodes.size and self.prescribed_nodes[-1] == self.nodes - 1:
             r, v, a = trajectory(self.motion, t)
             path[:, 0, -1] += (self.axes @ r).T
             path[:, 1, -1], path[:, 2, -1] = (self.axes @ v).T, (self.axes @ a).T
@@ -185,7 +185,7 @@ class MooringSystem:
 
     def forces(self, y, ydot, yddot):
         """Return forces (3, N, K) on what holds the nodes, public frame, and tensions (C, K) of the cells, N."""
-        forces, tensions = forces_of(self.line, y, ydot, yddot)
+        forces, tensions = evaluate_forces(self.line, y, ydot, yddot)
         return np.einsum("dc,knd->cnk", self.axes, forces), tensions.T
 
     def end_force(self, y, ydot, yddot, end) -> np.ndarray:
@@ -195,7 +195,7 @@ class MooringSystem:
         arrays = {name: value for name, value in line._asdict().items() if isinstance(value, np.ndarray)}
         ends: dict = {name: a[cells if len(a) == count else nodes] for name, a in arrays.items()}
         line = line._replace(**ends)
-        return forces_of(line, *(part[:, nodes] for part in (y, ydot, yddot)))[0][:, end]
+        return evaluate_forces(line, *(part[:, nodes] for part in (y, ydot, yddot)))[0][:, end]
 
     def acceleration(self, r, v) -> np.ndarray:
         """Return the accelerations (N, n) in m/s^2 that balance positions and velocities (N, n) at t = 0."""
@@ -207,7 +207,7 @@ class MooringSystem:
         R -= self.source_at(np.zeros(1)).sum(axis=0)  # of none the sum is zero
         tangents(self.line, r, v, zeros, no_tension, (0.0, 0.0, 1.0), mass, right, left)
         a = np.linalg.solve(mass, -R[..., None])[..., 0]
-        a[self.held] = self.path(np.zeros(1))[0, 2]
+        a[self.prescribed_nodes] = self.path(np.zeros(1))[0, 2]
         return a
 
     def source_at(self, t) -> np.ndarray:
@@ -216,7 +216,7 @@ class MooringSystem:
         return np.empty((0, self.nodes, n)) if self.source is None else np.ascontiguousarray(self.source(t))
 
     # ------------------------------------------------------------ coordinates
-    def place(self, r) -> np.ndarray:
+    def to_axes(self, r) -> np.ndarray:
         """Return coordinates (n, *S) of positions (3, *S) in the public frame, m."""
         return np.tensordot(self.axes, r - self.origin.reshape(3, *(1,) * (np.ndim(r) - 1)), 1)
 
@@ -225,7 +225,7 @@ class MooringSystem:
         return np.tensordot(self.axes.T, y, 1) + self.origin.reshape(3, *(1,) * (np.ndim(y) - 1))
 
 
-def forces_of(line, y, ydot, yddot):
+def evaluate_forces(line, y, ydot, yddot):
     """Return forces (K, N, n) on what holds the nodes, in the axes, and tensions (K, C) of the cells of a Line, N."""
     record = tuple(np.ascontiguousarray(part.transpose(2, 1, 0)) for part in (y, ydot, yddot))
     forces, tensions = np.empty(record[0].shape), np.empty((len(record[0]), record[0].shape[1] - 1))
@@ -264,7 +264,9 @@ def _calibrates(given, model, motion) -> bool:
         return False
     if given != "auto":
         return bool(given)
-    return getattr(motion, "period", None) is not None and tension_change(model, motion, PLACES) < SMALL_CHANGE
+    if getattr(motion, "period", None) is None:
+        return False
+    return estimate_tension_change(model, motion, FAIRLEAD_POSITIONS) < SMALL_CHANGE
 
 
 def _line_arrays(model, s, axes, slip_speed) -> Line:

@@ -19,7 +19,8 @@ STEPS_AT_ONCE = 256  # between two calls of ``progress``
 RHO_INF = 0.5  # spectral radius at infinite frequency while all cells are taut
 ROUNDINGS = 4  # of a position as far away as the line is long, below which no Newton step is asked to fall
 LEAST_CHANGE = 1e-3  # of the greatest tension at rest: smaller changes are not resolved any further
-LENGTHEN = 0.1  # of the step tolerance, below which the next step is in half as many parts
+_LEAST_DISPLACEMENT = 1e-6  # of the length, which the error of a step refers to while less has moved
+LENGTHEN_BELOW = 0.1  # of the step tolerance, below which the next step is in half as many parts
 
 
 def integrate_line(
@@ -36,7 +37,7 @@ def integrate_line(
     settings = {"dt": dt, "count": count, "rho_inf": rho_inf, "tolerance": tolerance, "step_tolerance": step_tolerance}
     settings |= {"ramp": ramp, "start": start, "every": every}
     moved = system.ramped(ramp) if ramp else system
-    run = _Run(moved, rho_inf, tolerance, step_tolerance, _state(moved, start))
+    run = _Run(moved, rho_inf, tolerance, step_tolerance, _initial_state(moved, start))
     kept = count // every
     record = tuple(np.empty((kept + 1 + (count % every > 0), *run.state[0].shape)) for _ in range(3))
     for part, first in zip(record, run.state, strict=False):
@@ -73,7 +74,7 @@ class _Run:
 
     def __init__(self, system, rho_inf, tolerance, step_tolerance, state):
         self.system, self.tolerance, self.step_tolerance = system, tolerance, step_tolerance
-        self.scheme, self.watches = _scheme(RHO_INF if rho_inf is None else rho_inf), rho_inf is None
+        self.scheme, self.stops_at_slack = _scheme(RHO_INF if rho_inf is None else rho_inf), rho_inf is None
         self.damped_from = None
         self.state = state
         self.rest = system.rest.tension
@@ -83,7 +84,7 @@ class _Run:
         rounding = ROUNDINGS * np.finfo(float).eps * (1 + stiffest * length / greatest)  # of a position, in a tension
         self.scale = np.array([greatest, length, LEAST_CHANGE, rounding])
         self.iterations = self.factorisations = self.cut = self.worst = self.halvings = 0
-        self.error = self.travel = 0.0
+        self.error = self.largest_displacement = 0.0
 
     def advance(self, t, record, every) -> int:
         """Take the steps between the times t; return how many succeeded."""
@@ -91,15 +92,15 @@ class _Run:
         h = t[1] - t[0]
         while done < steps:
             if self.step_tolerance is None:
-                behind = -done % every  # steps to the next one that is kept
-                end = min(done + behind, steps) if behind else steps
+                until_stored = -done % every  # steps to the next one that is kept
+                end = min(done + until_stored, steps) if until_stored else steps
                 kept = tuple(part[done // every :] for part in record)
-                taken = self._integrate(path[done : end + 1], t[done : end + 1], h, kept, behind or every)
+                taken = self._integrate(path[done : end + 1], t[done : end + 1], h, kept, until_stored or every)
                 done += taken
-                if done == end or self._is_slack(taken, t[done]):
+                if done == end or self._damp_after_slack(taken, t[done]):
                     continue
                 self.cut += 1
-            if not self._in_parts(t[done], h):
+            if not self._subdivide_step(t[done], h):
                 break
             done += 1
             if done % every == 0:
@@ -109,42 +110,43 @@ class _Run:
 
     def _integrate(self, path, t, h, record, every) -> int:
         source = self.system.source_at(t[:-1] + (1 - self.scheme[1]) * h)
+        system, tolerance = self.system, self.tolerance
         taken, iterations, factorisations, self.error = integrate(
-            self.system.line, self.system.held, path, source, h, self.scheme, self.scale, self.tolerance, self.rest,
-            self.state, self.auxiliary, record, every, self.watches)  # fmt: skip
+            system.line, system.prescribed_nodes, path, source, h, self.scheme, self.scale, tolerance, self.rest,
+            self.state, self.auxiliary, record, every, self.stops_at_slack)  # fmt: skip
         self.iterations += iterations
         self.factorisations += factorisations
         return taken
 
-    def _is_slack(self, taken, t) -> bool:
+    def _damp_after_slack(self, taken, t) -> bool:
         """Return whether the steps ended at the first slack cell, and take the damped scheme from there on."""
-        if not (self.watches and taken and (self.auxiliary <= 0).any()):
+        if not (self.stops_at_slack and taken and (self.auxiliary <= 0).any()):
             return False
-        self.scheme, self.watches, self.damped_from = _scheme(0.0), False, float(t)
+        self.scheme, self.stops_at_slack, self.damped_from = _scheme(0.0), False, float(t)
         return True
 
-    def _in_parts(self, t, h) -> bool:
+    def _subdivide_step(self, t, h) -> bool:
         """Take one step in as many parts as it needs; False, with the state as it was, where no number of them does."""
         begin, auxiliary = [part.copy() for part in self.state], self.auxiliary.copy()
-        first = self.halvings if self.step_tolerance is not None else 1
-        for halvings in range(first, MOST_HALVINGS + 1):
+        adapts, stops = self.step_tolerance is not None, self.stops_at_slack
+        for halvings in range(self.halvings if adapts else 1, MOST_HALVINGS + 1):
             parts = 2**halvings
             times = t + h / parts * np.arange(parts + 1)
             record = tuple(np.empty((parts, *begin[0].shape)) for _ in range(3))
-            self.state[3][:] = self.state[2] if self.step_tolerance is None else self.state[3]
-            watches, self.watches = self.watches, False  # a step in parts ends before the scheme may change
+            if not adapts:  # the acceleration changed too fast for the step to be predicted with it
+                self.state[3][:] = self.state[2]
+            self.stops_at_slack = False  # the scheme stays the same within a step
             taken = self._integrate(self.system.path(times), times, h / parts, record, 1)
-            self.watches = watches
-            if taken == parts:
-                error = self._step_error(record, begin[2], h / parts)
-                if self.step_tolerance is None or error <= self.step_tolerance:
-                    if self.step_tolerance is None:
-                        self.state[3][:] = self.state[2]
-                    elif error < LENGTHEN * self.step_tolerance:
-                        self.halvings = max(0, halvings - 1)
-                    self._is_slack(parts, times[-1])
-                    return True
-            self.cut += self.step_tolerance is not None
+            self.stops_at_slack = stops
+            error = self._step_error(record, begin[2], h / parts) if adapts and taken == parts else 0.0
+            if taken == parts and (not adapts or error <= self.step_tolerance):
+                if not adapts:
+                    self.state[3][:] = self.state[2]
+                elif error < LENGTHEN_BELOW * self.step_tolerance:
+                    self.halvings = max(0, halvings - 1)
+                self._damp_after_slack(parts, times[-1])
+                return True
+            self.cut += adapts
             self.halvings = halvings + 1
             for part, old in zip(self.state, begin, strict=True):
                 part[:] = old
@@ -153,22 +155,21 @@ class _Run:
         return False
 
     def _step_error(self, record, first, h) -> float:
-        """Return the largest local error of some steps, h^2 |beta - 1/6| |change of a|, over the travel so far."""
-        if self.step_tolerance is None:
-            return 0.0
+        """Return the largest local error of some steps, h^2 |beta - 1/6| |change of a|, over displacements."""
         change = np.diff(np.concatenate([first[None], record[2]]), axis=0)
-        self.travel = max(self.travel, float(abs(record[0] - self.system.rest.y.T).max()), 1e-6 * self.scale[1])
-        return h * h * abs(self.scheme[2] - 1 / 6) * float(abs(change).max()) / self.travel
+        displacement = float(abs(record[0] - self.system.rest.y.T).max())
+        self.largest_displacement = max(self.largest_displacement, displacement, _LEAST_DISPLACEMENT * self.scale[1])
+        return h * h * abs(self.scheme[2] - 1 / 6) * float(abs(change).max()) / self.largest_displacement
 
 
-def _state(system, start):
+def _initial_state(system, start):
     """Return r, v, a and the a before, (N, n) each: at rest, or as given with the acceleration that balances it."""
     if start is None:
         state, v = system.rest, np.zeros((system.nodes, len(system.axes)))
         if system.motion is not None and not isinstance(system.motion, Ramped):
             if (displacement := system.motion.displacement(0.0)).any():
                 state = solve_rest(system, displacement)
-            v[system.held] = system.path(np.zeros(1))[0, 1]
+            v[system.prescribed_nodes] = system.path(np.zeros(1))[0, 1]
         return np.array(state.y.T, order="C"), v, np.zeros_like(v), np.zeros_like(v)
     y, ydot = start
     ydot = np.zeros_like(y) if ydot is None else ydot

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from ..common import diagnostics
 from ..common.outcome import Outcome, Status
-from ..common.response import Response, inside, last_period
+from ..common.response import Response, last_period, within_history
 from ..numerics.chain import ChainSystem
 
 
@@ -78,7 +78,7 @@ class TimeHistory(Response, Outcome):
     def _cubic(self, t, order):
         """Hermite's cubic through y and ydot, or its first derivative."""
         time = self.time
-        t = inside(t, time)
+        t = within_history(t, time)
         i = np.clip(np.searchsorted(time, t, side="right") - 1, 0, time.size - 2)
         h = time[i + 1] - time[i]
         x = (t - time[i]) / h

@@ -111,7 +111,7 @@ DEFECTS = (
     ),
     # ------------------------------------------------------------ elimination
     Defect(
-        "elimination with the block behind",
+        "elimination with the block until_stored",
         Fault(
             "mooring.elimination",
             "factorise",
@@ -180,7 +180,7 @@ DEFECTS = (
     ),
     Defect(
         "kept states shifted by a stop",
-        Fault("mooring.time_domain", "_Run.advance", "behind = -done % every", "behind = 0"),
+        Fault("mooring.time_domain", "_Run.advance", "until_stored = -done % every", "until_stored = 0"),
         "index",
         "after the steps stopped at a slack cell every n-th state is counted anew",
         "mooring/test_slack.py::test_states_are_kept_at_their_times",
@@ -211,14 +211,14 @@ DEFECTS = (
     ),
     Defect(
         "cells of one material short",
-        Fault("mooring.mesh", "_share", "counts + 1", "np.maximum(counts, 1)"),
+        Fault("mooring.mesh", "_apportion_cells", "counts + 1", "np.maximum(counts, 1)"),
         "index",
         "the cell that each material is given first is not counted",
         "mooring/test_model.py::test_meshes_have_their_cells_and_joints",
     ),
     Defect(
         "a mesh for the line at rest alone",
-        Fault("mooring.mesh", "_amount", "motion is not None and period is not None", "False"),
+        Fault("mooring.mesh", "_cumulative_density", "motion is not None and period is not None", "False"),
         "regime",
         "the travel of the touchdown is not meshed",
         "mooring/test_model.py::test_a_fitted_mesh_covers_the_travel_of_the_touchdown",
@@ -271,7 +271,7 @@ DEFECTS = (
     ),
     Defect(
         "calibrated without stretch",
-        Fault("mooring.calibration", "calibrated_line", "1 + tension / line.EA", "1"),
+        Fault("mooring.calibration", "calibrate_line", "1 + tension / line.EA", "1"),
         "term",
         "calibrated cells have the stretched length",
         "mooring/test_statics.py::test_calibrated_cells_rest_on_the_catenary",
@@ -284,7 +284,7 @@ DEFECTS = (
         "mooring/test_statics.py::test_natural_modes_are_damped",
     ),
     Defect(
-        "modes without the coupling behind",
+        "modes without the coupling until_stored",
         Fault(
             "mooring.modes",
             "LinePencil._matrix",
@@ -292,7 +292,7 @@ DEFECTS = (
             "columns[1::3], columns[2::3] = np.arange(1, nodes), np.arange(1, nodes)",
         ),
         "index",
-        "the blocks behind the diagonal stand on it",
+        "the blocks until_stored the diagonal stand on it",
         "mooring/test_statics.py::test_natural_modes_are_those_of_the_tangents",
     ),
     # ------------------------------------------------------------ harmonic

@@ -342,7 +342,7 @@ def energy_of(history) -> Energy:
     seabed = -((normal - line.seabed_stiffness * penetration) * v[..., -1]).sum(axis=1)
     level = (v[..., :-1] ** 2).sum(axis=2)
     friction = (line.friction * normal * level / np.sqrt(level + line.slip_speed**2)).sum(axis=1)
-    held = system.held
+    held = system.prescribed_nodes
     on_line = -np.tensordot(system.axes, history.forces, 1).transpose(2, 1, 0)[:, held]
     return Energy(total, (on_line * v[:, held]).sum(axis=(1, 2)), drag, damper, seabed, friction, turning)
 

@@ -25,9 +25,9 @@ from solvers import (
     solve_static,
     solve_time_domain,
 )
-from solvers.mooring.calibration import tension_change
+from solvers.mooring.calibration import estimate_tension_change
 from solvers.mooring.mesh import LEAST_DENSITY
-from solvers.mooring.model import Segment, line_model
+from solvers.mooring.model import Segment, build_line_model
 
 from ..cases.cables import OC3, OC3_SEABED, SLACK_CHAIN, SURGE_5
 from ..reference import EPS
@@ -77,7 +77,7 @@ def test_arrays_of_a_line_of_two_materials():
     assert np.allclose(line.load[:, -1], up, rtol=1e-14, atol=0)
     assert np.array_equal(line.load[:, 0], [0, 0, 0, 200.0, 0, 0])
     assert line.floor == -100.0 and line.slip_speed == 0.2 and line.current == (0.3, 0.1)
-    assert made.held.tolist() == [0, 5] and made.fields == ("along", "z") and made.nodes == 6
+    assert made.prescribed_nodes.tolist() == [0, 5] and made.fields == ("along", "z") and made.nodes == 6
     assert [point.kind for point in made.model.points] == ["fixed", "free", "coupled"]
     assert made.model.length == 230.0 and made.period is None
 
@@ -111,7 +111,7 @@ def test_axes_are_those_that_the_motion_needs(case, fields):
     assert made.fields == fields
     rng = np.random.default_rng(1)
     y = rng.normal(0, 50, (len(fields), 8, 3))
-    assert abs(made.place(made.positions(y)) - y).max() <= 100 * EPS * 50
+    assert abs(made.to_axes(made.positions(y)) - y).max() <= 100 * EPS * 50
     path = made.path(np.array([0.0, 3.0]))
     moved = 0.0 if case.amplitude is None else made.motion.displacement(np.array([0.0, 3.0]))
     wanted = np.array(case.fairlead)[:, None] + moved
@@ -231,11 +231,14 @@ def test_the_pretension_is_that_at_the_fairlead_however_the_last_element_runs():
     rope, chain = two_parts().elements
     chain = replace(chain, friction=0.0)  # a moving line has none at rest
     backward, forward = (two_parts(elements=[replace(rope, ends=ends), chain]) for ends in ((0, 2), (2, 0)))
-    models, surge = [line_model(network) for network in (backward, forward)], Motion.harmonic(0.1, (2.0, 0.0, 0.0))
+    models, surge = (
+        [build_line_model(network) for network in (backward, forward)],
+        Motion.harmonic(0.1, (2.0, 0.0, 0.0)),
+    )
     assert [model.segments[-1].reversed for model in models] == [True, False]
     state = solve_network(forward)
     assert models[1].pretension() == pytest.approx(np.hypot(state.H[0], state.V[0]), rel=1e-9)
-    for value in (lambda model: model.pretension(), lambda model: tension_change(model, surge, 8)):
+    for value in (lambda model: model.pretension(), lambda model: estimate_tension_change(model, surge, 8)):
         assert value(models[0]) == pytest.approx(value(models[1]), rel=1e-9)
 
 

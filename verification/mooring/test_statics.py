@@ -216,7 +216,7 @@ def modes(made):
     K, M = (matrix(compiled, made.line, r, still, still, state.tension, w) for w in ((1.0, 0, 0), (0, 0, 1.0)))
     assert abs(K - K.T).max() <= 1e-12 * abs(K).max() and abs(M - M.T).max() <= 1e-12 * abs(M).max()
     n = len(made.axes)
-    free = np.setdiff1d(np.arange(r.size), [n * i + k for i in made.held for k in range(n)])
+    free = np.setdiff1d(np.arange(r.size), [n * i + k for i in made.prescribed_nodes for k in range(n)])
     values, vectors = eigh(K[np.ix_(free, free)], M[np.ix_(free, free)])
     shapes = np.zeros((r.size, free.size))
     shapes[free] = vectors

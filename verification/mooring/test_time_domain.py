@@ -261,7 +261,7 @@ def test_outputs_belong_together():
     size = np.linalg.norm(history.fairlead_force, axis=0)
     assert np.allclose(history.fairlead_tension(history.time), size, rtol=1e-12)
     assert abs(size / history.tension[-1] - 1).max() < 0.05 and history.tension.shape == (20, 601)
-    free = np.delete(history.forces, history.system.held, axis=1)
+    free = np.delete(history.forces, history.system.prescribed_nodes, axis=1)
     assert abs(free).max() <= 0.05 * size.max()  # what the steps leave at their ends
     start, period = history.last_period
     assert (start, period) == (pytest.approx(40.0), 20.0)
