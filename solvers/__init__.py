@@ -6,6 +6,7 @@ from importlib.metadata import version as _version
 from .cable.statics import StaticState, solve_static
 from .cable.system import CableSystem, cable_system
 from .catenary.span import CatenaryBatch, CatenaryState, Regime, Span, solve_span, solve_spans
+from .common.body_motion import BodyMotion
 from .common.motion import FunctionMotion, Motion, SampledMotion
 from .common.outcome import ConvergenceError, InputError, Status
 from .common.properties import CableProperties, Environment
@@ -18,6 +19,7 @@ from .time_domain.history import TimeHistory
 from .time_domain.solve import solve_time_domain
 
 __all__ = [
+    "BodyMotion",
     "CableProperties",
     "CableSystem",
     "CatenaryBatch",

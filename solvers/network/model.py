@@ -31,6 +31,8 @@ class Node:
     r : (3,) position, m; of a free node the user's guess
     mass : point mass, kg, and volume : displaced volume, m^3, both >= 0
     force : (3,) external force, N
+    CdA : drag coefficient times area, m^2, and Ca : added-mass coefficient of the volume, both >= 0, alike in all
+    directions; they act in motion only
 
     >>> Node("free", (0, 0, -65), force=(0, 0, 6.4e5)).mass
     0.0
@@ -41,12 +43,14 @@ class Node:
     mass: float = 0.0
     volume: float = 0.0
     force: Vector = (0.0, 0.0, 0.0)
+    CdA: float = field(default=0.0, kw_only=True)
+    Ca: float = field(default=0.0, kw_only=True)
 
     def __post_init__(self):
         one_of("kind", self.kind, KINDS)
         for name, unit in (("r", "m"), ("force", "N")):
             object.__setattr__(self, name, vector(name, getattr(self, name), unit, "numbers"))
-        for name, unit in (("mass", "kg"), ("volume", "m^3")):
+        for name, unit in (("mass", "kg"), ("volume", "m^3"), ("CdA", "m^2"), ("Ca", "(dimensionless)")):
             object.__setattr__(self, name, non_negative_number(name, getattr(self, name), unit))
 
 

@@ -372,6 +372,34 @@ DEFECTS = (
         "directions of a motion smaller than half its largest are left out",
         "common/test_motion.py::test_directions_span_the_motion_and_no_more",
     ),
+    Defect(
+        "product rule of rotations without its 2",
+        Fault("common.body_motion", "_product", "2 * A[1] @ B[1]", "A[1] @ B[1]"),
+        "factor",
+        "accelerations of a body that turns about two axes at once lack half of the Coriolis term",
+        "common/test_body_motion.py::test_rates_are_derivatives",
+    ),
+    Defect(
+        "yaw taken before pitch before roll",
+        Fault("common.body_motion", "_rotation", "yaw @ pitch @ roll", "roll @ pitch @ yaw"),
+        "order",
+        "rotations of a body are composed about its own axes",
+        "common/test_body_motion.py::test_roll_is_taken_before_pitch_before_yaw",
+    ),
+    Defect(
+        "left-handed rotations",
+        Fault("common.body_motion", "_axis_rotation", "1.0, -1.0", "-1.0, 1.0"),
+        "sign",
+        "positive angles turn a body clockwise",
+        "common/test_body_motion.py::test_one_rotation_is_a_circle",
+    ),
+    Defect(
+        "body without centripetal acceleration",
+        Fault("common.body_motion", "_axis_rotation", "rate**2 * (sin * J + cos * turning)", "0.0"),
+        "term",
+        "a body that turns uniformly has no acceleration",
+        "common/test_body_motion.py::test_one_rotation_is_a_circle",
+    ),
     # ------------------------------------------------------------ cable
     Defect(
         "anchor row one field early",

@@ -661,6 +661,8 @@ REFUSED = {
     "two coordinates": (r"r: \(0, 0\) must be three numbers \[x, y, z\] \(m\)", lambda: Node("free", (0, 0))),
     "negative mass": (r"mass: -1 kg must be >= 0", lambda: Node("free", (0, 0, 0), mass=-1)),
     "negative volume": (r"volume: -1 m\^3 must be >= 0", lambda: Node("free", (0, 0, 0), volume=-1)),
+    "negative drag": (r"CdA: -1 m\^2 must be >= 0", lambda: Node("free", (0, 0, 0), CdA=-1)),
+    "infinite added mass": (r"Ca: inf \(dimensionless\) must be finite", lambda: Node("free", (0, 0, 0), Ca=1e400)),
     "unknown kind": (r"kind: 'loose' must be 'fixed', 'free' or 'coupled'", lambda: Node("loose", (0, 0, 0))),
     "no length": (r"L: 0 m must be > 0", lambda: Element(10, 1e6, 0.0, (0, 1))),
     "NaN weight": (r"w: nan N/m must be finite", lambda: Element(float("nan"), 1e6, 1.0, (0, 1))),

@@ -135,7 +135,8 @@ def fuzzed(count: int, refused: int, *strategies):
 # ---------------------------------------------------------------- fields
 GOOD = {
     Span: {"w": 100.0, "EA": 1e6, "L": 50.0, "x": 30.0, "z": 20.0, "seabed": True, "friction": 0.1, "clearance": 0.0},
-    Node: {"kind": "free", "r": (0.0, 0.0, -5.0), "mass": 1.0, "volume": 0.0, "force": (0.0, 0.0, 1.0)},
+    Node: {"kind": "free", "r": (0.0, 0.0, -5.0), "mass": 1.0, "volume": 0.0, "force": (0.0, 0.0, 1.0),
+           "CdA": 1.0, "Ca": 0.5},
     Element: {"w": 100.0, "EA": 1e6, "L": 50.0, "ends": (0, 1), "friction": 0.0},
     Environment: {"rho": 1025.0, "g": 9.81, "depth": 50.0, "current": (0.0, 0.1, 0.0), "seabed_stiffness": 1e4},
     CableProperties: {
