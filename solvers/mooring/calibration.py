@@ -8,13 +8,16 @@ from __future__ import annotations
 
 import numpy as np
 
+from .prescribed_motion import displace_points
+
 SMALL_CHANGE = 0.1  # of the tension at rest: quasi-static change over the motion below which lines are calibrated
 
 
 def estimate_tension_change(model, motion, places) -> float:
     """Return the quasi-static range of the fairlead tension over a period of the motion, over that at rest."""
     times = motion.period * np.arange(places) / places
-    tensions = [model.pretension(displacement) for displacement in (np.zeros(3), *motion.displacement(times).T)]
+    moved = np.array([model.points[i].r for i in model.moved])
+    tensions = [model.pretension(displacement) for displacement in (np.zeros(3), *displace_points(motion, moved, times).T)]
     return float(np.ptp(tensions) / tensions[0]) if tensions[0] > 0 else np.inf
 
 
@@ -26,8 +29,8 @@ def calibrate_line(system):
     component the Line as it is.
     """
     line, segments = system.line, system.model.segments
-    r, _, horizontal_tension, states = system.model.at_rest(system.s)
-    chord = np.diff(r, axis=1)
+    r, _, horizontal_tension, states = system.model.at_rest(system.layout)
+    chord = r[:, line.last] - r[:, line.first]
     level = np.hypot(chord[0], chord[1])
     if not ((horizontal_tension > 0) & (level > 0)).all():
         return line

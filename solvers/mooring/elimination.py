@@ -1,6 +1,7 @@
-"""LU of a block-tridiagonal matrix with blocks of two or three rows: plain loops, no LAPACK, cost linear in the nodes.
+"""LU of a symmetric pattern of blocks of two or three rows: plain loops, no LAPACK, along the steps of an Elimination.
 
-Without exchanges of rows: mass, stiffness and drag of a line have positive diagonal blocks.
+Of a line, which is block-tridiagonal, the cost is linear in the nodes; of a network in the nodes of its elements, beside
+the Schur complement of its joints. Without exchanges of rows: mass, stiffness and drag have positive diagonal blocks.
 """
 
 from __future__ import annotations
@@ -11,32 +12,16 @@ from ..numerics.compiled import compiled
 
 
 @compiled
-def factorise(line, diagonal, right, left, is_prescribed):
-    """Replace the blocks by their LU factors, diagonal ones by inverses; rows of is_prescribed nodes are those of 1."""
-    n, nodes = len(line.current), diagonal.shape[0]
+def factorise(order, diagonal, right, left):
+    """Replace the blocks of an Elimination by their LU factors, diagonal (N, n, n) ones by inverses.
+
+    right, left (edges, n, n). Rows of prescribed nodes stay as they are.
+    """
+    n, pair = diagonal.shape[1], 0
     row = np.empty(n)
-    for i in range(nodes):
-        if is_prescribed[i]:
-            for j in range(n):
-                for k in range(n):
-                    diagonal[i, j, k] = 1.0 if j == k else 0.0
-                    if i < nodes - 1:
-                        right[i, j, k] = 0.0
-                    if i > 0:
-                        left[i - 1, j, k] = 0.0
+    for i in range(diagonal.shape[0]):
+        if order.is_prescribed[i]:
             continue
-        if i > 0:
-            for j in range(n):
-                for k in range(n):
-                    row[k] = left[i - 1, j, k]
-                for k in range(n):
-                    total = 0.0
-                    for p in range(n):
-                        total += row[p] * diagonal[i - 1, p, k]
-                    left[i - 1, j, k] = total
-                for k in range(n):
-                    for p in range(n):
-                        diagonal[i, j, k] -= left[i - 1, j, p] * right[i - 1, p, k]
         for p in range(n):  # Gauss and Jordan
             pivot = 1 / diagonal[i, p, p]
             diagonal[i, p, p] = 1.0
@@ -48,25 +33,53 @@ def factorise(line, diagonal, right, left, is_prescribed):
                     diagonal[i, j, p] = 0.0
                     for k in range(n):
                         diagonal[i, j, k] -= factor * diagonal[i, p, k]
+        for a in range(order.start[i], order.start[i + 1]):
+            e, q = order.edge[a], order.other[a]
+            for j in range(n):
+                for k in range(n):
+                    row[k] = left[e, j, k]
+                for k in range(n):
+                    total = 0.0
+                    for p in range(n):
+                        total += row[p] * diagonal[i, p, k]
+                    left[e, j, k] = total
+                for k in range(n):
+                    for p in range(n):
+                        diagonal[q, j, k] -= left[e, j, p] * right[e, p, k]
+        for a in range(order.start[i], order.start[i + 1]):
+            for b in range(a + 1, order.start[i + 1]):
+                e, f, between = order.edge[a], order.edge[b], order.pair[pair]
+                pair += 1
+                for j in range(n):
+                    for k in range(n):
+                        for p in range(n):
+                            right[between, j, k] -= left[e, j, p] * right[f, p, k]
+                            left[between, j, k] -= left[f, j, p] * right[e, p, k]
 
 
 @compiled
-def solve(line, diagonal, right, left, x):
-    """Replace x (N, n) by the solution for that right-hand side; the blocks as ``factorise`` leaves them."""
-    n, nodes = len(line.current), x.shape[0]
-    for i in range(1, nodes):
-        for j in range(n):
-            total = x[i, j]
-            for k in range(n):
-                total -= left[i - 1, j, k] * x[i - 1, k]
-            x[i, j] = total
+def solve(order, diagonal, right, left, x):
+    """Replace x (N, n), zero at prescribed nodes, by the solution; the blocks as ``factorise`` leaves them."""
+    nodes, n = x.shape
+    for i in range(nodes):
+        for a in range(order.start[i], order.start[i + 1]):
+            e, q = order.edge[a], order.other[a]
+            for j in range(n):
+                total = x[q, j]
+                for k in range(n):
+                    total -= left[e, j, k] * x[i, k]
+                x[q, j] = total
     column = np.empty(n)
     for i in range(nodes - 1, -1, -1):
+        if order.is_prescribed[i]:
+            continue
         for j in range(n):
             column[j] = x[i, j]
-            if i < nodes - 1:
+        for a in range(order.start[i], order.start[i + 1]):
+            e, q = order.edge[a], order.other[a]
+            for j in range(n):
                 for k in range(n):
-                    column[j] -= right[i, j, k] * x[i + 1, k]
+                    column[j] -= right[e, j, k] * x[q, k]
         for j in range(n):
             total = 0.0
             for k in range(n):

@@ -1,7 +1,6 @@
-"""Equations of a moving line of nodes and elements: compiled, in two or three axes.
+"""Equations of moving lines of nodes and elements: compiled, in two or three axes.
 
-A cell c joins nodes c and c + 1: d = r[c+1] - r[c], t = d/|d|, e = |d|/l - 1, e' = t.(v[c+1] - v[c])/l, and its tension
-is T = EA (e + beta e') while that is positive, else 0. Half of its mass, added mass and drag stands at either end, with
+A cell joins nodes a and b: d = r[b] - r[a], t = d/|d|, e = |d|/l - 1, e' = t.(v[b] - v[a])/l, and its tension is T = EA (e + beta e') while that is positive, else 0. Half of its mass, added mass and drag stands at either end, with
 that cell's t. The last axis points up; the number of axes is that of ``Line.current``, a constant for the compiler.
 
 The residual R of a node is its inertia less the forces on it:
@@ -18,14 +17,17 @@ from ..numerics.compiled import compiled
 
 
 class Line(NamedTuple):
-    """Cells (C,) and nodes (N,) of a line; n axes.
+    """Cells (C,) and nodes (N,) of a line, or of the lines of a network; n axes.
 
-    length m, EA N, damping s, mass and added_mass kg/m: of the cells. normal_drag and tangential_drag: 1/2 rho d Cdn
-    and 1/2 rho pi d Cdt, kg/m^2. point_mass kg and load (N, n) N: of the nodes, weight included. seabed_stiffness N/m,
+    first, last: the nodes of a cell. length m, EA N, damping s, mass and added_mass kg/m: of the cells. normal_drag and tangential_drag: 1/2 rho d Cdn
+    and 1/2 rho pi d Cdt, kg/m^2. point_mass kg (with the added mass of its volume), point_drag 1/2 rho CdA kg/m and load
+    (N, n) N: of the nodes, weight included. seabed_stiffness N/m,
     seabed_damping N s/m and friction: of the nodes, over a floor at height ``floor`` in m. slip_speed m/s: at which
     friction reaches 0.7 of Coulomb's. current: n floats, m/s.
     """
 
+    first: np.ndarray
+    last: np.ndarray
     length: np.ndarray
     EA: np.ndarray
     damping: np.ndarray
@@ -34,6 +36,7 @@ class Line(NamedTuple):
     normal_drag: np.ndarray
     tangential_drag: np.ndarray
     point_mass: np.ndarray
+    point_drag: np.ndarray
     load: np.ndarray
     seabed_stiffness: np.ndarray
     seabed_damping: np.ndarray
@@ -55,25 +58,29 @@ def residual(line, r, v, a, auxiliary, R, T, unit):
     for i in range(nodes):
         for k in range(n):
             R[i, k] = line.point_mass[i] * a[i, k] - line.load[i, k]
+        if line.point_drag[i] > 0:
+            drag(line, v, i, R)
         seabed(line, r, v, i, R)
-    for c in range(nodes - 1):
+    for c in range(line.length.size):
+        first, last = line.first[c], line.last[c]
         l, square, rate = line.length[c], 0.0 * r[0, 0], 0.0 * r[0, 0]
         for k in range(n):
-            unit[c, k] = r[c + 1, k] - r[c, k]
+            unit[c, k] = r[last, k] - r[first, k]
             square += unit[c, k] * unit[c, k]
         distance = np.sqrt(square)
         for k in range(n):
             unit[c, k] /= distance
-            rate += unit[c, k] * (v[c + 1, k] - v[c, k])
+            rate += unit[c, k] * (v[last, k] - v[first, k])
         T[c] = line.EA[c] * (distance / l - 1 + line.damping[c] * rate / l)
         if T[c].real <= 0 and auxiliary[c] <= 0:
             T[c] = 0.0
         else:
             for k in range(n):
-                R[c, k] -= T[c] * unit[c, k]
-                R[c + 1, k] += T[c] * unit[c, k]
+                R[first, k] -= T[c] * unit[c, k]
+                R[last, k] += T[c] * unit[c, k]
         half, stretch = l / 2, np.sqrt(distance / l)
-        for i in range(c, c + 2):
+        for side in range(2):
+            i = last if side else first
             along, across, inertia = 0.0 * r[0, 0], 0.0 * r[0, 0], 0.0 * r[0, 0]
             for k in range(n):
                 along += (v[i, k] - line.current[k]) * unit[c, k]
@@ -86,6 +93,16 @@ def residual(line, r, v, a, auxiliary, R, T, unit):
             for k in range(n):
                 R[i, k] += half * (line.mass[c] + line.added_mass[c]) * a[i, k] + by_t * unit[c, k]
                 R[i, k] += normal * (v[i, k] - line.current[k])
+
+
+@compiled
+def drag(line, v, i, R):
+    """Add the drag 1/2 rho CdA |u| u of node i itself, u relative to the current, to R[i]."""
+    n, square = len(line.current), 0.0 * v[0, 0]
+    for k in range(n):
+        square += (v[i, k] - line.current[k]) ** 2
+    for k in range(n):
+        R[i, k] += line.point_drag[i] * np.sqrt(square) * (v[i, k] - line.current[k])
 
 
 @compiled
@@ -107,26 +124,32 @@ def seabed(line, r, v, i, R):
 
 @compiled
 def tangents(line, r, v, a, auxiliary, weights, diagonal, right, left):
-    """Set diagonal (N, n, n), right and left (C, n, n) to w_r dR/dr + w_v dR/dv + w_a dR/da.
+    """Set diagonal (N, n, n), right and left (C or more, n, n) to w_r dR/dr + w_v dR/dv + w_a dR/da.
 
-    right[c] is of R[c] by node c + 1, left[c] of R[c + 1] by node c. A cell turns with its auxiliary tension.
+    right[c] is of R[first[c]] by node last[c], left[c] of R[last[c]] by node first[c]; what follows those of the cells
+    becomes zero. A cell turns with its auxiliary tension.
     """
     n, nodes, (w_r, w_v, w_a) = len(line.current), r.shape[0], weights
     unit, normal = np.empty(n), np.empty(n)
     diagonal[:] = 0.0
+    for c in range(line.length.size, right.shape[0]):
+        right[c], left[c] = 0.0, 0.0
     for i in range(nodes):
         for k in range(n):
             diagonal[i, k, k] = w_a * line.point_mass[i]
+        if line.point_drag[i] > 0:
+            drag_tangents(line, v, i, w_v, diagonal)
         seabed_tangents(line, r, v, i, w_r, w_v, diagonal)
-    for c in range(nodes - 1):
+    for c in range(line.length.size):
+        first, last = line.first[c], line.last[c]
         l, square, rate = line.length[c], 0.0, 0.0
         for k in range(n):
-            unit[k] = r[c + 1, k] - r[c, k]
+            unit[k] = r[last, k] - r[first, k]
             square += unit[k] * unit[k]
         distance = np.sqrt(square)
         for k in range(n):
             unit[k] /= distance
-            rate += unit[k] * (v[c + 1, k] - v[c, k])
+            rate += unit[k] * (v[last, k] - v[first, k])
         taut = 1.0 if auxiliary[c] > 0 or distance / l - 1 + line.damping[c] * rate / l > 0 else 0.0
         axial = taut * (w_r + w_v * line.damping[c]) * line.EA[c] / l
         lateral = w_r * max(auxiliary[c], 0.0) / distance
@@ -134,16 +157,16 @@ def tangents(line, r, v, a, auxiliary, weights, diagonal, right, left):
         for j in range(n):
             for k in range(n):
                 tt = unit[j] * unit[k]
-                across = v[c + 1, k] - v[c, k] - rate * unit[k]
+                across = v[last, k] - v[first, k] - rate * unit[k]
                 G = axial * tt + lateral * ((1.0 if j == k else 0.0) - tt) + turning * unit[j] * across
-                diagonal[c, j, k] += G
-                diagonal[c + 1, j, k] += G
+                diagonal[first, j, k] += G
+                diagonal[last, j, k] += G
                 right[c, j, k] = -G
                 left[c, j, k] = -G
         half, stretch = l / 2, np.sqrt(distance / l)
         ma = half * line.added_mass[c]
         for side in range(2):
-            i, sign, along, inertia, speed = c + side, 2.0 * side - 1, 0.0, 0.0, 0.0
+            i, sign, along, inertia, speed = last if side else first, 2.0 * side - 1, 0.0, 0.0, 0.0
             for k in range(n):
                 along += (v[i, k] - line.current[k]) * unit[k]
                 inertia += a[i, k] * unit[k]
@@ -171,6 +194,22 @@ def tangents(line, r, v, a, auxiliary, weights, diagonal, right, left):
                     else:
                         diagonal[i, j, k] += own + turn
                         left[c, j, k] -= turn
+
+
+@compiled
+def drag_tangents(line, v, i, w_v, diagonal):
+    """Add the tangents of the drag of node i itself to diagonal[i]."""
+    n, square = len(line.current), 0.0
+    for k in range(n):
+        square += (v[i, k] - line.current[k]) ** 2
+    speed = np.sqrt(square)
+    if speed == 0:
+        return
+    for j in range(n):
+        diagonal[i, j, j] += w_v * line.point_drag[i] * speed
+        for k in range(n):
+            uu = (v[i, j] - line.current[j]) * (v[i, k] - line.current[k])
+            diagonal[i, j, k] += w_v * line.point_drag[i] * uu / speed
 
 
 @compiled
@@ -204,7 +243,8 @@ def node_forces(line, record, forces, tensions):
     record: r, v, a (K, N, n). The force on the holder of a node is what the balance of the node leaves.
     """
     nodes, n = record[0].shape[1:]
-    R, unit, zeros = np.empty((nodes, n)), np.empty((nodes - 1, n)), np.zeros(nodes - 1)
+    cells = line.length.size
+    R, unit, zeros = np.empty((nodes, n)), np.empty((cells, n)), np.zeros(cells)
     for k in range(record[0].shape[0]):
         residual(line, record[0][k], record[1][k], record[2][k], zeros, R, tensions[k], unit)
         for i in range(nodes):
@@ -222,13 +262,13 @@ def sampled_residual(line, samples, auxiliary, R, T, unit):
 @compiled
 def sampled_tangents(line, samples, auxiliary, weights, diagonal, right, left):
     """Set the tangents at samples, diagonal (n, n, N, S), right and left (n, n, C, S), else as ``tangents``."""
-    n, (count, nodes) = len(line.current), samples[0].shape[:2]
-    D, U, L = np.empty((nodes, n, n)), np.empty((nodes - 1, n, n)), np.empty((nodes - 1, n, n))
+    n, (count, nodes), cells = len(line.current), samples[0].shape[:2], line.length.size
+    D, U, L = np.empty((nodes, n, n)), np.empty((cells, n, n)), np.empty((cells, n, n))
     for s in range(count):
         tangents(line, samples[0][s], samples[1][s], samples[2][s], auxiliary[s], weights, D, U, L)
-        for i in range(nodes):
-            for j in range(n):
-                for k in range(n):
+        for j in range(n):
+            for k in range(n):
+                for i in range(nodes):
                     diagonal[j, k, i, s] = D[i, j, k]
-                    if i < nodes - 1:
-                        right[j, k, i, s], left[j, k, i, s] = U[i, j, k], L[i, j, k]
+                for c in range(cells):
+                    right[j, k, c, s], left[j, k, c, s] = U[c, j, k], L[c, j, k]

@@ -1,7 +1,7 @@
-"""Harmonic balance of a moving line: the rows of its nodes in Fourier coefficients, and their Jacobian.
+"""Harmonic balance of moving lines: the rows of their nodes in Fourier coefficients, and their Jacobian.
 
 Sampled, transformed and solved as the paper's cable is (HB (63), (72)-(74)), on nodes with positions alone: of a node
-n (2 Nh + 1) unknowns, coupled to its two neighbours. The tensions of the cells at the samples are unknowns of their own
+n (2 Nh + 1) unknowns, coupled to its neighbours. The tensions of the cells at the samples are unknowns of their own
 that each Newton step condenses (``equations.residual``): plain full steps then converge from a linear guess.
 """
 
@@ -138,7 +138,7 @@ class MooringHarmonics:
         self.Q_tt = -((basis.omega * basis.harmonic) ** 2)  # of the functions themselves
         path = system.path(basis.times)[:, 0] - self.rest[system.prescribed_nodes]
         self.prescribed_coefficients = np.moveaxis(path, 0, -1) @ basis.P  # (P, n, C)
-        self.auxiliary = np.empty((basis.samples, system.nodes - 1))
+        self.auxiliary = np.empty((basis.samples, system.line.length.size))
         self.initial: Any = None  # unknowns where Newton's method began
         self.last_linearisation: Any = None  # unknowns, tensions and directions where the last Jacobian stood
 
@@ -173,7 +173,7 @@ class MooringHarmonics:
         """Return the rows (N, n C), tensions (Nt, C) and directions (Nt, C, n) at the samples, and the samples."""
         samples, nodes = self.samples(x), self.shape[0]
         R, T = np.empty(samples[0].shape), np.empty(self.auxiliary.shape)
-        unit = np.empty((len(R), nodes - 1, self.n))
+        unit = np.empty((*T.shape, self.n))
         sampled_residual(self.system.line, samples, self.auxiliary, R, T, unit)
         source = self.system.source_at(self.basis.times)
         if len(source):
@@ -196,7 +196,7 @@ class MooringHarmonics:
         self.last_linearisation = x.copy(), T, unit
         if not np.isfinite(rows).all():
             return rows, None
-        factors = _BlockTridiagonal(*self.jacobian(samples))
+        factors = _BlockFactors(self.system, *self.jacobian(samples))
         return rows, None if factors.singular else lambda F: factors.solve(F.reshape(rows.shape))
 
     def _condense(self, x):
@@ -204,39 +204,34 @@ class MooringHarmonics:
         if self.initial is None:
             self.initial = x.copy()
         if np.array_equal(x, self.initial):  # the first step, or a solve that starts again
-            self.auxiliary = np.zeros((self.basis.samples, self.system.nodes - 1))
+            self.auxiliary = np.zeros(self.auxiliary.shape)
             self.auxiliary = self.evaluate(x)[1] if x.any() else self.auxiliary + self.system.rest.tension
             return
         x0, T0, unit0 = self.last_linearisation
         line, z = self.system.line, (x - x0).reshape(self.shape)
         moved = np.moveaxis(z @ self.basis.Q.T, -1, 0)
         rate = np.moveaxis(z @ self.basis.Q_t.T, -1, 0)
-        stretch = np.diff(moved, axis=1) + line.damping[:, None] * np.diff(rate, axis=1)
+        first, last = line.first, line.last
+        stretch = moved[:, last] - moved[:, first] + line.damping[:, None] * (rate[:, last] - rate[:, first])
         change = line.EA / line.length * np.einsum("scn,scn->sc", unit0, stretch)
         self.auxiliary = np.where(T0 != 0, T0 + change, 0.0)
 
     def jacobian(self, samples):
         """Return blocks diagonal (N, m, m), right and left (C, m, m) of the rows, m = n C."""
-        n, nodes, count = self.n, self.shape[0], self.basis.samples
-        by = []
+        n, nodes, count, line = self.n, self.shape[0], self.basis.samples, self.system.line
+        by, cells = [], line.length.size
         for weights in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)):
-            parts = (
-                np.empty((n, n, nodes, count)),
-                np.empty((n, n, nodes - 1, count)),
-                np.empty((n, n, nodes - 1, count)),
-            )
-            sampled_tangents(self.system.line, samples, self.auxiliary, weights, *parts)
+            parts = [np.empty((n, n, size, count)) for size in (nodes, cells, cells)]
+            sampled_tangents(line, samples, self.auxiliary, weights, *parts)
             by.append(parts)
         blocks = [self.blocks(K, C, self.rows, float) for K, C in zip(by[0], by[1], strict=True)]
         mass = by[2][0]
         blocks[0] += self.blocks(mass, np.zeros_like(mass), self.rows, float) * np.tile(self.Q_tt, n)
         diagonal, right, left = blocks
-        for i in self.system.prescribed_nodes:
-            diagonal[i] = np.eye(diagonal.shape[1])
-            if i < nodes - 1:
-                right[i] = 0.0
-            if i > 0:
-                left[i - 1] = 0.0
+        is_prescribed = self.system.order.is_prescribed
+        diagonal[is_prescribed] = np.eye(diagonal.shape[1])
+        right[is_prescribed[line.first]] = 0.0
+        left[is_prescribed[line.last]] = 0.0
         return diagonal, right, left
 
 
@@ -249,27 +244,57 @@ def full_then_damped_newton(linearise, residual, x, tolerance, norm):
     return result, full + steps, converged
 
 
-class _BlockTridiagonal:
-    """LU factors of a block-tridiagonal matrix: diagonal (N, m, m), right and left (N - 1, m, m)."""
+class _BlockFactors:
+    """LU factors of blocks along the Elimination of a MooringSystem: diagonal (N, m, m), right and left (C, m, m)."""
 
-    def __init__(self, diagonal, right, left):
-        self.left, self.eliminated, self.factors, self.singular = left, np.empty_like(right), [], False
-        for i, D in enumerate(diagonal):
-            if i > 0:
-                D = D - left[i - 1] @ self.eliminated[i - 1]
-            lu, order, info = dgetrf(D.T, overwrite_a=True)
-            self.factors.append((lu, order))
+    def __init__(self, system, diagonal, right, left):
+        self.order, self.line, added = system.order, system.line, system.order.edges - len(right)
+        if added:
+            fill = np.zeros((added, *right.shape[1:]))
+            right, left = np.concatenate([right, fill]), np.concatenate([left, fill])
+        self.right, self.left, self.factors, self.singular, pair = right, left, {}, False, 0
+        self.eliminated = np.empty_like(right)
+        for i, (others, edges) in self._pivots():
+            lu, pivots, info = dgetrf(diagonal[i].T, overwrite_a=True)
+            self.factors[i] = lu, pivots
             self.singular |= info != 0
-            if i < len(right):
-                self.eliminated[i] = dgetrs(lu, order, right[i], trans=1)[0]
-        self.singular = bool(self.singular or not np.isfinite(self.factors[-1][0]).all())
+            for a, (q, e) in enumerate(zip(others, edges, strict=True)):
+                self.eliminated[e] = dgetrs(lu, pivots, right[e], trans=1)[0]
+                diagonal[q] -= left[e] @ self.eliminated[e]
+                for f in edges[:a]:
+                    between = self.order.pair[pair + self._place(f, e, edges)]
+                    right[between] -= left[f] @ self.eliminated[e]
+                    left[between] -= left[e] @ self.eliminated[f]
+            pair += len(edges) * (len(edges) - 1) // 2
+            self.singular |= not np.isfinite(lu[-1, -1])
+
+    def _pivots(self):
+        """Yield the free nodes in order, each with its later neighbours and the blocks between."""
+        order = self.order
+        for i in np.flatnonzero(~order.is_prescribed).tolist():
+            part = slice(order.start[i], order.start[i + 1])
+            yield i, (order.other[part].tolist(), order.edge[part].tolist())
+
+    @staticmethod
+    def _place(f, e, edges) -> int:
+        """Return the place of two blocks of a pivot among all pairs of its blocks."""
+        a, b, m = edges.index(f), edges.index(e), len(edges)
+        return a * m - a * (a + 1) // 2 + b - a - 1
 
     def solve(self, F) -> np.ndarray:
         """Return the solution (N, m) for a right-hand side (N, m)."""
-        x = np.empty_like(F)
-        for i, (lu, order) in enumerate(self.factors):
-            right = F[i] if i == 0 else F[i] - self.left[i - 1] @ x[i - 1]
-            x[i] = dgetrs(lu, order, right, trans=1)[0]
-        for i in range(len(x) - 2, -1, -1):
-            x[i] -= self.eliminated[i] @ x[i + 1]
+        x, first, last = F.copy(), self.line.first, self.line.last
+        is_prescribed = self.order.is_prescribed
+        for c in np.flatnonzero(is_prescribed[first] & ~is_prescribed[last]):
+            x[last[c]] -= self.left[c] @ x[first[c]]
+        for c in np.flatnonzero(is_prescribed[last] & ~is_prescribed[first]):
+            x[first[c]] -= self.right[c] @ x[last[c]]
+        pivots = list(self._pivots())
+        for i, (others, edges) in pivots:
+            x[i] = dgetrs(*self.factors[i], x[i], trans=1)[0]
+            for q, e in zip(others, edges, strict=True):
+                x[q] -= self.left[e] @ x[i]
+        for i, (others, edges) in reversed(pivots):
+            for q, e in zip(others, edges, strict=True):
+                x[i] -= self.eliminated[e] @ x[q]
         return x

@@ -106,7 +106,8 @@ class MooringHistory(LineOutputs, Outcome):
             return None
         settings = dict(self.settings)
         if settings["start"] is not None:
-            settings["start"] = [part if part is None else part[:, coarser[0].kept] for part in settings["start"]]
+            kept = self.system.nodes_of_coarser(coarser[0])
+            settings["start"] = [part if part is None else part[:, kept] for part in settings["start"]]
         return relative_change(self, coarser[0].integrate(**settings))
 
     @property

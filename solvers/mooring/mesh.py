@@ -1,58 +1,88 @@
-"""Meshes of a moving line: unstretched arc lengths of the nodes, with one at each point where segments meet."""
+"""Meshes of moving lines: unstretched arc lengths of the nodes of each segment, one at either end."""
 
 from __future__ import annotations
 
-from itertools import pairwise
+import math
 
 import numpy as np
 
 from ..common.outcome import InputError
 from ..common.validation import real_array, whole_number
+from .prescribed_motion import displace_points
 
 FAIRLEAD_POSITIONS = 16  # of the fairlead in its motion, over which the touchdown travels
+FEWEST_CELLS = 4  # of an element of a network that is short beside the longest
 LEAST_DENSITY = 0.15  # of the greatest density of nodes
 _MOST_CELLS = 10**6
 _SAMPLES_PER_SEGMENT = 400  # places of a segment at which the curvature is looked at
 
 
-def build_mesh(model, cells, mesh, motion) -> np.ndarray:
-    """Return arc lengths (N,), m: ``mesh`` as given, "uniform", or "fitted" to the line at rest.
+def build_mesh(model, cells, mesh, motion) -> list[np.ndarray]:
+    """Return arc lengths of the nodes of each segment from its first point, m: as given, "uniform" or "fitted".
 
-    Fitted: nodes as dense as the square root of the static curvature, the greatest over places of the motion.
+    cells: of a line in total; of a network those of its longest element, the others in proportion to their length, or
+    one number for each element. Fitted: nodes as dense as the square root of the curvature at rest, the greatest over
+    places of the motion.
     """
-    joints = np.cumsum([0.0, *(segment.length for segment in model.segments)])
-    cells = whole_number("cells", cells, max(2, len(model.segments)), _MOST_CELLS)
-    if isinstance(mesh, str) and mesh == "uniform":
-        s, amount = joints, joints
-    elif isinstance(mesh, str) and mesh == "fitted":
-        s, amount = _cumulative_density(model, joints, motion)
-    elif isinstance(mesh, str):
-        raise InputError(f"{mesh!r} must be 'fitted', 'uniform' or arc lengths (m)", field="mesh", value=mesh, unit="m")
+    lengths = [segment.length for segment in model.segments]
+    if not isinstance(mesh, str):
+        return _given_line(mesh, lengths) if model.is_line else _given_elements(mesh, lengths)
+    if mesh == "uniform":
+        fine = amount = [np.array([0.0, length]) for length in lengths]
+    elif mesh == "fitted":
+        fine, amount = _cumulative_density(model, lengths, motion)
     else:
-        return _given(mesh, joints)
-    at_joints = np.interp(joints, s, amount)
-    counts = _apportion_cells(np.diff(at_joints), cells)
-    pieces = [np.linspace(a, b, count + 1)[:-1] for a, b, count in zip(at_joints, at_joints[1:], counts, strict=False)]
-    nodes = np.interp(np.append(np.concatenate(pieces), amount[-1]), amount, s)
-    nodes[np.cumsum([0, *counts])] = joints
+        raise InputError(f"{mesh!r} must be 'fitted', 'uniform' or arc lengths (m)", field="mesh", value=mesh, unit="m")
+    counts = _counts(model, cells, np.array([part[-1] for part in amount]))
+    nodes = [
+        np.interp(np.linspace(0.0, part[-1], count + 1), part, s)
+        for s, part, count in zip(fine, amount, counts, strict=True)
+    ]
+    for part, length in zip(nodes, lengths, strict=True):
+        part[-1] = length
     return nodes
 
 
-def _given(mesh, joints) -> np.ndarray:
+def _counts(model, cells, amounts) -> list[int]:
+    """Return how many cells each segment has; at least two in a network, so that no two cells join the same nodes."""
+    segments = model.segments
+    if model.is_line:
+        return _apportion_cells(amounts, whole_number("cells", cells, max(2, len(segments)), _MOST_CELLS))
+    if np.ndim(cells) == 0:
+        most = whole_number("cells", cells, 2, _MOST_CELLS)
+        longest = max(segment.length for segment in segments)
+        fewest = min(FEWEST_CELLS, most)
+        return [max(fewest, math.ceil(most * segment.length / longest * (1 - 1e-12))) for segment in segments]
+    if len(cells) != len(segments):
+        problem = f"{len(cells)} numbers must be one, or one for each of the {len(segments)} elements"
+        raise InputError(problem, field="cells", value=cells)
+    return [whole_number(f"cells[{i}]", count, 2, _MOST_CELLS) for i, count in enumerate(cells)]
+
+
+def _given_elements(mesh, lengths) -> list[np.ndarray]:
+    if len(mesh) != len(lengths):
+        problem = f"{len(mesh)} meshes must be one for each of the {len(lengths)} elements"
+        raise InputError(problem, field="mesh", value=mesh, unit="m")
+    return [_given_line(part, [length])[0] for part, length in zip(mesh, lengths, strict=True)]
+
+
+def _given_line(mesh, lengths) -> list[np.ndarray]:
     try:
         s = real_array(mesh)
     except (TypeError, ValueError):
         raise InputError(f"{mesh!r} must be arc lengths (m)", field="mesh", value=mesh, unit="m") from None
+    joints = np.cumsum([0.0, *lengths])
     length = joints[-1]
     if s.ndim != 1 or s.size < 3 or not np.isfinite(s).all() or not (np.diff(s) > 0).all():
         problem = f"must be three or more finite, increasing arc lengths (m), given {mesh!r}"
         raise InputError(problem, field="mesh", value=mesh, unit="m")
-    distance = abs(s[:, None] - joints).min(axis=0)
-    if distance.max() > 1e-12 * length or abs(s[-1] - length) > 1e-12 * length:
-        missing = joints[distance.argmax()]
+    distance = abs(s[:, None] - joints)
+    if distance.min(axis=0).max() > 1e-12 * length or abs(s[-1] - length) > 1e-12 * length:
+        missing = joints[distance.min(axis=0).argmax()]
         problem = f"must run from 0 to the length, {length:g} m, with a node at each joint; none is at {missing:g} m"
         raise InputError(problem, field="mesh", value=mesh, unit="m")
-    return s
+    at = distance.argmin(axis=0)
+    return [s[a : b + 1] - s[a] for a, b in zip(at, at[1:], strict=False)]
 
 
 def _apportion_cells(amounts, cells) -> list[int]:
@@ -64,26 +94,25 @@ def _apportion_cells(amounts, cells) -> list[int]:
     return (counts + 1).tolist()
 
 
-def _cumulative_density(model, joints, motion):
-    """Return fine arc lengths and the integral of the wanted density of nodes up to them."""
+def _cumulative_density(model, lengths, motion):
+    """Return fine arc lengths of each segment and the integral of the wanted density of nodes up to them."""
     period = getattr(motion, "period", None)
     places = [np.zeros(3)]
     if motion is not None and period is not None:
-        places = [*motion.displacement(period * np.arange(FAIRLEAD_POSITIONS) / FAIRLEAD_POSITIONS).T, *places]
-    s = [np.linspace(a, b, _SAMPLES_PER_SEGMENT) for a, b in pairwise(joints)]
-    middles = [(part[1:] + part[:-1]) / 2 for part in s]
-    curvature = [np.zeros(part.size) for part in middles]
+        moved = np.array([model.points[i].r for i in model.moved])
+        times = period * np.arange(FAIRLEAD_POSITIONS) / FAIRLEAD_POSITIONS
+        places = [*displace_points(motion, moved, times).T, *places]
+    fine = [np.linspace(0.0, length, _SAMPLES_PER_SEGMENT) for length in lengths]
+    curvature = [np.zeros(part.size - 1) for part in fine]
     for displacement in places:
         points = model.equilibrium(displacement)
-        for i, segment in enumerate(model.segments):
-            local = middles[i] - joints[i]
-            _, T, state = segment.profile(points[i], points[i + 1], model.environment, local)
+        for i, (segment, s) in enumerate(zip(model.segments, fine, strict=True)):
+            local = (s[1:] + s[:-1]) / 2
+            _, T, state = segment.profile(*(points[end] for end in segment.ends), model.environment, local)
             lying = (segment.length - local if segment.reversed else local) < state.grounded_length
             with np.errstate(all="ignore"):
                 bend = np.where(lying | (T <= 0), 0.0, abs(segment.weight) * abs(state.H) / T**2)
             curvature[i] = np.fmax(curvature[i], bend)
     greatest = max(part.max() for part in curvature)
     density = [np.sqrt(np.fmax(part / greatest if greatest > 0 else 1.0, LEAST_DENSITY**2)) for part in curvature]
-    steps = np.concatenate([part * np.diff(fine) for part, fine in zip(density, s, strict=True)])
-    fine = np.concatenate([s[0], *(part[1:] for part in s[1:])])
-    return fine, np.concatenate([[0.0], np.cumsum(steps)])
+    return fine, [np.append(0.0, np.cumsum(part * np.diff(s))) for part, s in zip(density, fine, strict=True)]

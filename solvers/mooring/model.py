@@ -1,14 +1,14 @@
-"""A line as it is given: segments of one material each, between points that may carry a mass, from anchor to fairlead.
+"""Lines as they are given: segments of one material each, between points that may carry a mass.
 
-A Scene is one segment between a fixed and a moved point. A Network whose elements follow one another is a line of
-several; each element then names its ``cable``, the section that the dynamics takes.
+A Scene is one segment between a fixed and a moved point; of a Network each element is one, and names its ``cable``, the
+section that the dynamics takes. Where elements follow one another they are one line, taken from end to end.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from itertools import pairwise
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -24,7 +24,7 @@ from ..network.solve import solve_network
 class Segment:
     """A part of a line of one material: weight N/m, EA N, length m, friction of the seabed, section for dynamics.
 
-    reversed: whether its catenary runs from its last point to its first.
+    ends: indices of its first and last point; reversed: whether its catenary runs from its last point to its first.
     """
 
     weight: float
@@ -32,6 +32,7 @@ class Segment:
     length: float
     friction: float
     cable: CableProperties
+    ends: tuple[int, int] = (0, 1)
     reversed: bool = False
 
     def span(self, start, end, environment) -> Span:
@@ -53,66 +54,72 @@ class Segment:
 
 
 @dataclass(frozen=True)
-class LineModel:
-    """Segments (k,) between points (k + 1,), network.Node each; environment; name for messages."""
+class MooringModel:
+    """Segments (k,) between points, network.Node each; environment; name for messages.
+
+    is_line: whether each segment follows the one before, and each point, from the first to the last.
+    """
 
     name: str
     segments: tuple[Segment, ...]
     points: tuple[Node, ...]
     environment: Environment
+    is_line: bool = True
 
     @property
     def length(self) -> float:
-        """Unstretched length, m."""
+        """Unstretched length of all segments, m."""
         return sum(segment.length for segment in self.segments)
 
-    def equilibrium(self, displacement=(0.0, 0.0, 0.0)) -> list[np.ndarray]:
-        """Return the positions (3,) of the points on the catenaries at rest, the last one displaced, m."""
-        places = [np.array(point.r) for point in self.points]
-        places[-1] = places[-1] + np.array(displacement)
+    @cached_property
+    def moved(self) -> list[int]:
+        """Indices of the M points that a motion moves: the coupled ones."""
+        return [i for i, point in enumerate(self.points) if point.kind == "coupled"]
+
+    def equilibrium(self, displacement=(0.0, 0.0, 0.0)) -> np.ndarray:
+        """Return positions (P, 3) of the points on catenaries at rest, the moved ones displaced by (3,) or (M, 3), m."""
+        places = np.array([point.r for point in self.points], dtype=float)
+        places[self.moved] += np.asarray(displacement)
         free = [i for i, point in enumerate(self.points) if point.kind == "free"]
         if free:
             nodes = [
-                Node(p.kind, tuple(r), p.mass, p.volume, p.force) for p, r in zip(self.points, places, strict=True)
+                Node(p.kind, tuple(r), p.mass, p.volume, p.force)
+                for p, r in zip(self.points, places.tolist(), strict=True)
             ]
-            ends = [(i + 1, i) if segment.reversed else (i, i + 1) for i, segment in enumerate(self.segments)]
-            elements = [Element(s.weight, s.EA, s.length, e) for s, e in zip(self.segments, ends, strict=True)]
-            state = solve_network(Network(nodes, elements, self.environment))
-            for i in free:
-                places[i] = state.r[i]
+            elements = [Element(s.weight, s.EA, s.length, s.ends[:: -1 if s.reversed else 1]) for s in self.segments]
+            places[free] = solve_network(Network(nodes, elements, self.environment)).r[free]
         return places
 
     def pretension(self, displacement=(0.0, 0.0, 0.0)) -> float:
-        """Return the tension of the catenaries at the last point, displaced by (3,) in m, N."""
+        """Return the tension of a line's catenaries at its last point, displaced by (3,) in m, N."""
         points, last = self.equilibrium(displacement), self.segments[-1]
         state = last.profile(points[-2], points[-1], self.environment, np.zeros(1))[2]
         return math.hypot(state.H_anchor, state.V_anchor) if last.reversed else state.tension
 
-    def at_rest(self, s, displacement=(0.0, 0.0, 0.0)) -> LineAtRest:
-        """Return the catenaries on a mesh s (N,) in m, the last point displaced by (3,) in m.
+    def at_rest(self, layout, displacement=(0.0, 0.0, 0.0)) -> CatenariesAtRest:
+        """Return the catenaries on the nodes of a Layout, the moved points displaced by (3,) or (M, 3) in m.
 
         Nodes that rest on the seabed are as deep as their weight presses them.
         """
-        points, joint, middles = self.equilibrium(displacement), 0.0, (s[1:] + s[:-1]) / 2
-        r, tension, horizontal_tension, states = np.zeros((3, s.size)), np.zeros(s.size - 1), np.zeros(s.size - 1), []
-        for segment, (start, end) in zip(self.segments, pairwise(points), strict=True):
-            nodes = (s >= joint - 1e-9 * segment.length) & (s <= joint + segment.length * (1 + 1e-9))
-            local = np.clip(s[nodes] - joint, 0.0, segment.length)
-            position, _, state = segment.profile(start, end, self.environment, local)
-            if state.grounded_length > 0 and self.environment.seabed_stiffness:
-                lying = (segment.length - local if segment.reversed else local) <= state.grounded_length
-                position[2] -= np.where(lying, segment.weight / self.environment.seabed_stiffness, 0.0)
+        points, environment = self.equilibrium(displacement), self.environment
+        r, tension, horizontal_tension = np.zeros((3, layout.count)), np.zeros(layout.first.size), np.zeros(layout.first.size)
+        states = []
+        for segment, s, nodes, cells in zip(self.segments, layout.s, layout.nodes, layout.cells, strict=True):
+            start, end = (points[i] for i in segment.ends)
+            position, _, state = segment.profile(start, end, environment, s)
+            if state.grounded_length > 0 and environment.seabed_stiffness:
+                lying = (segment.length - s if segment.reversed else s) <= state.grounded_length
+                position[2] -= np.where(lying, segment.weight / environment.seabed_stiffness, 0.0)
             r[:, nodes] = position
-            cells = (middles > joint) & (middles < joint + segment.length)
-            tension[cells] = segment.profile(start, end, self.environment, middles[cells] - joint)[1]
+            tension[cells] = segment.profile(start, end, environment, (s[1:] + s[:-1]) / 2)[1]
             horizontal_tension[cells] = state.H
             states.append(state)
-            joint += segment.length
-        r[:, 0], r[:, -1] = points[0], points[-1]
-        return LineAtRest(r, tension, horizontal_tension, tuple(states))
+        prescribed = [i for i, point in enumerate(self.points) if point.kind != "free"]
+        r[:, layout.points[prescribed]] = points[prescribed].T
+        return CatenariesAtRest(r, tension, horizontal_tension, tuple(states))
 
 
-class LineAtRest(NamedTuple):
+class CatenariesAtRest(NamedTuple):
     """Catenaries on a mesh: nodes at r (3, N) in m; tension of the cells and its horizontal part, (C,) in N.
 
     states: a CatenaryState of each segment.
@@ -124,11 +131,8 @@ class LineAtRest(NamedTuple):
     states: tuple
 
 
-def build_line_model(given) -> LineModel:
-    """Return the line of a Scene, or of a Network whose elements follow one another.
-
-    Raises InputError where elements branch, or where what dynamics needs is missing.
-    """
+def build_model(given) -> MooringModel:
+    """Return the model of a Scene or a Network. Raises InputError where what dynamics needs is missing."""
     if isinstance(given, Network):
         return _from_network(given)
     for name in ("cable", "length", "anchor", "fairlead", "environment"):
@@ -138,32 +142,38 @@ def build_line_model(given) -> LineModel:
     weight = given.cable.weight_in(given.environment)
     segment = Segment(weight, given.cable.EA, given.length, friction, given.cable)
     points = Node("fixed", given.anchor), Node("coupled", given.fairlead)
-    return _require_dynamic_data(LineModel(given.name, (segment,), points, given.environment))
+    return _require_dynamic_data(MooringModel(given.name, (segment,), points, given.environment))
 
 
-def _from_network(network) -> LineModel:
+def _from_network(network) -> MooringModel:
+    for e, element in enumerate(network.elements):
+        if element.cable is None:
+            raise InputError("not given, and a moving line takes it", field=f"elements[{e}].cable", value=None)
     ends = [element.ends for element in network.elements]
     degree = np.bincount(np.ravel(ends), minlength=len(network.nodes))
     tips = np.flatnonzero(degree == 1).tolist()
-    if degree.max() > 2 or len(tips) != 2:
-        problem = "its elements must follow one another from one end to the other; here they branch or close a ring"
-        raise InputError(problem, field="network", value=network)
+    name = getattr(network, "name", "") or "the network"
+    if degree.max() > 2 or len(tips) != 2 or len(ends) != len(network.nodes) - 1:
+        segments = tuple(_segment(element, element.ends) for element in network.elements)
+        return _require_dynamic_data(MooringModel(name, segments, network.nodes, network.environment, is_line=False))
     tips.sort(key=lambda i: (network.nodes[i].kind == "coupled", network.nodes[i].kind == "fixed"))
-    node, order, segments, left = tips[0], [tips[0]], [], list(range(len(ends)))
+    node, order, chain, left = tips[0], [tips[0]], [], list(range(len(ends)))
     while left:
         e = next(e for e in left if node in ends[e])
         left.remove(e)
-        element, backward = network.elements[e], ends[e][1] == node
-        if element.cable is None:
-            raise InputError("not given, and a moving line takes it", field=f"elements[{e}].cable", value=None)
-        segments.append(Segment(element.w, element.EA, element.L, element.friction, element.cable, backward))
+        backward = ends[e][1] == node
+        chain.append(_segment(network.elements[e], (len(chain), len(chain) + 1), backward))
         node = ends[e][0] if backward else ends[e][1]
         order.append(node)
     points = tuple(network.nodes[i] for i in order)
-    return _require_dynamic_data(LineModel("the network", tuple(segments), points, network.environment))
+    return _require_dynamic_data(MooringModel(name, tuple(chain), points, network.environment))
 
 
-def _require_dynamic_data(model) -> LineModel:
+def _segment(element, ends, backward=False) -> Segment:
+    return Segment(element.w, element.EA, element.L, element.friction, element.cable, ends, backward)
+
+
+def _require_dynamic_data(model) -> MooringModel:
     for i, segment in enumerate(model.segments):
         for name, unit in (("diameter", "m"), ("mass_per_length", "kg/m")):
             if getattr(segment.cable, name) is None:

@@ -22,23 +22,24 @@ class LinePencil:
         self.size = 2 * n * self.free.size
         self.K, self.C, self.M = (self._matrix(weights) for weights in np.eye(3))
 
-    def _matrix(self, weights):
+    def whole_matrix(self, weights):
+        """Return the sparse matrix (N n, N n) of tangents at rest with weights of r, v and a, all nodes free."""
         system, n = self.system, len(self.system.axes)
         r, nodes = np.ascontiguousarray(system.rest.y.T), system.nodes
-        diagonal, right, left = np.empty((nodes, n, n)), np.empty((nodes - 1, n, n)), np.empty((nodes - 1, n, n))
+        line, cells = system.line, system.line.length.size
+        diagonal, right, left = np.empty((nodes, n, n)), np.empty((cells, n, n)), np.empty((cells, n, n))
         still = np.zeros_like(r)
-        tangents = (system.line, r, still, still, system.rest.tension, tuple(weights.tolist()))
+        tangents = (line, r, still, still, system.rest.tension, tuple(weights.tolist()))
         equations.tangents(*tangents, diagonal, right, left)
-        data = np.empty((3 * nodes - 2, n, n))
-        data[::3], data[1::3], data[2::3] = diagonal, right, left
-        columns = np.repeat(np.arange(nodes), 3)[: 3 * nodes - 2]
-        columns[1::3], columns[2::3] = np.arange(1, nodes), np.arange(nodes - 1)
-        rows = np.repeat(np.arange(nodes), 3)[: 3 * nodes - 2]
-        rows[2::3] = np.arange(1, nodes)
-        order = np.lexsort((columns, rows))
-        starts = np.searchsorted(rows[order], np.arange(nodes + 1))
-        kept = (n * self.free[:, None] + np.arange(n)).ravel()
-        return bsr_array((data[order], columns[order], starts)).tocsr()[kept][:, kept].tocsc()
+        rows = np.concatenate([np.arange(nodes), line.first, line.last])
+        columns = np.concatenate([np.arange(nodes), line.last, line.first])
+        order, starts = np.lexsort((columns, rows)), np.searchsorted(np.sort(rows), np.arange(nodes + 1))
+        data = np.concatenate([diagonal, right, left])
+        return bsr_array((data[order], columns[order], starts)).tocsc()
+
+    def _matrix(self, weights):
+        kept = (len(self.system.axes) * self.free[:, None] + np.arange(len(self.system.axes))).ravel()
+        return self.whole_matrix(weights)[kept][:, kept]
 
     def inverse(self, sigma):
         """Return the function (p, q) -> (u, w) of (A + sigma B)^-1 B, None where that is singular.

@@ -69,17 +69,17 @@ class MooringState(Outcome):
 
 
 def solve_rest(system, displacement=(0.0, 0.0, 0.0), throw=True) -> MooringState:
-    """Return the equilibrium of a MooringSystem, its last point displaced (3,) in m, from the catenaries.
+    """Return the equilibrium of a MooringSystem, its moved points displaced by (3,) or (M, 3) in m.
 
     Newton's method with the tensions of the cells as unknowns of their own beside the positions; where it fails, the
     current grows and the seabed stiffens in steps. Raises ConvergenceError where no equilibrium is found
     (``throw=False``: a state whose status says so).
     """
-    catenaries = system.model.at_rest(system.s, displacement)
+    catenaries = system.model.at_rest(system.layout, displacement)
     start = np.ascontiguousarray(system.to_axes(catenaries.r).T)
     solve = lambda load_factor, x: _Statics(system, load_factor, catenaries.tension).newton(x)
     x, reached, iterations, steps = continue_in_load(solve, start, min_step=MIN_LOAD_STEP)
-    R, T, _ = _Statics(system, 1.0, np.zeros(system.nodes - 1)).evaluate(x)
+    R, T, _ = _Statics(system, 1.0, np.zeros(system.line.length.size)).evaluate(x)
     forces = system.axes.T @ -R.T
     free = np.delete(R, system.prescribed_nodes, axis=0)
     status = Status.SUCCESS if reached == 1.0 else Status.NO_EQUILIBRIUM_FOUND
@@ -102,15 +102,15 @@ class _Statics:
                 line = line._replace(
                     seabed_stiffness=line.seabed_stiffness * min(1.0, soft / stiffest) ** (1 - load_factor)
                 )
-        self.line, self.prescribed_nodes, self.length = line, system.prescribed_nodes, float(system.s[-1])
-        self.is_prescribed = np.zeros(system.nodes, dtype=bool)
-        self.is_prescribed[system.prescribed_nodes] = True
+        self.line, self.order, self.length = line, system.order, system.length
+        self.prescribed_nodes = system.prescribed_nodes
         self.still = np.zeros((system.nodes, len(system.axes)))
         self.last_linearisation = None  # positions, tensions and directions where the last Jacobian stood
 
     def evaluate(self, x):
         """Return R (N, n), T (C,) and unit (C, n)."""
-        R, T, unit = np.empty_like(x), np.empty(len(x) - 1), np.empty((len(x) - 1, x.shape[1]))
+        cells = self.line.length.size
+        R, T, unit = np.empty_like(x), np.empty(cells), np.empty((cells, x.shape[1]))
         equations.residual(self.line, x, self.still, self.still, self.auxiliary, R, T, unit)
         return R, T, unit
 
@@ -123,14 +123,15 @@ class _Statics:
     def tangents(self, x):
         """Return a function that solves with the tangents at x, None where they are singular."""
         nodes, n = x.shape
-        diagonal, right, left = np.empty((nodes, n, n)), np.empty((nodes - 1, n, n)), np.empty((nodes - 1, n, n))
+        edges = self.order.edges
+        diagonal, right, left = np.empty((nodes, n, n)), np.empty((edges, n, n)), np.empty((edges, n, n))
         weights = (1.0, 0.0, 0.0)
         equations.tangents(self.line, x, self.still, self.still, self.auxiliary, weights, diagonal, right, left)
-        elimination.factorise(self.line, diagonal, right, left, self.is_prescribed)
+        elimination.factorise(self.order, diagonal, right, left)
 
         def solve(F):
             step = F.copy()
-            elimination.solve(self.line, diagonal, right, left, step)
+            elimination.solve(self.order, diagonal, right, left, step)
             return step
 
         return solve if np.isfinite(diagonal).all() else None
@@ -141,7 +142,8 @@ class _Statics:
         def linearise(x):
             if self.last_linearisation is not None:
                 x0, T0, unit0 = self.last_linearisation
-                stretch = np.sum(unit0 * (np.diff(x, axis=0) - np.diff(x0, axis=0)), axis=1)
+                moved, first, last = x - x0, self.line.first, self.line.last
+                stretch = np.sum(unit0 * (moved[last] - moved[first]), axis=1)
                 self.auxiliary = np.where(T0 != 0, T0 + self.line.EA / self.line.length * stretch, 0.0)
             R, T, unit = self.evaluate(x)
             R[self.prescribed_nodes] = 0.0

@@ -21,10 +21,10 @@ MAX_CONTRACTION = 0.03  # contraction above which a new factorisation is cheaper
 
 
 @compiled(calls=(equations, elimination))
-def integrate(line, driven, path, source, h, scheme, scale, tolerance, rest, state, auxiliary, record, every, stop):
+def integrate(line, order, driven, path, source, h, scheme, scale, tolerance, rest, state, auxiliary, record, every, stop):
     """Take a step of generalized-alpha for each row but the first of ``path`` (S + 1, 3, P, n); stop where one fails.
 
-    driven (P,): the nodes whose motion is prescribed, path: their r, v, a at the ends of the steps. source (S, N, n):
+    order: the Elimination; driven (P,): the nodes whose motion is prescribed, path: their r, v, a at the ends of the steps. source (S, N, n):
     load added at n + 1 - alpha_f, N, or empty. scheme: (alpha_m, alpha_f, beta, gamma). scale: tension in N and length
     in m that errors refer to; the largest change of a tension from ``rest`` (C,) so far over the former, which the
     tolerance refers to, and which grows; the error that rounding makes. state: r, v, a and the a before (N, n), and
@@ -36,12 +36,11 @@ def integrate(line, driven, path, source, h, scheme, scale, tolerance, rest, sta
     r, v, a, before = state
     nodes, n = r.shape
     alpha_m, alpha_f, beta, gamma = scheme
-    is_driven = np.zeros(nodes, np.bool_)
-    is_driven[driven] = True
+    cells = line.length.size
     r1, v1, a1 = np.empty((nodes, n)), np.empty((nodes, n)), np.empty((nodes, n))
     rf, vf, am, R = np.empty((nodes, n)), np.empty((nodes, n)), np.empty((nodes, n)), np.empty((nodes, n))
-    T, unit = np.empty(nodes - 1), np.empty((nodes - 1, n))
-    diagonal, right, left = np.empty((nodes, n, n)), np.empty((nodes - 1, n, n)), np.empty((nodes - 1, n, n))
+    T, unit = np.empty(cells), np.empty((cells, n))
+    diagonal, right, left = np.empty((nodes, n, n)), np.empty((order.edges, n, n)), np.empty((order.edges, n, n))
     iterations, factorisations, error, factorised = 0, 0, 0.0, False
     by_v, by_a = gamma / (beta * h), 1 / (beta * h * h)
     weights = (1 - alpha_f, (1 - alpha_f) * by_v, (1 - alpha_m) * by_a)
@@ -82,20 +81,20 @@ def integrate(line, driven, path, source, h, scheme, scale, tolerance, rest, sta
                 iterations += 1
                 if not factorised:
                     tangents(line, rf, vf, am, auxiliary, weights, diagonal, right, left)
-                    factorise(line, diagonal, right, left, is_driven)
+                    factorise(order, diagonal, right, left)
                     factorisations += 1
                     factorised = True
-                solve(line, diagonal, right, left, R)
+                solve(order, diagonal, right, left, R)
                 error = 0.0
                 for i in range(nodes):
                     for k in range(n):
                         error = max(error, abs(R[i, k]) / scale[1])
                         if not abs(R[i, k]) < np.inf:
                             error = np.inf
-                for c in range(nodes - 1):
+                for c in range(cells):
                     change = 0.0
                     for k in range(n):
-                        change -= unit[c, k] * (R[c + 1, k] - R[c, k])
+                        change -= unit[c, k] * (R[line.last[c], k] - R[line.first[c], k])
                     change *= line.EA[c] / line.length[c] * (weights[0] + weights[1] * line.damping[c])
                     if T[c] != 0:
                         error = max(error, abs(change) / scale[0], -(T[c] + change) / scale[0])
@@ -124,7 +123,7 @@ def integrate(line, driven, path, source, h, scheme, scale, tolerance, rest, sta
                 before[i, k] = a[i, k]
                 r[i, k], v[i, k], a[i, k] = r1[i, k], v1[i, k], a1[i, k]
         slack = False
-        for c in range(nodes - 1):
+        for c in range(cells):
             scale[2] = max(scale[2], abs(T[c] - rest[c]) / scale[0])
             slack = slack or T[c] == 0
         if (step + 1) % every == 0:

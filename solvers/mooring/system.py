@@ -1,4 +1,4 @@
-"""The moving line that the solvers take: its arrays, its motion, and its equilibrium; what its states mean outside."""
+"""The moving lines that the solvers take: their arrays, motion and equilibrium; what their states mean outside."""
 
 from __future__ import annotations
 
@@ -10,16 +10,18 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import make_interp_spline
 
-from ..common.motion import Ramped, trajectory
+from ..common.body_motion import BodyMotion
 from ..common.outcome import InputError
 from ..common.validation import one_of, positive_number
 from .calibration import SMALL_CHANGE, calibrate_line, estimate_tension_change
 from .equations import Line, node_forces, residual, tangents
 from .harmonic import MooringHarmonics, MooringResponse, full_then_damped_newton, solve_extrapolated, start_from_time
 from .history import MooringHistory
+from .layout import number_nodes, plan_elimination
 from .mesh import FAIRLEAD_POSITIONS, build_mesh
-from .model import build_line_model
+from .model import build_model
 from .modes import LinePencil
+from .prescribed_motion import move_points, ramp_motion, span_motion
 from .statics import MooringState, solve_rest
 from .time_domain import integrate_line
 
@@ -40,14 +42,18 @@ def mooring_system(
     slip_speed=SLIP_SPEED,
     source=None,
 ) -> MooringSystem:
-    """Return the moving line of a Scene, or of a Network whose elements follow one another, as a MooringSystem.
+    """Return the moving line of a Scene, or the moving lines of a Network, as a MooringSystem.
 
-    cells: how many in total. mesh: "fitted" to the line at rest (finer where it bends and over the range that the
-    touchdown travels), "uniform", or unstretched arc lengths (N,) of the nodes in m.
-    fields: "planar" (along, z), "spatial" (x, y, z), or "auto": planar where line, current and motion lie in one
-    vertical plane. motion: displacement(t) and velocity(t), (3, *S) in m and m/s, in place of the scene's.
+    cells: of a line (a Scene, or a Network whose elements follow one another) in total; of another Network those of the
+    longest element, the others in proportion to their length, or one number for each element. mesh: "fitted" to the
+    lines at rest (finer where they bend and over the range that the touchdown travels), "uniform", or unstretched arc
+    lengths of the nodes in m, (N,) of a line, of a Network a list of one for each element.
+    fields: "planar" (along, z), "spatial" (x, y, z), or "auto": planar where lines, current and motion lie in one
+    vertical plane. motion: a BodyMotion, or displacement(t) and velocity(t), (3, *S) in m and m/s, of all coupled
+    points, in place of the scene's.
     calibrate: make the exact catenaries the equilibrium of the mesh (``calibration``): True, False, or "auto", where
-    the motion changes the tension by less than a tenth; not over a seabed, nor where a line hangs straight down.
+    the motion changes the tension by less than a tenth; not over a seabed, where a line hangs straight down, nor for
+    a Network that is not one line.
     slip_speed: m/s, at which the friction of the seabed reaches 0.7 of Coulomb's.
     source: t (S,) -> loads (S, N, n) on the nodes in N, along the axes of the system, for manufactured solutions.
     Raises InputError naming the field for anything missing or out of range.
@@ -57,47 +63,62 @@ def mooring_system(
     >>> mooring_system(scene, cells=20).fields
     ('along', 'z')
     """
-    model = build_line_model(scene)
+    model = build_model(scene)
     motion = getattr(scene, "motion", None) if motion is None else motion
-    if motion is not None and not callable(getattr(motion, "velocity", None)):
-        raise InputError(f"{motion!r} is no Motion, SampledMotion or FunctionMotion", field="motion", value=motion)
+    if motion is not None and not (callable(getattr(motion, "velocity", None)) or isinstance(motion, BodyMotion)):
+        problem = f"{motion!r} is no BodyMotion, Motion, SampledMotion or FunctionMotion"
+        raise InputError(problem, field="motion", value=motion)
+    if motion is not None and not model.moved:
+        raise InputError("it moves coupled points, and none is there", field="motion", value=motion)
     axes = _axes(model, fields, motion)
-    s = build_mesh(model, cells, mesh, motion)
+    layout = number_nodes(model, build_mesh(model, cells, mesh, motion))
     slip_speed = positive_number("slip_speed", slip_speed, "m/s")
-    return MooringSystem(model, s, axes, motion, slip_speed, source, calibrated=_calibrates(calibrate, model, motion))
+    calibrated = _calibrates(calibrate, model, motion)
+    return MooringSystem(model, layout, axes, motion, slip_speed, source, calibrated=calibrated)
 
 
 class MooringSystem:
-    """A line of N nodes and C = N - 1 cells in n axes, the last one up; see ``mooring_system``.
+    """Lines of N nodes and C cells in n axes, the last one up; see ``mooring_system``.
 
-    fields: names of the axes; s (N,): unstretched arc lengths, m; line: the arrays of ``equations.Line``;
-    prescribed_nodes: indices of the nodes that are prescribed; period of the motion in s, or None.
+    fields: names of the axes; layout: the Layout of nodes and cells; line: the arrays of ``equations.Line``; order: the
+    Elimination; prescribed_nodes (P,): those that are prescribed; length: unstretched, of a line or of the longest
+    element, m; period of the motion in s, or None.
     """
 
-    def __init__(self, model, s, axes, motion, slip_speed, source=None, period=None, calibrated=False):
-        self.model, self.s, self.axes, self.motion, self.source = model, s, axes, motion, source
+    def __init__(self, model, layout, axes, motion, slip_speed, source=None, period=None, calibrated=False):
+        self.model, self.layout, self.axes, self.motion, self.source = model, layout, axes, motion, source
         self.fields = ("along", "z") if len(axes) == 2 else ("x", "y", "z")
-        self.nodes = s.size
-        self.kept: Any = None  # of the nodes of a finer line, those that this one has
+        self.nodes = layout.count
         self.period = getattr(motion, "period", period)
-        anchor = np.array(model.points[0].r)
-        self.origin = np.array([anchor[0], anchor[1], 0.0])
-        ends = (0, model.points[0]), (s.size - 1, model.points[-1])
-        self.prescribed_nodes = np.array([node for node, point in ends if point.kind != "free"])
-        self.line, self.calibrated = _line_arrays(model, s, axes, slip_speed), calibrated
+        first = np.array(model.points[0].r)
+        self.origin = np.array([first[0], first[1], 0.0])
+        self._prescribed_points = [i for i, point in enumerate(model.points) if point.kind != "free"]
+        self.prescribed_nodes = layout.points[self._prescribed_points]
+        self._moved = [self._prescribed_points.index(i) for i in model.moved]  # among these
+        self.length = model.length if model.is_line else max(segment.length for segment in model.segments)
+        self.line, self.calibrated = _line_arrays(model, layout, axes, slip_speed), calibrated
+        self.order = plan_elimination(layout, self.prescribed_nodes)
         if calibrated:
             self.line = calibrate_line(self)
 
+    @property
+    def s(self) -> np.ndarray:
+        """Unstretched arc lengths (N,) of the nodes of a line, m; those of a network are ``layout.s``."""
+        if not self.model.is_line:
+            raise InputError("the elements of a network have one each, layout.s", field="s")
+        parts, starts = self.layout.s, np.cumsum([0.0, *(segment.length for segment in self.model.segments)])
+        return np.concatenate([parts[0], *(start + part[1:] for start, part in zip(starts[1:], parts[1:], strict=False))])
+
     # ------------------------------------------------------------ the same line, changed
     def with_motion(self, motion) -> MooringSystem:
-        """Return the same line, of the same mesh and rest, with another motion of its last point."""
+        """Return the same lines, of the same mesh and rest, with another motion of the coupled points."""
         other = copy.copy(self)  # a rest that is solved for is kept
         other.motion, other.period = motion, getattr(motion, "period", self.period)
         return other
 
     def ramped(self, duration) -> MooringSystem:
         """Return the same line, its motion grown from rest over a duration in s."""
-        return self if self.motion is None else self.with_motion(Ramped(self.motion, duration))
+        return self if self.motion is None else self.with_motion(ramp_motion(self.motion, duration))
 
     def scaled(self, load_factor) -> MooringSystem:
         """Return the same line with its motion multiplied by a number."""
@@ -154,33 +175,53 @@ class MooringSystem:
         return None
 
     def coarser(self):
-        """Return the line on every second node, and cubic splines between its nodes; None with too few."""
-        if self.nodes + 1 < 2 * MIN_NODES:
+        """Return the lines on every second node, and cubic splines between its nodes; None where one has too few."""
+        fine = self.layout
+        if any(s.size + 1 < 2 * MIN_NODES for s in fine.s):
             return None
-        joints = np.cumsum([0.0, *(segment.length for segment in self.model.segments)])
-        kept = np.zeros(self.nodes, dtype=bool)
-        kept[::2] = True
-        kept[abs(self.s[:, None] - joints).argmin(axis=0)] = True
-        source, share = self.source, np.stack([np.interp(self.s, self.s[kept], unit) for unit in np.eye(kept.sum())])
+        layout = number_nodes(self.model, [s[_every_second(s)] for s in fine.s])
+        source, share = self.source, _shares(layout, fine)
         coarse = MooringSystem(
-            self.model, self.s[kept], self.axes, self.motion, self.line.slip_speed,
+            self.model, layout, self.axes, self.motion, self.line.slip_speed,
             source and (lambda t: share @ source(t)), self.period, self.calibrated)  # fmt: skip
-        coarse.kept = kept
-        return coarse, lambda z: make_interp_spline(coarse.s, z, axis=1)(self.s)
+
+        def prolong(z):
+            result = np.empty((z.shape[0], fine.count, *z.shape[2:]))
+            for s, nodes, coarse_s, coarse_nodes in zip(fine.s, fine.nodes, layout.s, layout.nodes, strict=True):
+                result[:, nodes] = make_interp_spline(coarse_s, z[:, coarse_nodes], axis=1)(s)
+            return result
+
+        return coarse, prolong
+
+    def nodes_of_coarser(self, coarse) -> np.ndarray:
+        """Return which nodes of these lines those (N',) of their ``coarser`` ones are."""
+        kept = np.empty(coarse.nodes, dtype=int)
+        for coarse_nodes, s, nodes in zip(coarse.layout.nodes, self.layout.s, self.layout.nodes, strict=True):
+            kept[coarse_nodes] = nodes[_every_second(s)]
+        return kept
 
     @cached_property
     def _prescribed_positions(self):
-        return self.to_axes(np.array([self.model.points[0 if i == 0 else -1].r for i in self.prescribed_nodes]).T).T
+        return self.to_axes(np.array([self.model.points[i].r for i in self._prescribed_points]).T).T
+
+    @cached_property
+    def moved_points(self) -> np.ndarray:
+        """Mean positions (M, 3) of the coupled points, m."""
+        return np.array([self.model.points[i].r for i in self.model.moved]).reshape(-1, 3)
+
+    @property
+    def coupled_nodes(self) -> np.ndarray:
+        """Nodes (M,) at the coupled points."""
+        return self.layout.points[self.model.moved]
 
     def path(self, t) -> np.ndarray:
         """Return position, velocity and acceleration of the prescribed nodes at times t (S,), (S, 3, P, n)."""
         t = np.asarray(t, dtype=float)
         path = np.zeros((t.size, 3, self.prescribed_nodes.size, len(self.axes)))
         path[:, 0] = self._prescribed_positions
-        if self.motion is not None and self.prescribed_nodes.size and self.prescribed_nodes[-1] == self.nodes - 1:
-            r, v, a = trajectory(self.motion, t)
-            path[:, 0, -1] += (self.axes @ r).T
-            path[:, 1, -1], path[:, 2, -1] = (self.axes @ v).T, (self.axes @ a).T
+        if self.motion is not None:
+            for k, part in enumerate(move_points(self.motion, self.moved_points, t)):
+                path[:, k, self._moved] += np.tensordot(self.axes, part, 1).T
         return path
 
     def forces(self, y, ydot, yddot):
@@ -188,21 +229,46 @@ class MooringSystem:
         forces, tensions = evaluate_forces(self.line, y, ydot, yddot)
         return np.einsum("dc,knd->cnk", self.axes, forces), tensions.T
 
-    def end_force(self, y, ydot, yddot, end) -> np.ndarray:
-        """Return the force (K, n) on what holds the first (end 0) or the last (end -1) node, in the axes, N."""
-        line, count = self.line, self.nodes - 1
-        cells, nodes = (slice(1), slice(2)) if end == 0 else (slice(-1, None), slice(-2, None))
-        arrays = {name: value for name, value in line._asdict().items() if isinstance(value, np.ndarray)}
-        ends: dict = {name: a[cells if len(a) == count else nodes] for name, a in arrays.items()}
-        line = line._replace(**ends)
-        return evaluate_forces(line, *(part[:, nodes] for part in (y, ydot, yddot)))[0][:, end]
+    def end_force(self, y, ydot, yddot, end, element=None) -> np.ndarray:
+        """Return the force (K, n) on what holds the first (end 0) or last (end -1) node of an element, N, in the axes.
+
+        y, ydot, yddot (n, N, K). element None: of a line, the whole of what its first or last node leaves.
+        """
+        line, nodes = self.end_cell(end, element)
+        return evaluate_forces(line, *(part[:, nodes] for part in (y, ydot, yddot)))[0][:, 0 if end == 0 else 1]
+
+    def end_cell(self, end, element=None) -> tuple[Line, np.ndarray]:
+        """Return the Line of the cell at an end of an element, or of the line with what its node carries; its nodes."""
+        key = (0 if end == 0 else -1, element)
+        if key not in self._end_cells:
+            self._end_cells[key] = self._take_end_cell(*key)
+        return self._end_cells[key]
+
+    def _take_end_cell(self, end, element):
+        layout, line, e = self.layout, self.line, element
+        if element is None:
+            e = end
+        cells = layout.cells[e]
+        c = cells.start if end == 0 else cells.stop - 1
+        nodes = layout.nodes[e][:2] if end == 0 else layout.nodes[e][-2:]
+        if element is not None:
+            line = _line_arrays(self.model, layout, self.axes, self.line.slip_speed, only=e)
+        arrays: dict = {"first": np.array([0]), "last": np.array([1])}
+        for name, value in line._asdict().items():
+            if isinstance(value, np.ndarray) and name not in arrays:
+                arrays[name] = value[[c]] if name in CELL_FIELDS else value[nodes]
+        return line._replace(**arrays), nodes
+
+    @cached_property
+    def _end_cells(self) -> dict:
+        return {}
 
     def acceleration(self, r, v) -> np.ndarray:
         """Return the accelerations (N, n) in m/s^2 that balance positions and velocities (N, n) at t = 0."""
-        nodes, n = r.shape
-        R, T, unit, zeros = np.empty_like(r), np.empty(nodes - 1), np.empty((nodes - 1, n)), np.zeros_like(r)
-        mass, right, left = np.empty((nodes, n, n)), np.empty((nodes - 1, n, n)), np.empty((nodes - 1, n, n))
-        no_tension = np.zeros(nodes - 1)
+        (nodes, n), cells = r.shape, self.line.length.size
+        R, T, unit, zeros = np.empty_like(r), np.empty(cells), np.empty((cells, n)), np.zeros_like(r)
+        mass, right, left = np.empty((nodes, n, n)), np.empty((cells, n, n)), np.empty((cells, n, n))
+        no_tension = np.zeros(cells)
         residual(self.line, r, v, zeros, no_tension, R, T, unit)
         R -= self.source_at(np.zeros(1)).sum(axis=0)  # of none the sum is zero
         tangents(self.line, r, v, zeros, no_tension, (0.0, 0.0, 1.0), mass, right, left)
@@ -225,25 +291,41 @@ class MooringSystem:
         return np.tensordot(self.axes.T, y, 1) + self.origin.reshape(3, *(1,) * (np.ndim(y) - 1))
 
 
+CELL_FIELDS = ("length", "EA", "damping", "mass", "added_mass", "normal_drag", "tangential_drag")
+"""Fields of ``equations.Line`` that belong to cells."""
+
+
 def evaluate_forces(line, y, ydot, yddot):
     """Return forces (K, N, n) on what holds the nodes, in the axes, and tensions (K, C) of the cells of a Line, N."""
     record = tuple(np.ascontiguousarray(part.transpose(2, 1, 0)) for part in (y, ydot, yddot))
-    forces, tensions = np.empty(record[0].shape), np.empty((len(record[0]), record[0].shape[1] - 1))
+    forces, tensions = np.empty(record[0].shape), np.empty((len(record[0]), line.length.size))
     node_forces(line, record, forces, tensions)
     return forces, tensions
+
+
+def _every_second(s) -> np.ndarray:
+    return np.append(np.arange(s.size - 1)[::2], s.size - 1)
+
+
+def _shares(coarse, fine) -> np.ndarray:
+    """Return the part (N', N) of a load on a node of a Layout that each node of a coarser one takes."""
+    share = np.zeros((coarse.count, fine.count))
+    for coarse_s, coarse_nodes, s, nodes in zip(coarse.s, coarse.nodes, fine.s, fine.nodes, strict=True):
+        share[np.ix_(coarse_nodes, nodes)] = [np.interp(s, coarse_s, unit) for unit in np.eye(coarse_s.size)]
+    return share
 
 
 def _axes(model, fields, motion) -> np.ndarray:
     """Return unit vectors of the coordinates, (2, 3) or (3, 3), the last one up."""
     one_of("fields", fields, ("auto", "planar", "spatial"))
     points = np.array([point.r for point in model.points])
-    level = points[-1, :2] - points[0, :2]
+    level = max((points[:, :2] - points[0, :2])[::-1], key=lambda d: math.hypot(*d))
     run = math.hypot(*level)
     along = np.array([*(level / run), 0.0]) if run > 0 else np.array([1.0, 0.0, 0.0])
     out = np.array([-along[1], along[0], 0.0])
     forces = [np.array(point.force) for point in model.points]
     vectors = [*(points - points[0]), np.array(model.environment.current), *forces]
-    vectors += [] if motion is None else list(np.asarray(motion.directions()))
+    vectors += [] if motion is None else list(span_motion(motion, points[model.moved]))
     planar = all(abs(v @ out) <= _IN_PLANE * np.linalg.norm(v) for v in vectors)
     if fields == "planar" and not planar:
         problem = "'planar', but a point, the current or the motion leaves the line's vertical plane"
@@ -256,11 +338,10 @@ def _axes(model, fields, motion) -> np.ndarray:
 def _calibrates(given, model, motion) -> bool:
     if not (isinstance(given, (bool, np.bool_)) or given == "auto"):
         raise InputError(f"{given!r} must be 'auto', True or False", field="calibrate", value=given)
-    if model.environment.depth is not None:
+    if model.environment.depth is not None or not model.is_line:
         if given is not False and given != "auto":
-            raise InputError(
-                "True, and over a seabed that would fix where the line lies", field="calibrate", value=given
-            )
+            problem = "over a seabed that would fix where the line lies" if model.is_line else "it takes a single line"
+            raise InputError(f"True, and {problem}", field="calibrate", value=given)
         return False
     if given != "auto":
         return bool(given)
@@ -269,43 +350,55 @@ def _calibrates(given, model, motion) -> bool:
     return estimate_tension_change(model, motion, FAIRLEAD_POSITIONS) < SMALL_CHANGE
 
 
-def _line_arrays(model, s, axes, slip_speed) -> Line:
-    """Return the arrays of the equations on a mesh."""
-    environment, length = model.environment, np.diff(s)
-    joints = np.cumsum([0.0, *(segment.length for segment in model.segments)])
-    of_cell = np.clip(np.searchsorted(joints, (s[1:] + s[:-1]) / 2) - 1, 0, len(model.segments) - 1)
-
-    def by_cell(value):
-        return np.array([value(segment) for segment in model.segments], dtype=float)[of_cell]
+def _line_arrays(model, layout, axes, slip_speed, only=None) -> Line:
+    """Return the arrays of the equations on a mesh; ``only``: those of one segment, its points without a load."""
+    environment, rho = model.environment, model.environment.rho
+    used = range(len(model.segments)) if only is None else [only]
+    length, values = np.zeros(layout.first.size), np.zeros((8, layout.first.size))
+    for e, (segment, s) in enumerate(zip(model.segments, layout.s, strict=True)):
+        cable, cells = segment.cable, layout.cells[e]
+        length[cells] = np.diff(s)
+        drag = rho * cable.diameter / 2 * np.array([cable.Cdn, math.pi * cable.Cdt])
+        of_cells = (segment.EA, cable.damping, cable.mass_per_length, cable.added_mass(environment), *drag)
+        if e in used:
+            values[:6, cells] = np.array(of_cells)[:, None]
+            values[6:, cells] = [[segment.weight], [segment.friction]]
+    EA, damping, mass, added_mass, normal_drag, tangential_drag, weight, friction = values
+    counted = length * np.repeat(np.isin(range(len(layout.s)), used), [s.size - 1 for s in layout.s])
 
     def by_node(per_length):
-        halves = per_length * length / 2
-        return np.append(halves, 0.0) + np.append(0.0, halves)
+        halves, result = per_length * counted / 2, np.zeros(layout.count)
+        np.add.at(result, layout.first, halves)
+        np.add.at(result, layout.last, halves)
+        return result
 
-    rho = environment.rho
-    load = np.zeros((s.size, len(axes)))
-    load[:, -1] -= by_node(by_cell(lambda segment: segment.weight))
-    point_mass = np.zeros(s.size)
-    for point, joint in zip(model.points, joints, strict=True):
-        i = int(abs(s - joint).argmin())
-        point_mass[i] += point.mass
+    load = np.zeros((layout.count, len(axes)))
+    load[:, -1] -= by_node(weight)
+    point_mass, point_drag = np.zeros(layout.count), np.zeros(layout.count)
+    for point, i in zip(model.points if only is None else (), layout.points.tolist(), strict=False):
+        point_mass[i] += point.mass + point.Ca * rho * point.volume
+        point_drag[i] += rho * point.CdA / 2
         load[i] += axes @ np.array(point.force)
         load[i, -1] -= environment.g * (point.mass - rho * point.volume)
     bed = 0.0 if environment.depth is None else environment.seabed_stiffness or 0.0
-    everywhere = np.ones(length.size)
-    friction = by_node(by_cell(lambda segment: segment.friction)) / by_node(everywhere)
+    everywhere = by_node(np.ones(length.size))
+    with np.errstate(invalid="ignore"):
+        friction = np.where(everywhere > 0, by_node(friction) / everywhere, 0.0)
     return Line(
+        layout.first,
+        layout.last,
         length,
-        by_cell(lambda segment: segment.EA),
-        by_cell(lambda segment: segment.cable.damping),
-        by_cell(lambda segment: segment.cable.mass_per_length),
-        by_cell(lambda segment: segment.cable.added_mass(environment)),
-        by_cell(lambda segment: rho * segment.cable.diameter * segment.cable.Cdn / 2),
-        by_cell(lambda segment: rho * math.pi * segment.cable.diameter * segment.cable.Cdt / 2),
+        EA,
+        damping,
+        mass,
+        added_mass,
+        normal_drag,
+        tangential_drag,
         point_mass,
+        point_drag,
         load,
-        bed * by_node(everywhere),
-        environment.seabed_damping * by_node(everywhere) if bed else np.zeros(s.size),
+        bed * everywhere,
+        environment.seabed_damping * everywhere if bed else np.zeros(layout.count),
         friction,
         -math.inf if environment.depth is None else -environment.depth,
         slip_speed,

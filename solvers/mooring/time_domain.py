@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..common.motion import Ramped
 from ..common.outcome import Status
 from .history import MooringHistory
+from .prescribed_motion import displace_points
 from .statics import solve_rest
 from .steps import integrate
 
@@ -79,7 +79,7 @@ class _Run:
         self.state = state
         self.rest = system.rest.tension
         self.auxiliary = self.rest.copy()
-        greatest, length = float(self.rest.max()) or 1.0, float(system.s[-1])
+        greatest, length = float(self.rest.max()) or 1.0, system.length
         stiffest = float((system.line.EA / system.line.length).max())
         rounding = ROUNDINGS * np.finfo(float).eps * (1 + stiffest * length / greatest)  # of a position, in a tension
         self.scale = np.array([greatest, length, LEAST_CHANGE, rounding])
@@ -112,7 +112,7 @@ class _Run:
         source = self.system.source_at(t[:-1] + (1 - self.scheme[1]) * h)
         system, tolerance = self.system, self.tolerance
         taken, iterations, factorisations, self.error = integrate(
-            system.line, system.prescribed_nodes, path, source, h, self.scheme, self.scale, tolerance, self.rest,
+            system.line, system.order, system.prescribed_nodes, path, source, h, self.scheme, self.scale, tolerance, self.rest,
             self.state, self.auxiliary, record, every, self.stops_at_slack)  # fmt: skip
         self.iterations += iterations
         self.factorisations += factorisations
@@ -166,8 +166,8 @@ def _initial_state(system, start):
     """Return r, v, a and the a before, (N, n) each: at rest, or as given with the acceleration that balances it."""
     if start is None:
         state, v = system.rest, np.zeros((system.nodes, len(system.axes)))
-        if system.motion is not None and not isinstance(system.motion, Ramped):
-            if (displacement := system.motion.displacement(0.0)).any():
+        if system.motion is not None:
+            if (displacement := displace_points(system.motion, system.moved_points, 0.0).T).any():
                 state = solve_rest(system, displacement)
             v[system.prescribed_nodes] = system.path(np.zeros(1))[0, 1]
         return np.array(state.y.T, order="C"), v, np.zeros_like(v), np.zeros_like(v)

@@ -1,0 +1,33 @@
+"""Motion of the points that a body moves, alike for a BodyMotion and for a motion that displaces all of them equally."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..common.body_motion import BodyMotion
+from ..common.motion import Ramped, trajectory
+
+
+def displace_points(motion, points, t) -> np.ndarray:
+    """Return the displacement of points (M, 3) in m at times t (S,) in s, (3, M, S), m."""
+    if isinstance(motion, BodyMotion):
+        return motion.displacement(points, t)
+    return np.repeat(np.asarray(motion.displacement(t))[:, None], len(points), axis=1)
+
+
+def move_points(motion, points, t) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return displacement, velocity and acceleration of points (M, 3) in m at times t (S,) in s, (3, M, S) each."""
+    if isinstance(motion, BodyMotion):
+        return motion.trajectory(points, t)
+    r, v, a = (np.repeat(part[:, None], len(points), axis=1) for part in trajectory(motion, t))
+    return r, v, a
+
+
+def span_motion(motion, points) -> np.ndarray:
+    """Return unit vectors (k, 3) that span the displacements of points (M, 3) in m."""
+    return np.asarray(motion.directions(points) if isinstance(motion, BodyMotion) else motion.directions())
+
+
+def ramp_motion(motion, duration):
+    """Return the motion grown from rest over a duration in s."""
+    return motion.ramped(duration) if isinstance(motion, BodyMotion) else Ramped(motion, duration)
