@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import copy
-from functools import cached_property
+from dataclasses import replace
+from functools import cached_property, partial
 
 import numpy as np
 from scipy.interpolate import make_interp_spline
@@ -13,6 +14,7 @@ from ..common.outcome import InputError
 from ..common.validation import positive_number
 from .assembly import assemble_line, evaluate_forces, find_axes, take_end_cell
 from .calibration import SMALL_CHANGE, calibrate_line, estimate_tension_change
+from .components import Component, integrate_components, merge_responses, split_system
 from .equations import residual, tangents
 from .harmonic import MooringHarmonics, MooringResponse, full_then_damped_newton, solve_extrapolated, start_from_time
 from .history import MooringHistory
@@ -113,6 +115,9 @@ class MooringSystem:
     def with_motion(self, motion) -> MooringSystem:
         """Return the same lines, of the same mesh and rest, with another motion of the coupled points."""
         other = copy.copy(self)  # a rest that is solved for is kept
+        if "components" in vars(self):
+            parts = tuple(replace(part, system=part.system.with_motion(motion)) for part in self.components)
+            other.__dict__["components"] = parts
         other.motion, other.period = motion, getattr(motion, "period", self.period)
         return other
 
@@ -123,6 +128,24 @@ class MooringSystem:
     def scaled(self, load_factor) -> MooringSystem:
         """Return the same line with its motion multiplied by a number."""
         return self.with_motion(self.motion.scaled(load_factor))
+
+    @cached_property
+    def components(self) -> tuple[Component, ...]:
+        """Parts of a network that no free node joins, or none where it is one part."""
+
+        def build(model, layout):
+            part = MooringSystem(model, layout, self.axes, self.motion, self.line.slip_speed, None, self.period)
+            part.origin = self.origin
+            return part
+
+        parts = split_system(self, build)
+        for part in parts if self.source is not None else ():
+            part.system.source = lambda t, nodes=part.nodes: self.source(t)[:, nodes]
+        return parts
+
+    def merge_responses(self, responses) -> MooringResponse:
+        """Return the periodic response of the network from those of its components."""
+        return merge_responses(self, responses)
 
     # ------------------------------------------------------------ about the equilibrium
     @cached_property
@@ -140,7 +163,10 @@ class MooringSystem:
 
     def integrate(self, **settings) -> MooringHistory:
         """Return the motion over time, as ``solvers.solve_time_domain`` asks with settings that it has validated."""
-        return integrate_line(self, **settings)
+        if not self.components:
+            return integrate_line(self, **settings)
+        moved = self.ramped(settings["ramp"]) if settings["ramp"] else self
+        return integrate_components(self, partial(MooringHistory, self, moved), **settings)
 
     def rest_state(self) -> np.ndarray:
         """Return the coordinates of the nodes at rest, (n, N), m."""
@@ -221,7 +247,8 @@ class MooringSystem:
         path[:, 0] = self._prescribed_positions
         if self.motion is not None:
             for k, part in enumerate(move_points(self.motion, self.moved_points, t)):
-                path[:, k, self._moved] += np.tensordot(self.axes, part, 1).T
+                for moved, of_point in zip(self._moved, part.swapaxes(0, 1), strict=True):
+                    path[:, k, moved] += (self.axes @ of_point).T
         return path
 
     def forces(self, y, ydot, yddot):
@@ -234,8 +261,12 @@ class MooringSystem:
 
         y, ydot, yddot (n, N, K). element None: of a line, the whole of what its first or last node leaves.
         """
-        line, nodes = self.end_cell(end, element)
-        return evaluate_forces(line, *(part[:, nodes] for part in (y, ydot, yddot)))[0][:, end]
+        nodes = self.end_cell(end, element)[1]
+        return self.end_cell_force(*(part[:, nodes] for part in (y, ydot, yddot)), end, element)
+
+    def end_cell_force(self, y, ydot, yddot, end, element=None) -> np.ndarray:
+        """Return ``end_force`` of the states (n, 2, K) of the two nodes of ``end_cell`` alone."""
+        return evaluate_forces(self.end_cell(end, element)[0], y, ydot, yddot)[0][:, end]
 
     def end_cell(self, end, element=None):
         """Return the Line of the cell at that end, and its two nodes; see ``assembly.take_end_cell``."""
