@@ -82,7 +82,7 @@ def solve_periodic(
         each = [
             solve_periodic(part.system, start=z, throw=False, **options) for part, z in zip(parts, starts, strict=True)
         ]
-        response = system.merge_responses(each)
+        response = system.merge_responses(each)  # type: ignore[attr-defined]
         return response.or_raise(f"{harmonics} harmonics") if throw else response
     Nh = _count("harmonics", harmonics)
     nu = _count("subharmonic", subharmonic)

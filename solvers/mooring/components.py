@@ -58,7 +58,7 @@ def _component(system, group, build) -> Component:
     )
     part = replace(model, segments=segments, points=tuple(model.points[p] for p in used))
     own = number_nodes(part, [layout.s[e] for e in group])
-    nodes, cells = np.empty(own.count, dtype=int), np.empty(own.first.size, dtype=int)
+    nodes, cells = np.empty(own.size, dtype=int), np.empty(own.first.size, dtype=int)
     for e, own_nodes, own_cells in zip(group, own.nodes, own.cells, strict=True):
         nodes[own_nodes] = layout.nodes[e]
         cells[own_cells] = np.arange(layout.cells[e].start, layout.cells[e].stop)
@@ -92,10 +92,10 @@ def integrate_components(system, build_history, *, start=None, progress=None, **
         time = time[: steps // settings["every"] + 1]
     series = []
     for name in ("y", "ydot", "yddot"):
-        whole = np.empty((len(system.axes), system.nodes, time.size))
+        whole = np.empty((time.size, system.nodes, len(system.axes)))  # as the steps store it
         for part, history in zip(parts, histories, strict=True):
-            whole[:, part.nodes] = getattr(history, name)[..., : time.size]
-        series.append(whole)
+            whole[:, part.nodes] = getattr(history, name).T[: time.size]
+        series.append(whole.T)
     event = shortest.event
     if event is not None:
         event = event[0], int(parts[histories.index(shortest)].nodes[event[1]])

@@ -36,6 +36,7 @@ class MooringOutputs(Response):
     """
 
     if TYPE_CHECKING:  # of the class of the result
+        time: Any
         yddot: Any
         end_tension_at: Any
 

@@ -6,6 +6,8 @@ the force and moment -Z(omega) x on it beside those at rest; Z(0) is the stiffne
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from scipy.sparse.linalg import splu
 
@@ -21,8 +23,8 @@ def mooring_impedance(system, frequency, reference=(0.0, 0.0, 0.0)) -> np.ndarra
     """Return Z (F, 6, 6) of the lines linearised about rest at frequencies (F,) in Hz, or (6, 6) of one.
 
     system: a MooringSystem in space (``fields="spatial"``) with coupled nodes; reference: point (3,) that the body
-    turns about, m. N/m, N and N m. Unsymmetric where the moment at rest is not zero. Still water has no linear drag, and
-    friction of the seabed is that of the regularised law at rest. Raises InputError naming what is wrong,
+    turns about, m. N/m, N and N m. Unsymmetric where the moment at rest is not zero. Still water has no linear drag,
+    and friction of the seabed is that of the regularised law at rest. Raises InputError naming what is wrong,
     ConvergenceError without an equilibrium.
     """
     arms = _arms(system, reference)
@@ -52,7 +54,7 @@ def mooring_stiffness(system, reference=(0.0, 0.0, 0.0)) -> np.ndarray:
 def harmonic_impedance(
     system, frequency, amplitude, reference=(0.0, 0.0, 0.0), *, harmonics=5, **options
 ) -> np.ndarray:
-    """Return Z (6, 6) of finite motions: the first harmonics of force and moment by harmonic balance, over the amplitude.
+    """Return Z (6, 6) of finite motions, by harmonic balance: first harmonics of force and moment over the amplitude.
 
     frequency in Hz; amplitude (6,): of surge, sway, heave in m and roll, pitch, yaw in rad, one at a time; a column
     whose amplitude is zero is NaN. options: of ``solve_periodic``. Raises as that and ``mooring_impedance`` do.
@@ -66,7 +68,7 @@ def harmonic_impedance(
     Z = np.full((6, 6), np.nan, dtype=complex)
     for j in np.flatnonzero(sizes):
         motion = BodyMotion.harmonic(frequency, tuple(sizes * (np.arange(6) == j)), reference=reference)
-        response = solve_periodic(system.with_motion(motion), harmonics=harmonics, **options)
+        response: Any = solve_periodic(system.with_motion(motion), harmonics=harmonics, **options)
         both = np.concatenate([response.body_force, response.body_moment])
         first = 2 * both @ np.exp(-2j * np.pi * frequency * response.time) / response.time.size
         Z[:, j] = -first / (-1j * sizes[j])  # sin is the real part of -i exp

@@ -29,7 +29,7 @@ class Layout(NamedTuple):
     last: np.ndarray
 
     @property
-    def count(self) -> int:
+    def size(self) -> int:
         """Number N of nodes."""
         return int(self.last.max()) + 1
 
@@ -139,14 +139,14 @@ def _order_joints(ends, is_joint) -> list[int]:
 
 def plan_elimination(layout, prescribed) -> Elimination:
     """Return the Elimination of a Layout with prescribed nodes."""
-    is_prescribed = np.zeros(layout.count, dtype=bool)
+    is_prescribed = np.zeros(layout.size, dtype=bool)
     is_prescribed[prescribed] = True
-    later = [{} for _ in range(layout.count)]  # type: list[dict[int, int]]
+    later = [{} for _ in range(layout.size)]  # type: list[dict[int, int]]
     for c, (p, q) in enumerate(zip(layout.first.tolist(), layout.last.tolist(), strict=True)):
         if not (is_prescribed[p] or is_prescribed[q]):
             later[p][q] = c
     edges, pair = layout.first.size, []
-    for p in range(layout.count):
+    for p in range(layout.size):
         others = sorted(later[p])
         for i, one in enumerate(others):
             for two in others[i + 1 :]:

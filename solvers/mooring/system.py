@@ -88,7 +88,7 @@ class MooringSystem:
     def __init__(self, model, layout, axes, motion, slip_speed, source=None, period=None, calibrated=False):
         self.model, self.layout, self.axes, self.motion, self.source = model, layout, axes, motion, source
         self.fields = ("along", "z") if len(axes) == 2 else ("x", "y", "z")
-        self.nodes = layout.count
+        self.nodes = layout.size
         self.period = getattr(motion, "period", period)
         first = np.array(model.points[0].r)
         self.origin = np.array([first[0], first[1], 0.0])
@@ -212,7 +212,7 @@ class MooringSystem:
             source and (lambda t: share @ source(t)), self.period, self.calibrated)  # fmt: skip
 
         def prolong(z):
-            result = np.empty((z.shape[0], fine.count, *z.shape[2:]))
+            result = np.empty((z.shape[0], fine.size, *z.shape[2:]))
             for s, nodes, coarse_s, coarse_nodes in zip(fine.s, fine.nodes, layout.s, layout.nodes, strict=True):
                 result[:, nodes] = make_interp_spline(coarse_s, z[:, coarse_nodes], axis=1)(s)
             return result
@@ -262,7 +262,7 @@ class MooringSystem:
         y, ydot, yddot (n, N, K). element None: of a line, the whole of what its first or last node leaves.
         """
         nodes = self.end_cell(end, element)[1]
-        return self.end_cell_force(*(part[:, nodes] for part in (y, ydot, yddot)), end, element)
+        return self.end_cell_force(y[:, nodes], ydot[:, nodes], yddot[:, nodes], end, element)
 
     def end_cell_force(self, y, ydot, yddot, end, element=None) -> np.ndarray:
         """Return ``end_force`` of the states (n, 2, K) of the two nodes of ``end_cell`` alone."""
@@ -312,7 +312,7 @@ def _every_second(s) -> np.ndarray:
 
 def _shares(coarse, fine) -> np.ndarray:
     """Return the part (N', N) of a load on a node of a Layout that each node of a coarser one takes."""
-    share = np.zeros((coarse.count, fine.count))
+    share = np.zeros((coarse.size, fine.size))
     for coarse_s, coarse_nodes, s, nodes in zip(coarse.s, coarse.nodes, fine.s, fine.nodes, strict=True):
         share[np.ix_(coarse_nodes, nodes)] = [np.interp(s, coarse_s, unit) for unit in np.eye(coarse_s.size)]
     return share
