@@ -87,7 +87,7 @@ class Scene:
         return read_tables(path, cls._from_tables)
 
     @classmethod
-    def _from_tables(cls, data: dict, stem: str) -> Scene:
+    def _from_tables(cls, data: dict, path: Path) -> Scene:
         tables = {"environment": {}, "line": {}, "ends": {}} | {k: data[k] for k in _KEYS if k in data}
         for name, table in {"": data, **tables}.items():
             _check_keys(name, table)
@@ -98,7 +98,7 @@ class Scene:
         friction = line.get("friction", 0.0)
         section = {key: line[key] for key in _SECTION if key in line}
         scene = cls(
-            name=data.get("name", stem),
+            name=data.get("name", path.stem),
             description=data.get("description", ""),
             tolerance=_tolerance(data.get("tolerance", 1e-6)),
             environment=Environment(**tables["environment"]),
@@ -155,7 +155,7 @@ class Scene:
 
 
 def read_tables(path, build):
-    """Return build(tables, stem) of a TOML file; raises InputError naming the file for what is wrong with or in it."""
+    """Return build(tables, path) of a TOML file; raises InputError naming the file for what is wrong with or in it."""
     try:
         path = Path(path)
         data = tomllib.loads(path.read_text(encoding="utf-8"))
@@ -170,7 +170,7 @@ def read_tables(path, build):
     except ValueError:
         raise InputError(f"{str(path)!r} is not the path of a scene file", field="path", value=path) from None
     try:
-        return build(data, path.stem)
+        return build(data, path)
     except InputError as error:
         raise error.located(str(path)) from None
 
