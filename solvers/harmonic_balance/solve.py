@@ -83,7 +83,8 @@ def solve_periodic(
             solve_periodic(part.system, start=z, throw=False, **options) for part, z in zip(parts, starts, strict=True)
         ]
         response = system.merge_responses(each)  # type: ignore[attr-defined]
-        return response.or_raise(f"{harmonics} harmonics") if throw else response
+        failed = [part.system.model.name for part, one in zip(parts, each, strict=True) if not one.success]
+        return response.or_raise(f"{harmonics} harmonics; {'; '.join(failed)}") if throw else response
     Nh = _count("harmonics", harmonics)
     nu = _count("subharmonic", subharmonic)
     Nt = max(4 * Nh, 8) if samples is None else _count("samples", samples)
@@ -125,7 +126,8 @@ def solve_periodic(
     given = f"{Nh} harmonics, {Nt} samples, amplitude reached: {solution.amplitude:.4g}"
     if response.event is not None:
         t, node = response.event
-        given += f"; a state is invalid at t = {t:.4g} s, node {node + 1} of {system.nodes}"
+        name_node = getattr(system, "name_node", lambda node: f"node {node + 1} of {system.nodes}")
+        given += f"; a state is invalid at t = {t:.4g} s, {name_node(node)}"
     return response.or_raise(given) if throw else response
 
 

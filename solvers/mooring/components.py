@@ -56,7 +56,8 @@ def _component(system, group, build) -> Component:
     segments = tuple(
         replace(segment, ends=tuple(index[p] for p in segment.ends)) for segment in (model.segments[e] for e in group)
     )
-    part = replace(model, segments=segments, points=tuple(model.points[p] for p in used))
+    name = f"{model.name}, element{'s' if len(group) > 1 else ''} {', '.join(str(e + 1) for e in group)}"
+    part = replace(model, segments=segments, points=tuple(model.points[p] for p in used), name=name)
     own = number_nodes(part, [layout.s[e] for e in group])
     nodes, cells = np.empty(own.size, dtype=int), np.empty(own.first.size, dtype=int)
     for e, own_nodes, own_cells in zip(group, own.nodes, own.cells, strict=True):

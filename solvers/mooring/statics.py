@@ -80,7 +80,10 @@ def solve_rest(system, displacement=(0.0, 0.0, 0.0), throw=True) -> MooringState
         displaced = np.broadcast_to(displacement, system.moved_points.shape)
         states = [solve_rest(part.system, displaced[part.moved], throw=False) for part in system.components]
         state = merge_states(system, states)
-        return state.or_raise(system.model.name) if throw else state
+        failed = [
+            part.system.model.name for part, one in zip(system.components, states, strict=True) if not one.success
+        ]
+        return state.or_raise("; ".join(failed)) if throw else state
     catenaries = system.model.at_rest(system.layout, displacement)
     start = np.ascontiguousarray(system.to_axes(catenaries.r).T)
     solve = lambda load_factor, x: _Statics(system, load_factor, catenaries.tension).newton(x)

@@ -10,8 +10,11 @@ import numpy as np
 from scipy.interpolate import make_interp_spline
 
 from ..common.body_motion import BodyMotion
-from ..common.outcome import InputError
+from ..common.outcome import InputError, Status
+from ..common.properties import MAX_STRAIN
+from ..common.types import as_system
 from ..common.validation import positive_number
+from ..network.model import Network
 from .assembly import assemble_line, evaluate_forces, find_axes, take_end_cell
 from .calibration import SMALL_CHANGE, calibrate_line, estimate_tension_change
 from .components import Component, integrate_components, merge_responses, split_system
@@ -192,9 +195,12 @@ class MooringSystem:
         """Return None: no symmetry is used."""
         return None
 
-    def invalid(self, y):
-        """Return None: a line is valid in every state, slack too."""
-        return None
+    def invalid(self, y) -> tuple[Status, int] | None:
+        """Return a status and a node where a line is stretched beyond ``MAX_STRAIN`` in states (n, N, *S); or None."""
+        line = self.line
+        chord = np.sqrt(((y[:, line.last] - y[:, line.first]) ** 2).sum(axis=0))
+        strain = (chord.reshape(line.length.size, -1).max(axis=1) / line.length) - 1
+        return (Status.OVERSTRETCHED, int(line.last[strain.argmax()])) if strain.max() > MAX_STRAIN else None
 
     def fourth_order(self):
         """Return None: there are no rows of higher order."""
@@ -249,7 +255,27 @@ class MooringSystem:
             for k, part in enumerate(move_points(self.motion, self.moved_points, t)):
                 for moved, of_point in zip(self._moved, part.swapaxes(0, 1), strict=True):
                     path[:, k, moved] += (self.axes @ of_point).T
+            self._require_above_seabed(t, path[:, 0, self._moved, -1])
         return path
+
+    def _require_above_seabed(self, t, z):
+        """Raise InputError where the motion takes a point (S, M) below the seabed that is above it at rest."""
+        floor = self.line.floor
+        below = (z < floor) & (self.moved_points[:, 2] >= floor)
+        if below.any():
+            k, i = np.argwhere(below)[0].tolist()
+            problem = (
+                f"takes node {self.model.moved[i] + 1} to z = {z[k, i]:g} m at t = {t[k]:g} s, below the seabed at"
+            )
+            raise InputError(f"{problem} {floor:g} m", field="motion", unit="m")
+
+    def name_node(self, node) -> str:
+        """Return what a message calls a node: its number along a line, or its element and arc length."""
+        if self.model.is_line:
+            return f"node {node + 1} of {self.nodes}"
+        e = next(e for e, nodes in enumerate(self.layout.nodes) if node in nodes)
+        s = self.layout.s[e][np.flatnonzero(self.layout.nodes[e] == node)[0]]
+        return f"element {e + 1}, {s:.4g} m from its anchor end"
 
     def forces(self, y, ydot, yddot):
         """Return forces (3, N, K) on what holds the nodes, public frame, and tensions (C, K) of the cells, N."""
@@ -331,3 +357,6 @@ def _calibrates(given, model, motion) -> bool:
     if getattr(motion, "period", None) is None:
         return False
     return estimate_tension_change(model, motion, FAIRLEAD_POSITIONS) < SMALL_CHANGE
+
+
+as_system.register(Network, mooring_system)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..common.outcome import Status
+from ..common.properties import MAX_STRAIN
 from .history import MooringHistory
 from .prescribed_motion import displace_points
 from .statics import solve_rest
@@ -59,8 +60,17 @@ def integrate_line(
             part[time.size - 1] = now
     y, ydot, yddot = (part[: time.size].transpose(2, 1, 0) for part in record)
     status = Status.SUCCESS if event is None else Status.STEP_FAILED
+    could_tear = run.greatest_tension() > MAX_STRAIN * system.line.EA.min()
+    if event is None and could_tear and (invalid := system.invalid(y)) is not None:
+        status, event = invalid[0], _first_time(system, time, y)
     counts = run.iterations, run.factorisations, run.error, done, run.cut, run.damped_from
     return MooringHistory(system, moved, time, y, ydot, yddot, status, *counts, ramp, event, settings)
+
+
+def _first_time(system, time, y):
+    """Return (time in s, node) of the first stored state of y (n, N, K) that is invalid."""
+    each = ((t, system.invalid(y[..., k])) for k, t in enumerate(time.tolist()))
+    return next((t, invalid[1]) for t, invalid in each if invalid is not None)
 
 
 def _scheme(rho_inf) -> tuple[float, float, float, float]:
@@ -85,6 +95,10 @@ class _Run:
         self.scale = np.array([greatest, length, LEAST_CHANGE, rounding])
         self.iterations = self.factorisations = self.cut = self.worst = self.halvings = 0
         self.error = self.largest_displacement = 0.0
+
+    def greatest_tension(self) -> float:
+        """Return a bound of the tensions so far, N."""
+        return float(self.rest.max() + self.scale[0] * self.scale[2])
 
     def advance(self, t, record, every) -> int:
         """Take the steps between the times t; return how many succeeded."""
