@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from scipy.linalg.lapack import dgetrf, dgetrs
 
-from ..common.outcome import InputError
+from ..common.outcome import ConvergenceError, InputError
 from ..harmonic_balance.blocks import Blocks
 from ..harmonic_balance.response import PeriodicResponse
 from ..harmonic_balance.solve import solve_periodic
@@ -85,7 +85,10 @@ class MooringResponse(MooringOutputs, PeriodicResponse):
         if self.coarse is not None:
             return largest_change(self, self.coarse)
         coarser, repeat = self.system.coarser(), self.repeat
-        return None if coarser is None or repeat is None else largest_change(self, repeat(coarser[0]))
+        try:
+            return None if coarser is None or repeat is None else largest_change(self, repeat(coarser[0]))
+        except ConvergenceError:  # the coarser lines have no equilibrium
+            return None
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:

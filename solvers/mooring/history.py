@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from ..common.outcome import InputError, Outcome, Status
+from ..common.outcome import ConvergenceError, InputError, Outcome, Status
 from ..common.response import Response, last_period, within_history
 from . import diagnostics
 from .diagnostics import largest_change
@@ -203,7 +203,10 @@ class MooringHistory(MooringOutputs, Outcome):
         if settings["start"] is not None:
             kept = self.system.nodes_of_coarser(coarser[0])
             settings["start"] = [part if part is None else part[:, kept] for part in settings["start"]]
-        return largest_change(self, coarser[0].integrate(**settings))
+        try:
+            return largest_change(self, coarser[0].integrate(**settings))
+        except ConvergenceError:  # the coarser lines have no equilibrium
+            return None
 
     @property
     def last_period(self) -> tuple[float, float]:
