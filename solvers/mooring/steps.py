@@ -23,6 +23,12 @@ FULL_STEPS = 15  # of Newton's method, before they are halved
 MAX_CONTRACTION = 0.03  # contraction above which a new factorisation is cheaper than more iterations with the old one
 
 
+def newmark_parameters(rho_inf) -> tuple[float, float, float, float]:
+    """Return alpha_m, alpha_f, beta, gamma of second order with this spectral radius at infinite frequency."""
+    alpha_m, alpha_f = (2 * rho_inf - 1) / (rho_inf + 1), rho_inf / (rho_inf + 1)
+    return alpha_m, alpha_f, (1 - alpha_m + alpha_f) ** 2 / 4, 0.5 - alpha_m + alpha_f
+
+
 @compiled(calls=(equations, elimination))
 def integrate(
     line, order, driven, path, source, h, scheme, scale, tolerance, rest, state, auxiliary, record, every, stop

@@ -13,7 +13,7 @@ from ..common.properties import MAX_STRAIN
 from .history import MooringHistory
 from .prescribed_motion import displace_points
 from .statics import solve_rest
-from .steps import integrate
+from .steps import integrate, newmark_parameters
 
 MOST_HALVINGS = 10  # of one step
 STEPS_AT_ONCE = 256  # between two calls of ``progress``
@@ -73,18 +73,12 @@ def _first_time(system, time, y):
     return next((t, invalid[1]) for t, invalid in each if invalid is not None)
 
 
-def _scheme(rho_inf) -> tuple[float, float, float, float]:
-    """Return alpha_m, alpha_f, beta, gamma of second order with this spectral radius at infinite frequency."""
-    alpha_m, alpha_f = (2 * rho_inf - 1) / (rho_inf + 1), rho_inf / (rho_inf + 1)
-    return alpha_m, alpha_f, (1 - alpha_m + alpha_f) ** 2 / 4, 0.5 - alpha_m + alpha_f
-
-
 class _Run:
     """The state of an integration and the counts of its work."""
 
     def __init__(self, system, rho_inf, tolerance, step_tolerance, state):
         self.system, self.tolerance, self.step_tolerance = system, tolerance, step_tolerance
-        self.scheme, self.stops_at_slack = _scheme(RHO_INF if rho_inf is None else rho_inf), rho_inf is None
+        self.scheme, self.stops_at_slack = newmark_parameters(RHO_INF if rho_inf is None else rho_inf), rho_inf is None
         self.damped_from = None
         self.state = state
         self.rest = system.rest.tension
@@ -136,7 +130,7 @@ class _Run:
         """Return whether the steps ended at the first slack cell, and take the damped scheme from there on."""
         if not (self.stops_at_slack and taken and (self.auxiliary <= 0).any()):
             return False
-        self.scheme, self.stops_at_slack, self.damped_from = _scheme(0.0), False, float(t)
+        self.scheme, self.stops_at_slack, self.damped_from = newmark_parameters(0.0), False, float(t)
         return True
 
     def _subdivide_step(self, t, h) -> bool:
