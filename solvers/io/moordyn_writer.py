@@ -15,6 +15,7 @@ from ..network.model import Network
 ATTACHMENTS = {"fixed": "Fixed", "coupled": "Coupled", "free": "Free"}
 STEP = 0.5  # of the time that an axial wave takes through a segment; RK2 is stable below twice that
 SAME_WEIGHT = 1e-9  # relative: a weight computed elsewhere from the same diameter and mass
+ROUNDED_WEIGHT = 1e-4  # relative: a weight that is given with four digits or more
 _FILE = """--------------------- MoorDyn Input File ---------------------
 {title}
 --------------------- LINE TYPES ---------------------
@@ -113,7 +114,7 @@ def _check(network: Network, notes: list[str]):
         problem = "not given (N/m^2), and MoorDyn's seabed is elastic"
         raise InputError(problem, field="seabed_stiffness", unit="N/m^2")
     for i, element in enumerate(network.elements):
-        _check_element(element, environment, lambda name, problem, i=i: _refuse(i, name, problem))
+        _check_element(element, environment, i, notes)
     frictions = sorted({element.friction for element in network.elements})
     if len(frictions) > 1:
         problem = f"{', '.join(map(str, frictions))}: MoorDyn has one FrictionCoefficient for all lines"
@@ -127,11 +128,10 @@ def _check(network: Network, notes: list[str]):
         notes.append("motion: MoorDyn is given positions of the coupled points step by step")
 
 
-def _refuse(i: int, name: str, problem: str):
-    raise InputError(problem, field=name, item=("element", i), label=f"element {i}: {name}")
+def _check_element(element, environment, i: int, notes: list[str]):
+    def refuse(name, problem):
+        raise InputError(problem, field=name, item=("element", i), label=f"element {i}: {name}")
 
-
-def _check_element(element, environment, refuse):
     cable = element.cable
     if cable is None or cable.diameter is None or cable.mass_per_length is None:
         refuse("cable", "MoorDyn takes its diameter (m) and mass_per_length (kg/m), which are not given")
@@ -139,8 +139,12 @@ def _check_element(element, environment, refuse):
         refuse("Cdb", f"{cable.Cdb:g} is not Cdn, {cable.Cdn:g}; MoorDyn has one transverse drag coefficient")
     buoyancy = environment.rho * environment.g * cable.area
     weight = environment.g * cable.mass_per_length - buoyancy
-    if abs(element.w - weight) > SAME_WEIGHT * max(abs(element.w), buoyancy):
-        refuse("w", f"{element.w:g} N/m is not what diameter and mass give, {weight:g} N/m, which MoorDyn takes")
+    difference = abs(element.w - weight) / max(abs(element.w), buoyancy)
+    text = f"{element.w:.7g} N/m is not what diameter and mass give, {weight:.7g} N/m, which MoorDyn takes"
+    if difference > ROUNDED_WEIGHT:
+        refuse("w", text)
+    elif difference > SAME_WEIGHT:
+        notes.append(f"element {i}: its weight, {text}")
 
 
 def _line_type(i: int, cable, damping_ratio) -> str:

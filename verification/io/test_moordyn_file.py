@@ -317,7 +317,13 @@ def test_options_replace_what_is_written(tmp_path):
     again = load_moordyn(tmp_path / "lines.txt")
     assert again.environment.seabed_stiffness == pytest.approx(5e6 * 0.09, rel=1e-15)
     assert "option tScheme = RK4: of MoorDyn's own numerics" in again.notes
-    assert any(note.startswith("motion: ") for note in notes) and any(note.startswith("friction: ") for note in notes)
+    assert len(notes) == 1 and notes[0].startswith("motion: ")
+
+
+def test_a_weight_that_is_rounded_is_noted(tmp_path):
+    network = load_network(files("reference_data") / "scenes" / "networks" / "oc3_moving.toml")
+    (note,) = (n for n in write_moordyn(tmp_path / "a.txt", change(network, w=698.09)) if "weight" in n)
+    assert note.startswith("element 1: its weight, 698.09 N/m is not what diameter and mass give, 698.09")
 
 
 def test_a_network_without_seabed_has_it_out_of_reach(tmp_path):
@@ -335,7 +341,7 @@ OUT_OF_REACH = [
     (lambda n: change(n, cable=None), "element 1: cable: MoorDyn takes its diameter (m) and mass_per_length"),
     (lambda n: change(n, cable=replace(n.elements[1].cable, Cdb=9.0)), "element 1: Cdb: 9 is not Cdn"),
     (lambda n: change(n, w=50.0), "element 1: w: 50 N/m is not what diameter and mass give"),
-    (lambda n: change(n, friction=2.0), "friction: 0.001, 2.0: MoorDyn has one FrictionCoefficient"),
+    (lambda n: change(n, friction=2.0), "friction: 0.0, 2.0: MoorDyn has one FrictionCoefficient"),
     (lambda n: 3, "network: 3 is not a solvers.Network"),
 ]
 
