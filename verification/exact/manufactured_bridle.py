@@ -193,13 +193,19 @@ class ManufacturedBridle:
             result[:, chain] = self.derivative(line, self.places(line, len(chain) - 1), t, 0, order)
         return result
 
+    def line_loads(self, line, s, t):
+        """Return the loads of one line on its nodes, ndarray (b, n, 3), N: f times half of the cells beside each.
+
+        s (n,) : arc lengths of its nodes on any mesh, from 0 to its length, m. The joint bears `joint_load` as well.
+        """
+        bounds = np.concatenate([s[:1], (s[1:] + s[:-1]) / 2, s[-1:]])
+        return self.load(line, s, t) * np.diff(bounds)[:, None]
+
     def node_loads(self, mesh, t):
         """Return the loads on the nodes of a `Mesh`, ndarray (b, size, 3), N, at t (b,): `load` of `simulate`."""
         result = np.zeros((len(t), mesh.size, 3))
         for line, chain in enumerate(mesh.chains):
-            s = self.places(line, len(chain) - 1)
-            bounds = np.concatenate([s[:1], (s[1:] + s[:-1]) / 2, s[-1:]])
-            result[:, chain] += self.load(line, s, t) * np.diff(bounds)[:, None]
+            result[:, chain] += self.line_loads(line, self.places(line, len(chain) - 1), t)
         result[:, JOINT] += self.joint_load(t)
         return result
 

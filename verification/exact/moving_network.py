@@ -33,7 +33,7 @@ from verification.exact.rigid_motion import RigidMotion
 
 KINDS = ("fixed", "coupled", "free")
 WORKS = ("holders", "drag", "damping", "seabed damping", "friction", "turning")
-"""Work done on the system by holders; lost by drag, damping, seabed and friction; done by the turning added mass."""
+"""Work done on the system by holders, and by applied loads; lost by drag, damping, seabed and friction; done by the turning added mass."""
 
 JUMP, KINK, SMOOTH_KINK = 1e-13, 1e-7, 3e-5
 """Widths, s, of the brackets of touchdown, of tension and lift-off, and of a turn of the flow along a cell, in which
@@ -362,6 +362,11 @@ class History:
     def end_tension(self):
         """Magnitude of `end_force`, ndarray (nt, e, 2), N."""
         return np.sqrt((self.end_force**2).sum(axis=-1))
+
+    @property
+    def body_power(self):
+        """Power that the body puts into the network, ndarray (nt,), W."""
+        return -(self.holder_force * self.velocity)[:, self.mesh.coupled].sum(axis=(1, 2))
 
     @property
     def energy_error(self):

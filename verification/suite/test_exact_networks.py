@@ -203,6 +203,19 @@ def test_forces_on_holders_balance_the_whole():
     assert history.body_force == pytest.approx(history.holder_force[:, mesh.coupled].sum(axis=1), rel=1e-13)
 
 
+def test_the_power_of_the_body():
+    """Its integral over time is the work of the holders: Simpson's rule on fine samples, whose order it shows."""
+    case, errors = random_network(2), []
+    for samples in (21, 41):
+        times = np.linspace(0.0, 1.0, samples)
+        history = simulate(case.network, times, case.position, case.velocity)
+        weights = np.ones(samples)
+        weights[1:-1:2], weights[2:-1:2] = 4.0, 2.0
+        integral = weights @ history.body_power / (3 * (samples - 1))
+        errors.append(abs(integral / history.work["holders"][-1] - 1))
+    assert errors[1] < 1e-4 and errors[1] < errors[0] / 8
+
+
 @pytest.mark.parametrize("seed", [2, 3])
 def test_forces_of_lines_at_their_ends(seed):
     """They add up to the force on each holder, and at a joint to what its own mass, weight and drag need."""
