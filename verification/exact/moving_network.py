@@ -33,7 +33,8 @@ from verification.exact.rigid_motion import RigidMotion
 
 KINDS = ("fixed", "coupled", "free")
 WORKS = ("holders", "drag", "damping", "seabed damping", "friction", "turning")
-"""Work done on the system by holders, and by applied loads; lost by drag, damping, seabed and friction; done by the turning added mass."""
+"""Work done on the system by holders and applied loads; lost by drag, damping, seabed and friction; done by the added
+mass that turns with its cell."""
 
 JUMP, KINK, SMOOTH_KINK = 1e-13, 1e-7, 3e-5
 """Widths, s, of the brackets of touchdown, of tension and lift-off, and of a turn of the flow along a cell, in which

@@ -1,4 +1,4 @@
-"""Small random networks in motion, from a seed: clumps, buoys, bridles, lines on the seabed, crossings, current.
+"""Small random networks in motion, from a seed: clumps, buoys, bridles, seabed, crossings, slack, current.
 
 Soft and short enough that `moving_network.simulate` reaches ten digits within seconds. Each starts at rest, in
 equilibrium with the body where it is at t = 0; held nodes have the body's velocity from then on. The numbers come from
@@ -14,11 +14,12 @@ import numpy as np
 from verification.exact.moving_network import Lines, Mesh, Network, Nodes, Seabed, simulate, solve_equilibrium
 from verification.exact.rigid_motion import RigidMotion
 
-SEEDS = tuple(range(10))
+SEEDS = tuple(range(12))
 FEATURES = ("clump", "buoy", "bridle", "seabed", "crossing")
-"""What a seed's network has: that of seed % 5. Odd seeds have a current, and drag along the
-lines: in still water that would turn at every node with the motion."""
-DURATION, SAMPLES = 5.0, 26
+SNAPPING = 10
+"""What a seed's network has: that of seed % 5; from seed 10 on it goes slack and snaps. Odd seeds have a current, and
+drag along the lines: in still water that would turn at every node with the motion."""
+DURATION, SAMPLES = 5.0, 11
 """Seconds, and times from 0 to there, of `random_history`."""
 
 
@@ -34,8 +35,9 @@ class RandomNetwork:
 
 def random_network(seed):
     """Return the `RandomNetwork` of a seed, with 2 to 5 lines."""
-    rng, feature = np.random.default_rng([2026, seed]), FEATURES[seed % len(FEATURES)]
-    current = tuple(rng.uniform((-0.6, -0.5, -0.05), (0.6, 0.5, 0.05))) if seed % 2 else (0.0, 0.0, 0.0)
+    rng = np.random.default_rng([2026, seed])
+    feature = "snap" if seed >= SNAPPING else FEATURES[seed % len(FEATURES)]
+    current = tuple(rng.uniform((-0.6, -0.5, -0.05), (0.6, 0.5, 0.05)).tolist()) if seed % 2 else (0.0, 0.0, 0.0)
     nodes, ends, slack, seabed = _BUILDERS[feature](rng)
     ends = np.array(ends)
     chord = nodes.position[ends[:, 1]] - nodes.position[ends[:, 0]]
@@ -49,12 +51,12 @@ def random_network(seed):
         beta=rng.choice([0.0, 0.03, 0.08], e),
         mass=mass,
         added_mass=mass * rng.uniform(0.2, 0.6, e),
-        weight=mass * rng.uniform(4.0, 8.0, e),
+        weight=mass * rng.uniform(4.0, 8.0, e) * (0.2 if feature == "snap" else 1.0),
         d=rng.uniform(0.08, 0.15, e),
         Cdn=rng.uniform(0.8, 1.6, e),
         Cdt=rng.uniform(0.0, 0.1, e) * any(current),
     )
-    network = Network(nodes, lines, _motion(rng, nodes), seabed, current)
+    network = Network(nodes, lines, _motion(rng, nodes, feature == "snap"), seabed, current)
     mesh, position = Mesh(network), solve_equilibrium(network)
     velocity = np.zeros((mesh.size, 3))
     velocity[mesh.coupled] = network.motion.kinematics(nodes.position[mesh.coupled], 0.0)[1]
@@ -68,13 +70,20 @@ def random_history(seed, *, duration=DURATION, samples=SAMPLES, **tolerances):
     return simulate(case.network, times, case.position, case.velocity, **tolerances)
 
 
-def _motion(rng, nodes):
-    """Return a motion of all six degrees of freedom about a point above the coupled nodes."""
+def _motion(rng, nodes, inwards):
+    """Return a motion of all six degrees of freedom about a point above the coupled nodes.
+
+    inwards : whether it is large, and starts at speed back and down, so that the lines go slack
+    """
     coupled = [i for i, kind in enumerate(nodes.kind) if kind == "coupled"]
     reference = nodes.position[coupled].mean(axis=0) + rng.uniform((-4, -4, 2), (4, 4, 6))
-    amplitude = np.concatenate([rng.uniform(0.3, 1.0, 3), rng.uniform(0.01, 0.05, 3)])
+    amplitude = np.concatenate([(4.0 if inwards else 1.0) * rng.uniform(0.3, 1.0, 3), rng.uniform(0.01, 0.05, 3)])
     phase = rng.uniform(0.0, 2 * np.pi, 6)
-    return RigidMotion(tuple(reference), rng.uniform(0.6, 1.4), tuple(amplitude), tuple(phase))
+    if inwards:
+        phase[[0, 2]] = np.pi / 2
+    return RigidMotion(
+        tuple(reference.tolist()), rng.uniform(0.6, 1.4), tuple(amplitude.tolist()), tuple(phase.tolist())
+    )
 
 
 def _shaken(rng, places, by=2.0):
@@ -147,4 +156,11 @@ def _crossing(rng):
     return nodes, [(0, 2), (2, 3), (3, 1), (2, 4), (5, 3)], 0.98, None
 
 
-_BUILDERS = dict(zip(FEATURES, (_clump, _buoy, _bridle, _seabed, _crossing), strict=True))
+def _snap(rng):
+    """A light joint on three lines, one of them nearly slack under a body in large motion."""
+    places = _shaken(rng, [(-20, 0, -24), (0, 0, -16), (18, 3, -8), (2, -24, -22)], 1.0)
+    nodes = Nodes(places, ("fixed", "free", "coupled", "fixed"), mass=[0.0, rng.uniform(40, 80), 0.0, 0.0])
+    return nodes, [(0, 1), (1, 2), (3, 1)], (1.02, 1.02, 1.05), None
+
+
+_BUILDERS = dict(zip((*FEATURES, "snap"), (_clump, _buoy, _bridle, _seabed, _crossing, _snap), strict=True))

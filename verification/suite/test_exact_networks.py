@@ -27,8 +27,9 @@ from ..exact.linear_network import linearise
 from ..exact.manufactured_bridle import ManufacturedBridle, load_of
 from ..exact.moving_network import Forces, Lines, Mesh, Network, Nodes, Seabed, simulate, solve_equilibrium
 from ..exact.network_symmetry import circling, reflect, renumber, ring, ring_error, rotate, shift_error, spread_error
-from ..exact.random_networks import FEATURES, random_history, random_network
+from ..exact.random_networks import FEATURES, SEEDS, random_history, random_network
 from ..exact.rigid_motion import RigidMotion
+from ..reference import moving_network_tensions
 
 ROUNDING = 1e-12  # of the largest value: some thousand roundings of sums of tens of terms; measured below 1e-13
 INTEGRATED = 1e-10  # of the largest value: what the module promises; measured 1e-12 to 2e-11
@@ -573,16 +574,16 @@ def test_the_bridle_is_approached_with_order_two():
 
 # ---------------------------------------------------------------- random networks
 def test_random_networks_have_what_they_say():
-    """Two of each feature in ten seeds; 2 to 5 lines, at rest, taut; one and the same for a seed."""
-    for seed in range(10):
+    """Two of each feature; 2 to 5 lines, at rest; one and the same for a seed."""
+    for seed in SEEDS:
         case = random_network(seed)
         network, mesh = case.network, Mesh(case.network)
-        assert case.feature == FEATURES[seed % 5] and 2 <= len(network.lines.ends) <= 5
+        assert case.feature == (FEATURES[seed % 5] if seed < 10 else "snap") and 2 <= len(network.lines.ends) <= 5
         forces = Forces(mesh, case.position, 0 * case.position)
         assert np.abs(forces.total[mesh.free]).max() < 1e-9 * forces.tension.max()
         assert (network.seabed is not None) == (case.feature == "seabed") == bool(forces.bears.any())
         assert bool(np.any(network.current)) == bool(seed % 2)
-    assert np.array_equal(random_network(9).position, case.position)
+    assert np.array_equal(random_network(SEEDS[-1]).position, case.position)
 
 
 @pytest.mark.parametrize("seed", [3, 7])
@@ -590,6 +591,23 @@ def test_end_tensions_do_not_depend_on_the_tolerance(seed):
     """A tenth of the tolerance changes them by less than the digits that are promised."""
     history, finer = (random_history(seed, duration=2.0, samples=6, rtol=tol, atol=tol) for tol in (1e-11, 1e-12))
     assert np.abs(history.end_tension - finer.end_tension).max() < INTEGRATED * finer.end_tension.max()
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_stored_tensions(seed, deep):
+    """The table is what the networks give: its first second, in the long version all five."""
+    t, stored = moving_network_tensions()[seed]
+    samples = t.size if deep else 3
+    history = random_history(seed, duration=t[samples - 1], samples=samples)
+    assert np.array_equal(history.t, t[:samples])
+    assert np.abs(history.end_tension - stored[:samples]).max() < INTEGRATED * stored.max()
+
+
+def test_lines_that_snap_are_slack_at_times():
+    """Cells of the last two seeds lose their tension and find it again."""
+    for seed in SEEDS[-2:]:
+        tension = random_history(seed, duration=2.0, samples=41, rtol=1e-8, atol=1e-8).tension
+        assert ((tension[:-1] == 0) & (tension[1:] > 0)).any(axis=0).sum() > 3
 
 
 def test_a_seabed_with_no_line_on_it_changes_nothing():
