@@ -14,6 +14,7 @@ from scipy.integrate import solve_ivp
 
 from ..exact import frequencies, lumped_node, manufactured_bridle, moving_network
 from ..exact.elastic_bounce import ElasticBounce
+from ..exact.extrapolation import _Extrapolation, integrate
 from ..exact.joint_modes import (
     Arm,
     PointOnLines,
@@ -123,6 +124,48 @@ def test_loads_of_a_point():
 
 
 # ---------------------------------------------------------------- the integrator
+def turning(t, y, branches):
+    """Return y' of an oscillation with 5 rad/s, a batch."""
+    return 5.0 * np.stack([y[:, 1], -y[:, 0]], axis=1)
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-9, 1e-12])
+def test_an_oscillation_keeps_its_tolerance(tolerance):
+    """After sixteen turns the error is below that of as many radians; a first step of fifty radians is refused."""
+    times = np.array([0.0, 160.0, 165.0]) / 8
+    y = integrate(turning, times, [1.0, 0.0], rtol=tolerance, atol=tolerance)
+    exact = np.stack([np.cos(5 * times), -np.sin(5 * times)], axis=1)
+    assert 1e-16 < np.abs(y - exact).max() < 100 * tolerance
+
+
+def test_order_of_one_step():
+    """With K columns the error of a step is of order 2 K + 1 and its estimate of order 2 K - 1."""
+    method = _Extrapolation(turning, None, 0.0, 2 * np.arange(1, 4), 1.0)
+    errors = []
+    for H in (0.2, 0.1, 0.05):
+        y, estimate = method.step(0.0, np.array([1.0, 0.0]), H, None)
+        exact = np.array([np.cos(5 * H), -np.sin(5 * H)])
+        errors.append((np.linalg.norm(y - exact), np.linalg.norm(estimate)))
+    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert orders[-1] == pytest.approx([7.0, 5.0], abs=0.2)
+
+
+def test_a_jump_is_met():
+    """y' = 2 below one and 1 above: the time of the jump is that of the closed form, not one of a step."""
+    slope = lambda t, y, branches: np.where(branches, 1.0, 2.0) + 0 * y
+    y = integrate(slope, [0.0, 0.3, 0.9, 1.7], [0.0], switches=lambda t, y: y - 1.0)[:, 0]
+    assert y == pytest.approx([0.0, 0.6, 1.4, 2.2], abs=1e-12)
+
+
+def test_steps_too_many_or_too_short_are_refused():
+    """A limit of steps, and a right side of noise that no step can follow."""
+    with pytest.raises(ArithmeticError, match="after 6 steps"):
+        integrate(turning, [0.0, 100.0], [1.0, 0.0], most_steps=5)
+    rng = np.random.default_rng(1)
+    with pytest.raises(ArithmeticError, match="step"):
+        integrate(lambda t, y, branches: rng.normal(size=y.shape), [0.0, 1.0], [0.0], atol=1e-15, rtol=0.0)
+
+
 def scipy_history(case, times):
     """Return positions of the mesh's nodes by scipy's DOP853, (nt, size, 3)."""
     mesh = Mesh(case.network)
