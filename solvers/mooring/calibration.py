@@ -17,7 +17,9 @@ def estimate_tension_change(model, motion, places) -> float:
     """Return the quasi-static range of the fairlead tension over a period of the motion, over that at rest."""
     times = motion.period * np.arange(places) / places
     moved = np.array([model.points[i].r for i in model.moved])
-    tensions = [model.pretension(displacement) for displacement in (np.zeros(3), *displace_points(motion, moved, times).T)]
+    tensions = [
+        model.pretension(displacement) for displacement in (np.zeros(3), *displace_points(motion, moved, times).T)
+    ]
     return float(np.ptp(tensions) / tensions[0]) if tensions[0] > 0 else np.inf
 
 

@@ -1,7 +1,7 @@
 """LU of a symmetric pattern of blocks of two or three rows: plain loops, no LAPACK, along the steps of an Elimination.
 
-Of a line, which is block-tridiagonal, the cost is linear in the nodes; of a network in the nodes of its elements, beside
-the Schur complement of its joints. Without exchanges of rows: mass, stiffness and drag have positive diagonal blocks.
+The cost is linear in the nodes of a line, which is block-tridiagonal, and of a network's elements, beside the Schur
+complement of its joints. Without exchanges of rows: mass, stiffness and drag have positive diagonal blocks.
 """
 
 from __future__ import annotations

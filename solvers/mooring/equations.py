@@ -1,6 +1,7 @@
 """Equations of moving lines of nodes and elements: compiled, in two or three axes.
 
-A cell joins nodes a and b: d = r[b] - r[a], t = d/|d|, e = |d|/l - 1, e' = t.(v[b] - v[a])/l, and its tension is T = EA (e + beta e') while that is positive, else 0. Half of its mass, added mass and drag stands at either end, with
+A cell joins nodes a and b: d = r[b] - r[a], t = d/|d|, e = |d|/l - 1, e' = t.(v[b] - v[a])/l, and its tension is
+T = EA (e + beta e') while that is positive, else 0. Half of its mass, added mass and drag stands at either end, with
 that cell's t. The last axis points up; the number of axes is that of ``Line.current``, a constant for the compiler.
 
 The residual R of a node is its inertia less the forces on it:
@@ -19,9 +20,9 @@ from ..numerics.compiled import compiled
 class Line(NamedTuple):
     """Cells (C,) and nodes (N,) of a line, or of the lines of a network; n axes.
 
-    first, last: the nodes of a cell. length m, EA N, damping s, mass and added_mass kg/m: of the cells. normal_drag and tangential_drag: 1/2 rho d Cdn
-    and 1/2 rho pi d Cdt, kg/m^2. point_mass kg (with the added mass of its volume), point_drag 1/2 rho CdA kg/m and load
-    (N, n) N: of the nodes, weight included. seabed_stiffness N/m,
+    first, last: the nodes of a cell. length m, EA N, damping s, mass and added_mass kg/m: of the cells. normal_drag and
+    tangential_drag: 1/2 rho d Cdn and 1/2 rho pi d Cdt, kg/m^2. point_mass kg (with the added mass of its volume),
+    point_drag 1/2 rho CdA kg/m and load (N, n) N: of the nodes, weight included. seabed_stiffness N/m,
     seabed_damping N s/m and friction: of the nodes, over a floor at height ``floor`` in m. slip_speed m/s: at which
     friction reaches 0.7 of Coulomb's. current: n floats, m/s.
     """

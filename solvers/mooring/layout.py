@@ -16,7 +16,7 @@ class Layout(NamedTuple):
     """Nodes and cells of segments (k,) between points (P,).
 
     s: unstretched arc lengths of the nodes of each segment from its first point, m; nodes: their numbers; cells: those
-    of the cells between them; points (P,): the nodes at the points. first, last (C,): the nodes of a cell, first < last.
+    of the cells between them; points (P,): the nodes at the points. first < last (C,): the nodes of a cell.
     """
 
     s: tuple[np.ndarray, ...]

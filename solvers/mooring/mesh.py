@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 
@@ -82,7 +83,7 @@ def _given_line(mesh, lengths) -> list[np.ndarray]:
         problem = f"must run from 0 to the length, {length:g} m, with a node at each joint; none is at {missing:g} m"
         raise InputError(problem, field="mesh", value=mesh, unit="m")
     at = distance.argmin(axis=0)
-    return [s[a : b + 1] - s[a] for a, b in zip(at, at[1:], strict=False)]
+    return [s[a : b + 1] - s[a] for a, b in pairwise(at)]
 
 
 def _apportion_cells(amounts, cells) -> list[int]:

@@ -77,7 +77,7 @@ class MooringModel:
         return [i for i, point in enumerate(self.points) if point.kind == "coupled"]
 
     def equilibrium(self, displacement=(0.0, 0.0, 0.0)) -> np.ndarray:
-        """Return positions (P, 3) of the points on catenaries at rest, the moved ones displaced by (3,) or (M, 3), m."""
+        """Return positions (P, 3) of the points at rest, the moved ones displaced by (3,) or (M, 3), m."""
         places = np.array([point.r for point in self.points], dtype=float)
         places[self.moved] += np.asarray(displacement)
         free = [i for i, point in enumerate(self.points) if point.kind == "free"]
@@ -102,7 +102,11 @@ class MooringModel:
         Nodes that rest on the seabed are as deep as their weight presses them.
         """
         points, environment = self.equilibrium(displacement), self.environment
-        r, tension, horizontal_tension = np.zeros((3, layout.count)), np.zeros(layout.first.size), np.zeros(layout.first.size)
+        r, tension, horizontal_tension = (
+            np.zeros((3, layout.count)),
+            np.zeros(layout.first.size),
+            np.zeros(layout.first.size),
+        )
         states = []
         for segment, s, nodes, cells in zip(self.segments, layout.s, layout.nodes, layout.cells, strict=True):
             start, end = (points[i] for i in segment.ends)

@@ -1,4 +1,4 @@
-"""Motion of the points that a body moves, alike for a BodyMotion and for a motion that displaces all of them equally."""
+"""Motion of the points that a body moves: of a BodyMotion, or of a motion that displaces all of them equally."""
 
 from __future__ import annotations
 

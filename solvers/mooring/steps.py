@@ -21,15 +21,17 @@ MAX_CONTRACTION = 0.03  # contraction above which a new factorisation is cheaper
 
 
 @compiled(calls=(equations, elimination))
-def integrate(line, order, driven, path, source, h, scheme, scale, tolerance, rest, state, auxiliary, record, every, stop):
+def integrate(
+    line, order, driven, path, source, h, scheme, scale, tolerance, rest, state, auxiliary, record, every, stop
+):
     """Take a step of generalized-alpha for each row but the first of ``path`` (S + 1, 3, P, n); stop where one fails.
 
-    order: the Elimination; driven (P,): the nodes whose motion is prescribed, path: their r, v, a at the ends of the steps. source (S, N, n):
-    load added at n + 1 - alpha_f, N, or empty. scheme: (alpha_m, alpha_f, beta, gamma). scale: tension in N and length
-    in m that errors refer to; the largest change of a tension from ``rest`` (C,) so far over the former, which the
-    tolerance refers to, and which grows; the error that rounding makes. state: r, v, a and the a before (N, n), and
-    auxiliary (C,): left at the last step that was taken. record: r, v, a (K, N, n) of every ``every``-th step.
-    stop: end after a step with slack.
+    order: the Elimination; driven (P,): the nodes whose motion is prescribed; path: their r, v, a at the ends of the
+    steps. source (S, N, n): load added at n + 1 - alpha_f, N, or empty. scheme: (alpha_m, alpha_f, beta, gamma). scale:
+    tension in N and length in m that errors refer to; the largest change of a tension from ``rest`` (C,) so far over
+    the former, which the tolerance refers to, and which grows; the error that rounding makes. state: r, v, a and the a
+    before (N, n), and auxiliary (C,): left at the last step that was taken. record: r, v, a (K, N, n) of every
+    ``every``-th step. stop: end after a step with slack.
     Returns steps, iterations, factorisations and the error of the last iteration: the largest change of a tension or
     position, relative to ``scale``.
     """

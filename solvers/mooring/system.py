@@ -3,32 +3,30 @@
 from __future__ import annotations
 
 import copy
-import math
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from scipy.interpolate import make_interp_spline
 
 from ..common.body_motion import BodyMotion
 from ..common.outcome import InputError
-from ..common.validation import one_of, positive_number
+from ..common.validation import positive_number
+from .assembly import assemble_line, evaluate_forces, find_axes, take_end_cell
 from .calibration import SMALL_CHANGE, calibrate_line, estimate_tension_change
-from .equations import Line, node_forces, residual, tangents
+from .equations import residual, tangents
 from .harmonic import MooringHarmonics, MooringResponse, full_then_damped_newton, solve_extrapolated, start_from_time
 from .history import MooringHistory
 from .layout import number_nodes, plan_elimination
 from .mesh import FAIRLEAD_POSITIONS, build_mesh
 from .model import build_model
 from .modes import LinePencil
-from .prescribed_motion import move_points, ramp_motion, span_motion
+from .prescribed_motion import move_points, ramp_motion
 from .statics import MooringState, solve_rest
 from .time_domain import integrate_line
 
 MIN_NODES = 4  # of a coarser line
 PERIODS_TO_START = 3  # of the motion, whose last one a periodic response starts from
 SLIP_SPEED = 0.01  # m/s, at which the regularised friction reaches 0.7 of Coulomb's
-_IN_PLANE = 1e-12  # out-of-plane parts below this share of a vector come from rounding its direction
 
 
 def mooring_system(
@@ -70,7 +68,7 @@ def mooring_system(
         raise InputError(problem, field="motion", value=motion)
     if motion is not None and not model.moved:
         raise InputError("it moves coupled points, and none is there", field="motion", value=motion)
-    axes = _axes(model, fields, motion)
+    axes = find_axes(model, fields, motion)
     layout = number_nodes(model, build_mesh(model, cells, mesh, motion))
     slip_speed = positive_number("slip_speed", slip_speed, "m/s")
     calibrated = _calibrates(calibrate, model, motion)
@@ -96,7 +94,7 @@ class MooringSystem:
         self.prescribed_nodes = layout.points[self._prescribed_points]
         self._moved = [self._prescribed_points.index(i) for i in model.moved]  # among these
         self.length = model.length if model.is_line else max(segment.length for segment in model.segments)
-        self.line, self.calibrated = _line_arrays(model, layout, axes, slip_speed), calibrated
+        self.line, self.calibrated = assemble_line(model, layout, axes, slip_speed), calibrated
         self.order = plan_elimination(layout, self.prescribed_nodes)
         if calibrated:
             self.line = calibrate_line(self)
@@ -107,7 +105,9 @@ class MooringSystem:
         if not self.model.is_line:
             raise InputError("the elements of a network have one each, layout.s", field="s")
         parts, starts = self.layout.s, np.cumsum([0.0, *(segment.length for segment in self.model.segments)])
-        return np.concatenate([parts[0], *(start + part[1:] for start, part in zip(starts[1:], parts[1:], strict=False))])
+        return np.concatenate(
+            [parts[0], *(start + part[1:] for start, part in zip(starts[1:], parts[1:], strict=False))]
+        )
 
     # ------------------------------------------------------------ the same line, changed
     def with_motion(self, motion) -> MooringSystem:
@@ -235,29 +235,13 @@ class MooringSystem:
         y, ydot, yddot (n, N, K). element None: of a line, the whole of what its first or last node leaves.
         """
         line, nodes = self.end_cell(end, element)
-        return evaluate_forces(line, *(part[:, nodes] for part in (y, ydot, yddot)))[0][:, 0 if end == 0 else 1]
+        return evaluate_forces(line, *(part[:, nodes] for part in (y, ydot, yddot)))[0][:, end]
 
-    def end_cell(self, end, element=None) -> tuple[Line, np.ndarray]:
-        """Return the Line of the cell at an end of an element, or of the line with what its node carries; its nodes."""
-        key = (0 if end == 0 else -1, element)
-        if key not in self._end_cells:
-            self._end_cells[key] = self._take_end_cell(*key)
-        return self._end_cells[key]
-
-    def _take_end_cell(self, end, element):
-        layout, line, e = self.layout, self.line, element
-        if element is None:
-            e = end
-        cells = layout.cells[e]
-        c = cells.start if end == 0 else cells.stop - 1
-        nodes = layout.nodes[e][:2] if end == 0 else layout.nodes[e][-2:]
-        if element is not None:
-            line = _line_arrays(self.model, layout, self.axes, self.line.slip_speed, only=e)
-        arrays: dict = {"first": np.array([0]), "last": np.array([1])}
-        for name, value in line._asdict().items():
-            if isinstance(value, np.ndarray) and name not in arrays:
-                arrays[name] = value[[c]] if name in CELL_FIELDS else value[nodes]
-        return line._replace(**arrays), nodes
+    def end_cell(self, end, element=None):
+        """Return the Line of the cell at that end, and its two nodes; see ``assembly.take_end_cell``."""
+        if (end, element) not in self._end_cells:
+            self._end_cells[end, element] = take_end_cell(self.model, self.layout, self.axes, self.line, end, element)
+        return self._end_cells[end, element]
 
     @cached_property
     def _end_cells(self) -> dict:
@@ -291,18 +275,6 @@ class MooringSystem:
         return np.tensordot(self.axes.T, y, 1) + self.origin.reshape(3, *(1,) * (np.ndim(y) - 1))
 
 
-CELL_FIELDS = ("length", "EA", "damping", "mass", "added_mass", "normal_drag", "tangential_drag")
-"""Fields of ``equations.Line`` that belong to cells."""
-
-
-def evaluate_forces(line, y, ydot, yddot):
-    """Return forces (K, N, n) on what holds the nodes, in the axes, and tensions (K, C) of the cells of a Line, N."""
-    record = tuple(np.ascontiguousarray(part.transpose(2, 1, 0)) for part in (y, ydot, yddot))
-    forces, tensions = np.empty(record[0].shape), np.empty((len(record[0]), line.length.size))
-    node_forces(line, record, forces, tensions)
-    return forces, tensions
-
-
 def _every_second(s) -> np.ndarray:
     return np.append(np.arange(s.size - 1)[::2], s.size - 1)
 
@@ -313,26 +285,6 @@ def _shares(coarse, fine) -> np.ndarray:
     for coarse_s, coarse_nodes, s, nodes in zip(coarse.s, coarse.nodes, fine.s, fine.nodes, strict=True):
         share[np.ix_(coarse_nodes, nodes)] = [np.interp(s, coarse_s, unit) for unit in np.eye(coarse_s.size)]
     return share
-
-
-def _axes(model, fields, motion) -> np.ndarray:
-    """Return unit vectors of the coordinates, (2, 3) or (3, 3), the last one up."""
-    one_of("fields", fields, ("auto", "planar", "spatial"))
-    points = np.array([point.r for point in model.points])
-    level = max((points[:, :2] - points[0, :2])[::-1], key=lambda d: math.hypot(*d))
-    run = math.hypot(*level)
-    along = np.array([*(level / run), 0.0]) if run > 0 else np.array([1.0, 0.0, 0.0])
-    out = np.array([-along[1], along[0], 0.0])
-    forces = [np.array(point.force) for point in model.points]
-    vectors = [*(points - points[0]), np.array(model.environment.current), *forces]
-    vectors += [] if motion is None else list(span_motion(motion, points[model.moved]))
-    planar = all(abs(v @ out) <= _IN_PLANE * np.linalg.norm(v) for v in vectors)
-    if fields == "planar" and not planar:
-        problem = "'planar', but a point, the current or the motion leaves the line's vertical plane"
-        raise InputError(problem, field="fields", value=fields)
-    if fields != "spatial" and planar:
-        return np.array([along, [0.0, 0.0, 1.0]])
-    return np.eye(3)
 
 
 def _calibrates(given, model, motion) -> bool:
@@ -348,59 +300,3 @@ def _calibrates(given, model, motion) -> bool:
     if getattr(motion, "period", None) is None:
         return False
     return estimate_tension_change(model, motion, FAIRLEAD_POSITIONS) < SMALL_CHANGE
-
-
-def _line_arrays(model, layout, axes, slip_speed, only=None) -> Line:
-    """Return the arrays of the equations on a mesh; ``only``: those of one segment, its points without a load."""
-    environment, rho = model.environment, model.environment.rho
-    used = range(len(model.segments)) if only is None else [only]
-    length, values = np.zeros(layout.first.size), np.zeros((8, layout.first.size))
-    for e, (segment, s) in enumerate(zip(model.segments, layout.s, strict=True)):
-        cable, cells = segment.cable, layout.cells[e]
-        length[cells] = np.diff(s)
-        drag = rho * cable.diameter / 2 * np.array([cable.Cdn, math.pi * cable.Cdt])
-        of_cells = (segment.EA, cable.damping, cable.mass_per_length, cable.added_mass(environment), *drag)
-        if e in used:
-            values[:6, cells] = np.array(of_cells)[:, None]
-            values[6:, cells] = [[segment.weight], [segment.friction]]
-    EA, damping, mass, added_mass, normal_drag, tangential_drag, weight, friction = values
-    counted = length * np.repeat(np.isin(range(len(layout.s)), used), [s.size - 1 for s in layout.s])
-
-    def by_node(per_length):
-        halves, result = per_length * counted / 2, np.zeros(layout.count)
-        np.add.at(result, layout.first, halves)
-        np.add.at(result, layout.last, halves)
-        return result
-
-    load = np.zeros((layout.count, len(axes)))
-    load[:, -1] -= by_node(weight)
-    point_mass, point_drag = np.zeros(layout.count), np.zeros(layout.count)
-    for point, i in zip(model.points if only is None else (), layout.points.tolist(), strict=False):
-        point_mass[i] += point.mass + point.Ca * rho * point.volume
-        point_drag[i] += rho * point.CdA / 2
-        load[i] += axes @ np.array(point.force)
-        load[i, -1] -= environment.g * (point.mass - rho * point.volume)
-    bed = 0.0 if environment.depth is None else environment.seabed_stiffness or 0.0
-    everywhere = by_node(np.ones(length.size))
-    with np.errstate(invalid="ignore"):
-        friction = np.where(everywhere > 0, by_node(friction) / everywhere, 0.0)
-    return Line(
-        layout.first,
-        layout.last,
-        length,
-        EA,
-        damping,
-        mass,
-        added_mass,
-        normal_drag,
-        tangential_drag,
-        point_mass,
-        point_drag,
-        load,
-        bed * everywhere,
-        environment.seabed_damping * everywhere if bed else np.zeros(layout.count),
-        friction,
-        -math.inf if environment.depth is None else -environment.depth,
-        slip_speed,
-        tuple(float(c) for c in axes @ np.array(environment.current)),
-    )

@@ -112,8 +112,8 @@ class _Run:
         source = self.system.source_at(t[:-1] + (1 - self.scheme[1]) * h)
         system, tolerance = self.system, self.tolerance
         taken, iterations, factorisations, self.error = integrate(
-            system.line, system.order, system.prescribed_nodes, path, source, h, self.scheme, self.scale, tolerance, self.rest,
-            self.state, self.auxiliary, record, every, self.stops_at_slack)  # fmt: skip
+            system.line, system.order, system.prescribed_nodes, path, source, h, self.scheme, self.scale, tolerance,
+            self.rest, self.state, self.auxiliary, record, every, self.stops_at_slack)  # fmt: skip
         self.iterations += iterations
         self.factorisations += factorisations
         return taken
