@@ -182,8 +182,9 @@ def random_state(name: str, n: int, seed: int = 1, pattern: str = "line") -> Ran
 def _spread(first, last, n, rng) -> np.ndarray:
     """Return positions (N, n), m, of nodes that a tree of cells of some 6 m reaches, one after another."""
     r, reached = np.zeros((NODES, n)), {0}
+    both = np.append(first, last), np.append(last, first)
     while len(reached) < NODES:
-        p, q = next((p, q) for p, q in (*zip(first, last), *zip(last, first)) if p in reached and q not in reached)
+        p, q = next((p, q) for p, q in zip(*both, strict=True) if p in reached and q not in reached)
         step = rng.normal(0, 1, n)
         r[q] = r[p] + rng.uniform(4.0, 8.0) * step / np.linalg.norm(step)
         reached.add(q)
@@ -191,7 +192,7 @@ def _spread(first, last, n, rng) -> np.ndarray:
 
 
 def _residual_by_mpmath(line, cells, state, k, c):
-    """Return R (N, n) and the largest force on a node, N: each node with one half cell after another, whatever its end."""
+    """Return R (N, n) and the largest force on a node, N: a node with one half cell at a time, whatever its end."""
     (nodes, n), beyond = state[0].shape, Cell(1e-40, 0.0)  # of no length and no mass, on the other side of the node
     current = (line.current[0], 0.0, line.current[1]) if n == 2 else line.current
     r, v, a = ([list(map(float, row)) for row in part] for part in state)
@@ -325,8 +326,9 @@ class Energy:
     """Energy of lines at stored times (K,), J, and the powers that change it, W, each by its own formula.
 
     total: kinetic with added mass, elastic, of the loads and of the seabed's springs. given: by the holders of the
-    prescribed nodes, a body among them; drag, damper (of the cells), seabed (its damper) and friction: taken. turning: what the energy of the added
-    mass changes by as its cell turns, for the equations leave the force of that out.
+    prescribed nodes, those on a body among them; drag, damper (of the cells), seabed (its damper) and friction: taken.
+    turning: what the energy of the added mass changes by as its cell turns, for the equations leave the force of that
+    out.
     """
 
     total: np.ndarray
