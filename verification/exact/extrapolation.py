@@ -6,8 +6,8 @@ the difference of its last two columns estimates the error (Hairer, Norsett and 
 Equations I, section II.9). The K sequences are independent: they go through f as one batch.
 
 A right side with branches is smooth while the branches are kept. Each step keeps those of its start; where a switching
-function has changed its sign at the end of a step, the step is shortened to the first such event, found to the
-rounding error of the time, and the next one starts with the new branches.
+function has changed its sign at the end of a step, the step is shortened to the first such event, bracketed by
+regula falsi, and the next one starts with the new branches.
 """
 
 from __future__ import annotations
@@ -17,20 +17,23 @@ import numpy as np
 COLUMNS = 7
 SAFETY = 0.8
 SMALLEST_STEP = 1e-12  # of the interval: no smooth problem needs a shorter one
-EVENT_TIME = 1e-15  # of the interval: an event is bracketed as closely as this, or to the rounding of t
-MOST_BISECTIONS = 200
+LINGERING, MOST_TRIALS = 15, 100  # regula falsi takes some eight trials; from the former on, bisection
 
 
-def integrate(f, times, y0, *, switches=None, rtol=1e-11, atol=1e-11, columns=COLUMNS, most_steps=100_000):
+def integrate(
+    f, times, y0, *, switches=None, widths=1e-13, rtol=1e-11, atol=1e-11, columns=COLUMNS, most_steps=100_000
+):
     """Return y at `times`, ndarray (len(times), n); the first of them is where y0 (n,) belongs.
 
     f : (t (b,), y (b, n), branches) -> y' (b, n), for a batch of b independent states
     switches : None, or (t (b,), y (b, n)) -> (b, k); branches, bool (k,), says which of them are positive, or is None
+    widths : (k,) or a number, s, how closely events of each are bracketed: what lies between a bracket's beginning and
+    the event is done in the wrong branch. Where y' jumps 1e-13 is not too little, where its derivative does 1e-7
     Each step's estimated error is below atol + rtol max |y| over the history of each component so far.
     Raises ArithmeticError where the step becomes too short or too many are needed.
     """
     times, y = np.asarray(times, float), np.array(y0, float)
-    method = _Extrapolation(f, switches, 2 * np.arange(1, columns + 1), times[-1] - times[0])
+    method = _Extrapolation(f, switches, widths, 2 * np.arange(1, columns + 1), times[-1] - times[0])
     result, t, largest = [y], times[0], np.abs(y)
     H, order = (times[1] - times[0]) / 16, 2 * columns - 1
     branches = method.branches(t, y)
@@ -55,8 +58,9 @@ def integrate(f, times, y0, *, switches=None, rtol=1e-11, atol=1e-11, columns=CO
 
 
 class _Extrapolation:
-    def __init__(self, f, switches, counts, duration):
-        self.f, self.switches, self.counts, self.duration, self.steps = f, switches, counts, duration, 0
+    def __init__(self, f, switches, widths, counts, duration):
+        self.f, self.switches, self.widths = f, switches, np.asarray(widths, float)
+        self.counts, self.duration, self.steps = counts, duration, 0
 
     def count(self, t, H, most_steps):
         """Count a step; raise ArithmeticError where there are too many, or where it is too short."""
@@ -88,32 +92,32 @@ class _Extrapolation:
     def first_event(self, t, y, H, branches, new):
         """Return the length of the step to the first event, or H where there is none, and y there.
 
-        The root of the least switching function, in the direction of its branch, by the Illinois variant of regula
+        The first root of the switching functions that have left their branches, by the Illinois variant of regula
         falsi, with bisection where that lingers. The end beyond the event is returned.
         """
         if branches is None:
             return H, new
-        signs = np.where(branches, 1.0, -1.0)
 
-        def margin(h, state):
-            values = signs * self.switches(np.array([t + h]), state[None])[0]
-            values = np.where(branches, values, values + np.finfo(float).tiny)  # zero counts as not positive
-            return values.min()
+        def margins(h, state):
+            values = self.switches(np.array([t + h]), state[None])[0]
+            return np.where(branches, values, np.finfo(float).tiny - values)  # zero counts as not positive
 
-        if (above := margin(H, new)) > 0:
+        above = margins(H, new)
+        if above.min() > 0:
             return H, new
-        low, high, below = 0.0, H, margin(0.0, y)
-        closest = max(EVENT_TIME * self.duration, 2 * np.spacing(abs(t) + H))
-        for trial in range(MOST_BISECTIONS):
+        low, high, below, side = 0.0, H, margins(0.0, y), 0
+        widths = np.maximum(np.broadcast_to(self.widths, above.shape), 4 * np.spacing(abs(t) + H))
+        for trial in range(MOST_TRIALS):
+            left = above <= 0
+            closest = widths[left].min()
             if high - low <= closest:
                 break
-            middle = low + (high - low) * below / (below - above) if below > 0 else low
-            if trial % 4 == 3 or not low + closest / 4 < middle < high - closest / 4:
-                middle = (low + high) / 2 if trial % 4 == 3 else min(max(middle, low + closest / 2), high - closest / 2)
+            share = 0.5 if trial >= LINGERING else (below[left] / (below[left] - above[left])).min()
+            middle = min(max(low + (high - low) * share, low + closest / 2), high - closest / 2)
             state, _ = self.step(t, y, middle, branches)
-            value = margin(middle, state)
-            if value > 0:
-                low, below, above = middle, value, above / 2
+            values = margins(middle, state)
+            if values.min() > 0:
+                low, below, above, side = middle, values, above / 2 if side > 0 else above, 1
             else:
-                high, above, below, new = middle, value, below / 2, state
+                high, above, below, new, side = middle, values, below / 2 if side < 0 else below, state, -1
         return high, new

@@ -2,8 +2,8 @@
 
 `PointOnLines` is a clump weight or buoy held by lines without inner nodes. `tethered_buoy` is a buoy over a tether with
 mass and weight, without stretch, in Bessel functions. `joint_frequencies` is the transcendental equation of uniform
-arms, strings or bars, that end at one mass; `star_frequencies` applies it to n equal arms at equal angles. An arm may be
-lumped into cells: then the equation is exact for the lumped arm too. mpf throughout, SI units, frequencies in Hz.
+arms, strings or bars, that end at one mass; `star_frequencies` applies it to n equal arms at equal angles. An arm may
+be lumped into cells: then the equation is exact for the lumped arm too. mpf throughout, SI units, frequencies in Hz.
 """
 
 from __future__ import annotations
@@ -59,7 +59,9 @@ class PointOnLines:
 
         Raises ArithmeticError where it does not converge or a line is slack there.
         """
-        down = mpf(self.weight) + sum(w * l for w, l in zip(self._of("line_weight"), self._of("length"), strict=True)) / 2
+        down = (
+            mpf(self.weight) + sum(w * l for w, l in zip(self._of("line_weight"), self._of("length"), strict=True)) / 2
+        )
         r = mp.matrix([mpf(x) for x in start])
         for _ in range(60):
             force = mp.matrix([0, 0, -down])
@@ -92,7 +94,7 @@ class PointOnLines:
         return sorted(mp.sqrt(value) / (2 * mp.pi) for value in values)
 
     def plane_frequencies(self, r):
-        """Return ((two in the plane x, z), the one across it), Hz, of ends with y = 0: roots of a quadratic equation."""
+        """Return ((two in the plane x, z), the one across it), Hz, of ends with y = 0: roots of a quadratic."""
         K, M = self._stiffness(r), self._mass(r)
         a = M[0, 0] * M[2, 2] - M[0, 2] ** 2
         b = K[0, 0] * M[2, 2] + K[2, 2] * M[0, 0] - 2 * K[0, 2] * M[0, 2]

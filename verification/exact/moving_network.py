@@ -35,6 +35,10 @@ KINDS = ("fixed", "coupled", "free")
 WORKS = ("holders", "drag", "damping", "seabed damping", "friction", "turning")
 """Work done on the system by holders; lost by drag, damping, seabed and friction; done by the turning added mass."""
 
+JUMP, KINK, SMOOTH_KINK = 1e-13, 1e-7, 3e-5
+"""Widths, s, of the brackets of touchdown, of tension and lift-off, and of a turn of the flow along a cell, in which
+the force is wrong by a jump, by its slope times the width, by the square of that: some 1e-11 N s each."""
+
 
 # ---------------------------------------------------------------- the description
 @dataclass(frozen=True)
@@ -203,29 +207,30 @@ class Forces:
         self.law = self._cell("EA") * (self.strain + self._cell("beta") * self.rate)
         self.depth_below = -network.seabed.depth - r[..., 2] if network.seabed else np.full(r.shape[:-1], -1.0)
         self.bearing = self._bearing(network.seabed)
-        c, n = len(mesh.l), mesh.size
-        shapes = [x.reshape(shape) for x in np.split(branches, [c, 2 * c, 2 * c + n])] if branches is not None else None
-        self.is_taut, self.is_stretched, self.is_pressed, self.is_borne = shapes or [
-            np.real(x) > 0 for x in self._switches()
-        ]
+        self.relative = v - np.array(network.current, float)
+        self.slip = [_dot(self.relative[end], self.tau) for end in (mesh.a, mesh.b)]
+        signs = [np.real(x) > 0 for x in self._switches()] if branches is None else self._split(branches[:, None])
+        self.is_taut, self.is_stretched, self.is_pressed, self.is_borne, *self.is_forward = signs
         self.tension = np.where(self.is_taut, self.law, 0.0)
         pull = self.tension[..., None] * self.tau
         self.pull = mesh.gather(pull, -pull)
-        self.relative = v - np.array(network.current, float)
-        self.drag = mesh.gather(self.half_drag(mesh.a), self.half_drag(mesh.b))
+        self.drag = mesh.gather(self.half_drag(0), self.half_drag(1))
         speed = np.sqrt(_dot(self.relative, self.relative))
         self.point_drag = (-network.rho / 2 * self._node("CdA") * speed)[..., None] * self.relative
         self._seabed(network.seabed)
         self.constant = self._constant()
 
-    def half_drag(self, node):
-        """Return the drag of half of each cell at the ends `node` (c,), ndarray (c, ..., 3), N."""
-        u = self.relative[node]
-        u_t = _dot(u, self.tau)
+    def half_drag(self, end):
+        """Return the drag of half of each cell at its end 0 or 1, ndarray (c, ..., 3), N."""
+        u, u_t = self.relative[(self.mesh.a, self.mesh.b)[end]], self.slip[end]
         u_n = u - u_t[..., None] * self.tau
         scale = -self.mesh.network.rho / 2 * self._cell("d") * np.sqrt(1 + self.strain) * self.l / 2
         across = (scale * self._cell("Cdn") * np.sqrt(_dot(u_n, u_n)))[..., None] * u_n
-        return across + (scale * np.pi * self._cell("Cdt") * np.sqrt(u_t * u_t) * u_t)[..., None] * self.tau
+        return (
+            across
+            + (scale * np.pi * self._cell("Cdt") * np.where(self.is_forward[end], u_t, -u_t) * u_t)[..., None]
+            * self.tau
+        )
 
     def half_mass(self):
         """Return the mass matrix that each cell gives to either of its nodes, ndarray (c, ..., 3, 3), kg."""
@@ -246,12 +251,19 @@ class Forces:
         return self.pull + self.drag + self.point_drag + self.contact + self.friction + self.constant
 
     def _switches(self):
-        return self.law, self.strain, self.depth_below, self.bearing
+        drag = np.any(self._cell("Cdt"))
+        forward = self.slip if drag else [x + np.inf for x in self.slip]
+        return self.law, self.strain, self.depth_below, self.bearing, *forward
+
+    def _split(self, branches):
+        c, n = len(self.mesh.l), self.mesh.size
+        return np.split(branches, np.cumsum([c, c, n, n, c]))
 
     def switches(self):
         """Return the functions whose signs choose the branches of the laws, ndarray (k, ...).
 
-        Tension of each cell and its strain; of each node its depth below the seabed and what this would bear.
+        Tension of each cell and its strain; of each node its depth below the seabed and what this would bear; the
+        relative velocity along each cell at either end, whose drag |u_t| u_t has a kink.
         """
         return np.concatenate(self._switches())
 
@@ -372,8 +384,15 @@ def simulate(network, times, position=None, velocity=None, *, load=None, rtol=1e
     position = mesh.straight() if position is None else np.asarray(position, float)
     velocity = np.zeros((mesh.size, 3)) if velocity is None else np.asarray(velocity, float)
     start = np.concatenate([position[mesh.free].ravel(), velocity[mesh.free].ravel(), np.zeros(len(WORKS))])
-    states = integrate(equations.rates, times, start, switches=equations.switches, rtol=rtol, atol=atol)
+    options = {"switches": equations.switches, "widths": _event_widths(mesh), "rtol": rtol, "atol": atol}
+    states = integrate(equations.rates, times, start, **options)
     return equations.history(np.asarray(times, float), states)
+
+
+def _event_widths(mesh):
+    """Return how closely events are bracketed, ndarray (k,), s: a jump, the kink of a force, that of its derivative."""
+    c, n = len(mesh.l), mesh.size
+    return np.repeat([KINK, KINK, JUMP, KINK, SMOOTH_KINK], [c, c, n, n, 2 * c])
 
 
 class _Equations:
@@ -456,7 +475,7 @@ class _Equations:
         half_mass, half_weight = forces.half_mass(), mesh.per_cell("weight") * mesh.l / 2
         share = np.where(mesh.tributary > 0, mesh.tributary, 1.0)
         for side, (node, sign) in enumerate(((mesh.a, 1.0), (mesh.b, -1.0))):
-            force = sign * forces.tension[..., None] * forces.tau + forces.half_drag(node)
+            force = sign * forces.tension[..., None] * forces.tau + forces.half_drag(side)
             force = force - np.einsum("c...ij,c...j->c...i", half_mass, a[node])
             force[..., 2] -= half_weight[:, None]
             part = (mesh.l / 2 / share[node])[:, None, None]
@@ -482,7 +501,7 @@ def solve_equilibrium(network, start=None, *, t=0.0, tolerance=1e-11, most_steps
     if mesh.coupled.size:
         r[mesh.coupled] = network.motion.kinematics(network.nodes.position[mesh.coupled], t)[0]
     free, n = mesh.free, 3 * mesh.free.size
-    scale, damping = None, None
+    scale, stiffest = None, (mesh.per_cell("EA") / mesh.l).max()
     for _ in range(most_steps):
         batch = np.repeat(r[:, None].astype(complex), n + 1, axis=1)
         batch[np.repeat(free, 3), np.arange(1, n + 1), np.tile(np.arange(3), free.size)] += 1e-30j
@@ -493,9 +512,8 @@ def solve_equilibrium(network, start=None, *, t=0.0, tolerance=1e-11, most_steps
         if size <= tolerance * max(forces.tension[:, 0].real.max(), 1.0):
             return r
         scale = scale or size
-        diagonal = np.abs(np.diag(stiffness)).max()
-        damping = diagonal * min(1.0, size / scale) * 0.1
-        step = np.linalg.solve(stiffness + max(damping, 1e-14 * diagonal) * np.eye(n), force)
+        damping = stiffest * min(1.0, size / scale) * 0.1
+        step = np.linalg.solve(stiffness + max(damping, 1e-10 * stiffest) * np.eye(n), force)
         longest = 0.5 * mesh.l.min()
         step *= min(1.0, longest / np.abs(step).max())
         r[free] += step.reshape(-1, 3)

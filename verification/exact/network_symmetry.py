@@ -49,6 +49,10 @@ class Change:
         result[..., self.node, :] = (np.asarray(values) - self.axis) @ self.matrix.T + self.axis
         return result
 
+    def vectors_forth(self, values):
+        """Return velocities (..., size, 3), m/s, of the original's nodes for the changed mesh."""
+        return self.positions_forth(np.asarray(values) + self.axis) - self.axis
+
     def cells_back(self, values):
         """Return tensions (..., c) of the changed mesh for the original's cells."""
         return np.asarray(values)[..., self.cell]
@@ -65,15 +69,15 @@ class Change:
 
 def _unchanged(network, **given):
     mesh, lines = Mesh(network), network.lines
-    own = dict(
-        network=network,
-        node=np.arange(mesh.size),
-        cell=np.arange(len(mesh.l)),
-        line=np.arange(len(lines.ends)),
-        swapped=np.zeros(len(lines.ends), bool),
-        matrix=np.eye(3),
-        axis=np.zeros(3),
-    )
+    own = {
+        "network": network,
+        "node": np.arange(mesh.size),
+        "cell": np.arange(len(mesh.l)),
+        "line": np.arange(len(lines.ends)),
+        "swapped": np.zeros(len(lines.ends), bool),
+        "matrix": np.eye(3),
+        "axis": np.zeros(3),
+    }
     return Change(**(own | given))
 
 
@@ -178,7 +182,7 @@ def ring(n, *, radius, depth, fairlead_radius, length, cells, motion=None, line=
 
 
 def circling(radius, omega, heave=0.0):
-    """Return the motion of a body whose reference point circles the axis with the phase omega t, at a constant heave."""
+    """Return the motion of a body whose reference point goes round the axis at omega t, at a constant heave."""
     return RigidMotion(
         omega=omega,
         amplitude=(radius, radius, 0.0, 0.0, 0.0, 0.0),

@@ -16,7 +16,8 @@ from verification.exact.rigid_motion import RigidMotion
 
 SEEDS = tuple(range(10))
 FEATURES = ("clump", "buoy", "bridle", "seabed", "crossing")
-"""What a seed's network has: that of seed % 5. Odd seeds have a current."""
+"""What a seed's network has: that of seed % 5. Odd seeds have a current, and drag along the
+lines: in still water that would turn at every node with the motion."""
 DURATION, SAMPLES = 5.0, 26
 """Seconds, and times from 0 to there, of `random_history`."""
 
@@ -51,7 +52,7 @@ def random_network(seed):
         weight=mass * rng.uniform(4.0, 8.0, e),
         d=rng.uniform(0.08, 0.15, e),
         Cdn=rng.uniform(0.8, 1.6, e),
-        Cdt=rng.uniform(0.0, 0.1, e),
+        Cdt=rng.uniform(0.0, 0.1, e) * any(current),
     )
     network = Network(nodes, lines, _motion(rng, nodes), seabed, current)
     mesh, position = Mesh(network), solve_equilibrium(network)
@@ -123,14 +124,17 @@ def _seabed(rng):
     places = _shaken(rng, [(-45, 0, -30), (-22, 1, -30), (0, 0, -10), (30, 30, -30)], 0.5)
     places[[0, 1, 3], 2] = -30.0
     nodes = Nodes(
-        places, ("fixed", "free", "coupled", "fixed"), mass=[0.0, rng.uniform(100, 300), 0.0, 0.0], volume=[0, 0.05, 0, 0]
+        places,
+        ("fixed", "free", "coupled", "fixed"),
+        mass=[0.0, rng.uniform(100, 300), 0.0, 0.0],
+        volume=[0, 0.05, 0, 0],
     )
     bed = Seabed(30.0, rng.uniform(300, 800), rng.choice([0.0, 60.0]), rng.uniform(0.2, 0.8), 0.1)
     return nodes, [(0, 1), (1, 2), (2, 3)], (1.0, 1.05, 1.06), bed
 
 
 def _crossing(rng):
-    """Five lines: a span between two joints, each moored to an anchor and to the body, one with an anchor of its own."""
+    """Five lines: a span between two joints, each of them moored to an anchor and to the body."""
     places = _shaken(rng, [(-30, 0, -35), (30, 0, -35), (-10, 0, -20), (10, 2, -20), (-14, 6, -4), (14, 6, -4)], 1.0)
     nodes = Nodes(
         places,
