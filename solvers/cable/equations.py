@@ -13,6 +13,7 @@ from typing import Self
 import numpy as np
 
 from ..common.outcome import InputError, Status
+from ..common.properties import MAX_STRAIN
 from ..numerics.chain import ChainSystem, Residual
 from . import planar as planar_equations
 from . import spatial as spatial_equations
@@ -20,8 +21,6 @@ from .loads import seabed_support
 from .mesh import trapezoidal_weights
 from .midpoint_stencils import midpoint_stencils
 from .outputs import CableOutputs, append_sample_axes
-
-MAX_STRAIN = 0.3  # chain breaks at 0.01, polyester at 0.15, nylon near 0.3
 
 
 class CableEquations(CableOutputs, ChainSystem):

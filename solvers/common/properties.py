@@ -9,6 +9,7 @@ from .outcome import InputError
 from .types import Vector
 from .validation import non_negative_number, positive_number, real_number, vector
 
+MAX_STRAIN = 0.3  # of a moving line: chain breaks at 0.01, polyester at 0.15, nylon near 0.3
 _LARGEST = 1e100  # m; squares of a diameter and products with it stay within double precision
 
 

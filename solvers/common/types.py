@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import singledispatch
 from typing import Protocol
 
 import numpy as np
@@ -25,6 +26,7 @@ class Movement(Protocol):
         """Return unit vectors whose combinations hold the motion, (k, 3)."""
 
 
+@singledispatch
 def as_system(given):
-    """Return what a solver works on: the system that a scene makes of itself, or what is given."""
-    return given.as_system() if hasattr(given, "as_system") else given
+    """Return what a solver works on: what is given, or what the room of a scene or network has registered for it."""
+    return given

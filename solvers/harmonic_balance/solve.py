@@ -76,6 +76,15 @@ def solve_periodic(
     if deferred_correction and hasattr(system, "solve_extrapolated"):  # a moving line of nodes and elements
         options = {name: value for name, value in locals().items() if name not in ("system", "deferred_correction")}
         return system.solve_extrapolated(**options)
+    if len(parts := getattr(system, "components", ())) > 1:  # lines that no free node joins
+        options = {name: value for name, value in locals().items() if name not in ("system", "parts", "throw", "start")}
+        starts = [_start_of(part, start) for part in parts]
+        each = [
+            solve_periodic(part.system, start=z, throw=False, **options) for part, z in zip(parts, starts, strict=True)
+        ]
+        response = system.merge_responses(each)  # type: ignore[attr-defined]
+        failed = [part.system.model.name for part, one in zip(parts, each, strict=True) if not one.success]
+        return response.or_raise(f"{harmonics} harmonics; {'; '.join(failed)}") if throw else response
     Nh = _count("harmonics", harmonics)
     nu = _count("subharmonic", subharmonic)
     Nt = max(4 * Nh, 8) if samples is None else _count("samples", samples)
@@ -117,7 +126,8 @@ def solve_periodic(
     given = f"{Nh} harmonics, {Nt} samples, amplitude reached: {solution.amplitude:.4g}"
     if response.event is not None:
         t, node = response.event
-        given += f"; a state is invalid at t = {t:.4g} s, node {node + 1} of {system.nodes}"
+        name_node = getattr(system, "name_node", lambda node: f"node {node + 1} of {system.nodes}")
+        given += f"; a state is invalid at t = {t:.4g} s, {name_node(node)}"
     return response.or_raise(given) if throw else response
 
 
@@ -173,6 +183,13 @@ def _corrected(residual, inverse, finer, z, tolerance):
 
 
 _NEWTON = {"damped": damped_newton, "relaxation": relaxed_newton}
+
+
+def _start_of(part, start):
+    """Return what of a start belongs to the nodes of a component."""
+    if start is None or not hasattr(start, "z"):
+        return start if start is None or np.ndim(start) != 3 else np.asarray(start)[:, part.nodes]
+    return replace(start, system=part.system, z=start.z[:, part.nodes])
 
 
 def _count(name, value) -> int:

@@ -1,11 +1,20 @@
 """A network of lines in one TOML file.
 
 name = "..."                 optional: description
-[environment]                rho = 1025 kg/m^3, g = 9.80665 m/s^2; depth (m): a flat seabed at z = -depth
-[[line_types]]               name, EA (N), then submerged_weight (N/m) or diameter (m) + mass_per_length (kg/m)
+[environment]                rho = 1025 kg/m^3, g = 9.80665 m/s^2; depth (m): a flat seabed at z = -depth;
+                             current (m/s, [x, y, z]), seabed_stiffness (N/m^2), seabed_damping (N s/m^2) for motion
+[[line_types]]               name, EA (N), then submerged_weight (N/m) or diameter (m) + mass_per_length (kg/m); with
+                             these, for motion: Cdn, Cdb, Cdt, Ca, damping (s), see CableProperties
 [[nodes]]                    name, kind = "fixed", "free" or "coupled", r = [x, y, z] (m; of a free node a guess);
-                             mass (kg), volume (m^3), force = [x, y, z] (N): 0 if not given
+                             mass (kg), volume (m^3), force = [x, y, z] (N), CdA (m^2), Ca: 0 if not given
 [[elements]]                 line_type, length (m), anchor and fairlead (names of nodes); friction of the seabed, or 0
+[motion]                     optional, of the body that carries the coupled nodes, about those positions:
+reference = [x, y, z]        m, the point that it turns about; the origin where it is not given
+frequency = 0.1              Hz, or period (s)
+amplitude = [2.0, 0.0, 0.0, 0.0, 0.05, 0.0]
+                             surge, sway, heave (m), roll, pitch, yaw (rad), of sin(2 pi f t + phase); phase (rad): 0;
+                             or sine and cosine: lists of rows of six, one for each harmonic of the frequency
+file = "series.csv"          in place of all these but reference: a series, see solvers/io/motion_file.py
 """
 
 from __future__ import annotations
@@ -13,18 +22,22 @@ from __future__ import annotations
 from dataclasses import dataclass
 from difflib import get_close_matches
 from os import PathLike
+from pathlib import Path
 
+from ..common.body_motion import BodyMotion
 from ..common.outcome import InputError
 from ..common.properties import CableProperties, Environment
 from ..network.model import Element, Network, Node
+from .motion_file import KEYS as MOTION_KEYS
+from .motion_file import motion_from_table
 from .scene import (  # private to this package: one wording of errors for all scene files
     _check_keys,
     _point,
     read_tables,
 )
 
-_SECTION = ("diameter", "mass_per_length", "submerged_weight")
-_LOADS = ("mass", "volume", "force")
+_SECTION = ("diameter", "mass_per_length", "submerged_weight", "Cdn", "Cdb", "Cdt", "Ca", "damping")
+_LOADS = ("mass", "volume", "force", "CdA", "Ca")
 _TABLES = {  # table -> required keys, optional keys
     "line_types": (("name", "EA"), _SECTION),
     "nodes": (("name", "kind", "r"), _LOADS),
@@ -34,11 +47,17 @@ _TABLES = {  # table -> required keys, optional keys
 
 @dataclass(frozen=True)
 class NamedNetwork(Network):
-    """The network of a scene file; node_names (n,) in the order of its nodes."""
+    """The network of a file; node_names (n,) in the order of its nodes.
+
+    motion : of the body that carries the coupled nodes, or None
+    notes : what the file says and has no meaning here, or is taken in a way of its own, one sentence each
+    """
 
     name: str = ""
     description: str = ""
     node_names: tuple[str, ...] = ()
+    motion: BodyMotion | None = None
+    notes: tuple[str, ...] = ()
 
 
 def load_network(path: str | PathLike[str]) -> NamedNetwork:
@@ -52,26 +71,27 @@ def load_network(path: str | PathLike[str]) -> NamedNetwork:
     return read_tables(path, _from_tables)
 
 
-def _from_tables(data: dict, stem: str) -> NamedNetwork:
-    _check("the top level", data, tuple(_TABLES), ("name", "description", "environment"))
+def _from_tables(data: dict, path: Path) -> NamedNetwork:
+    _check("the top level", data, tuple(_TABLES), ("name", "description", "environment", "motion"))
     for key in ("name", "description"):
         _text(key, data.get(key, ""))
     _check_keys("environment", data.get("environment", {}))
     environment = Environment(**data.get("environment", {}))
     types, nodes = (_by_name(name, data[name]) for name in ("line_types", "nodes"))
-    weights = {name: _located(where, _cable, table) for name, (where, table) in types.items()}
+    cables = {name: _located(where, _cable, table) for name, (where, table) in types.items()}
     order = {name: i for i, name in enumerate(nodes)}
     made = [_located(where, _node, table) for where, table in nodes.values()]
     lines = [
-        _located(where, _element, table, weights, order, environment)
+        _located(where, _element, table, cables, order, environment)
         for where, table in _entries("elements", data["elements"])
     ]
     try:
         return NamedNetwork(
             *(tuple(made), tuple(lines), environment),
-            name=data.get("name", stem),
+            name=data.get("name", path.stem),
             description=data.get("description", ""),
             node_names=tuple(nodes),
+            motion=_motion(data["motion"], path.parent, made, lines, environment) if "motion" in data else None,
         )
     except InputError as error:
         if not error.item or error.item[0] != "node":
@@ -154,7 +174,27 @@ def _element(table, cables, order, environment) -> Element:
     if ends[0] == ends[1]:
         problem = f"anchor and fairlead are both {table['anchor']!r}"
         raise InputError(problem, field="fairlead", value=table["fairlead"], label="")
-    return Element(cable.weight_in(environment), cable.EA, table["length"], ends, table.get("friction", 0.0))
+    section = cable if cable.diameter and cable.mass_per_length else None  # both of which motion takes
+    weight, friction = cable.weight_in(environment), table.get("friction", 0.0)
+    return Element(weight, cable.EA, table["length"], ends, friction, section)
+
+
+def _motion(table, folder: Path, nodes, elements, environment) -> BodyMotion:
+    """Return the motion of the body; raises InputError for what a moving network needs and the file lacks."""
+    if not isinstance(table, dict):
+        raise InputError(f"{table!r} must be a table, [motion]", field="motion", value=table)
+    _check("[motion]", table, (), sorted(MOTION_KEYS))
+    motion = motion_from_table(table, folder)
+    if not any(node.kind == "coupled" for node in nodes):
+        raise InputError('no node has kind = "coupled", which a body would move', field="motion")
+    for i, element in enumerate(elements, start=1):
+        if element.cable is None:
+            problem = "its line type has no diameter (m) and mass_per_length (kg/m), and [motion] takes both"
+            raise InputError(problem, field="line_type", label=f"[[elements]] number {i}: line_type")
+    if environment.depth is not None and environment.seabed_stiffness is None:
+        problem = "not given (N/m^2), and [motion] over a seabed takes it"
+        raise InputError(problem, field="environment.seabed_stiffness", unit="N/m^2")
+    return motion
 
 
 def _known(key: str, name, by_name: dict):

@@ -33,9 +33,9 @@ from ..catenary.span import Span
 from ..common.motion import Motion
 from ..common.outcome import InputError
 from ..common.properties import CableProperties, Environment
-from ..common.types import Vector
+from ..common.types import Vector, as_system
 from ..common.validation import positive_number, real_number, vector
-from ..mooring.system import MooringSystem, mooring_system
+from ..mooring.system import mooring_system
 
 _SECTION = ("diameter", "mass_per_length", "submerged_weight", "Cdn", "Cdb", "Cdt", "Ca", "damping")
 _KEYS = {
@@ -87,7 +87,7 @@ class Scene:
         return read_tables(path, cls._from_tables)
 
     @classmethod
-    def _from_tables(cls, data: dict, stem: str) -> Scene:
+    def _from_tables(cls, data: dict, path: Path) -> Scene:
         tables = {"environment": {}, "line": {}, "ends": {}} | {k: data[k] for k in _KEYS if k in data}
         for name, table in {"": data, **tables}.items():
             _check_keys(name, table)
@@ -98,7 +98,7 @@ class Scene:
         friction = line.get("friction", 0.0)
         section = {key: line[key] for key in _SECTION if key in line}
         scene = cls(
-            name=data.get("name", stem),
+            name=data.get("name", path.stem),
             description=data.get("description", ""),
             tolerance=_tolerance(data.get("tolerance", 1e-6)),
             environment=Environment(**tables["environment"]),
@@ -134,10 +134,6 @@ class Scene:
             problem = f"takes the fairlead down to z = {lowest:g} m, below the seabed, {-depth:g} m"
             raise InputError(problem, field="motion.amplitude", value=self.motion.sine.tolist(), unit="m")  # type: ignore[union-attr]
 
-    def as_system(self) -> MooringSystem:
-        """Return the moving line of nodes and elements on its default mesh, which solvers make of a scene."""
-        return mooring_system(self)
-
     def spans(self) -> tuple[Span, ...]:
         """Return the line as solvers.Span in its vertical plane, one for each friction coefficient."""
         (x0, y0, z0), (x1, y1, z1) = self.anchor, self.fairlead
@@ -155,7 +151,7 @@ class Scene:
 
 
 def read_tables(path, build):
-    """Return build(tables, stem) of a TOML file; raises InputError naming the file for what is wrong with or in it."""
+    """Return build(tables, path) of a TOML file; raises InputError naming the file for what is wrong with or in it."""
     try:
         path = Path(path)
         data = tomllib.loads(path.read_text(encoding="utf-8"))
@@ -170,7 +166,7 @@ def read_tables(path, build):
     except ValueError:
         raise InputError(f"{str(path)!r} is not the path of a scene file", field="path", value=path) from None
     try:
-        return build(data, path.stem)
+        return build(data, path)
     except InputError as error:
         raise error.located(str(path)) from None
 
@@ -227,3 +223,6 @@ def _point(name: str, value) -> tuple[float, float, float]:
         raise InputError(f"{value!r} must be three coordinates [x, y, z] (m)", field=name, value=value, unit="m")
     x, y, z = (real_number(f"{name}[{i}]", v, "m") for i, v in enumerate(value))
     return x, y, z
+
+
+as_system.register(Scene, mooring_system)  # its moving line of nodes and elements on the default mesh

@@ -61,14 +61,14 @@ def assemble_line(model, layout, axes, slip_speed, only=None) -> Line:
     counted = length * np.repeat(np.isin(range(len(layout.s)), used), [s.size - 1 for s in layout.s])
 
     def by_node(per_length):
-        halves, result = per_length * counted / 2, np.zeros(layout.count)
+        halves, result = per_length * counted / 2, np.zeros(layout.size)
         np.add.at(result, layout.first, halves)
         np.add.at(result, layout.last, halves)
         return result
 
-    load = np.zeros((layout.count, len(axes)))
+    load = np.zeros((layout.size, len(axes)))
     load[:, -1] -= by_node(weight)
-    point_mass, point_drag = np.zeros(layout.count), np.zeros(layout.count)
+    point_mass, point_drag = np.zeros(layout.size), np.zeros(layout.size)
     for point, i in zip(model.points if only is None else (), layout.points.tolist(), strict=False):
         point_mass[i] += point.mass + point.Ca * rho * point.volume
         point_drag[i] += rho * point.CdA / 2
@@ -92,7 +92,7 @@ def assemble_line(model, layout, axes, slip_speed, only=None) -> Line:
         point_drag,
         load,
         bed * everywhere,
-        environment.seabed_damping * everywhere if bed else np.zeros(layout.count),
+        environment.seabed_damping * everywhere if bed else np.zeros(layout.size),
         friction,
         -math.inf if environment.depth is None else -environment.depth,
         slip_speed,

@@ -7,16 +7,17 @@ from dataclasses import replace
 import numpy as np
 
 from ..catenary.pretension import mean_pretension, pretension_warnings
-from ..common.diagnostics import CURVED, SETTLED, TAIL, check_mesh, largest_slope_change
+from ..common.diagnostics import CURVED, SETTLED, TAIL, check_mesh, largest_slope_change, relative_change
 from ..common.outcome import ConvergenceError
 
+STILL = 1e-9  # of a tension: smaller ranges are rounding
 _INSTANTS = 500  # at which two waveforms are compared
 
 
 def exact_pretension(system) -> float | None:
     """Return the fairlead tension of the exact catenaries, N; None in a current or where a soft seabed decides it."""
     model, environment = system.model, system.model.environment
-    if any(system.line.current) or system.prescribed_nodes.size < 2:
+    if not model.is_line or any(system.line.current) or system.prescribed_nodes.size < 2:
         return None
 
     def tension_over(depth):
@@ -35,15 +36,21 @@ def rest_warnings(system) -> tuple[str, ...]:
     return pretension_warnings(system.rest.pretension_error, "cells")
 
 
+def largest_change(fine, coarse) -> float | None:
+    """Return the largest ``relative_change`` of two results of a line, or of the elements of a network."""
+    changes = [relative_change(*pair) for pair in zip(fine.lines, coarse.lines, strict=True)]
+    return None if None in changes else max(changes)  # type: ignore[type-var]
+
+
 def check_history(history):
     """Yield warnings about a MooringHistory: rest, mesh, step, slack, periodicity."""
     yield from rest_warnings(history.system)
-    time, tension = history.time, np.linalg.norm(history.fairlead_force, axis=0)
+    time = history.time
     if time.size < 3:
         yield f"time: only {time.size - 1} step is stored, which shows nothing of the error: use a shorter dt"
         return
-    spread = float(np.ptp(tension))
-    if spread <= 1e-9 * tension.max():
+    tensions = [np.linalg.norm(line.fairlead_force, axis=0) for line in history.lines]
+    if all(np.ptp(tension) <= STILL * tension.max() for tension in tensions):
         return
     yield from check_mesh(history.mesh_error, "cells")
     if history.slack:
@@ -51,28 +58,49 @@ def check_history(history):
         cells = f"cells {min(longest.cells) + 1} to {max(longest.cells) + 1}"
         times = f"the longest from t = {longest.start:.4g} to {longest.end:.4g} s"
         yield f"slack: {len(history.slack)} times, {times}, {cells}"
-    elif time.size == history.steps + 1 and (change := largest_slope_change(tension, time) / spread) > CURVED:
-        yield f"dt: the slope of the tension changes by {change:.2g} of its range in a step: use a shorter dt"
-    period = history.system.period
-    if period is None or time[-1] < 2 * period:
+    elif time.size == history.steps + 1:
+        yield from _check_step(history, tensions)
+    yield from _check_periodicity(history)
+
+
+def _check_step(history, tensions):
+    changes = [largest_slope_change(T, history.time) / np.ptp(T) for T in tensions if np.ptp(T) > STILL * T.max()]
+    if max(changes) > CURVED:
+        where = _element(history, int(np.argmax(changes)))
+        change = f"changes by {max(changes):.2g} of its range in a step"
+        yield f"dt: the slope of the tension{where} {change}: use a shorter dt"
+
+
+def _check_periodicity(history):
+    period, end = history.system.period, history.time[-1]
+    if period is None or end < 2 * period:
         return
-    last = np.linspace(time[-1] - period, time[-1], _INSTANTS)
-    now, before = history.fairlead_tension(last), history.fairlead_tension(last - period)
-    change, spread = abs(now - before).max(), np.ptp(now)
-    if change > SETTLED * spread:
-        yield f"periods: the last two differ by {change / spread:.2g} of the range of the tension: not periodic yet"
+    last, changes = np.linspace(end - period, end, _INSTANTS), []
+    for line in history.lines:
+        now, before = line.fairlead_tension(last), line.fairlead_tension(last - period)
+        spread = np.ptp(now)
+        changes.append(abs(now - before).max() / spread if spread > STILL * now.max() else 0.0)
+    if max(changes) > SETTLED:
+        where = _element(history, int(np.argmax(changes)))
+        yield f"periods: the last two differ by {max(changes):.2g} of the range of the tension{where}: not periodic yet"
+
+
+def _element(result, index) -> str:
+    return "" if result.system.model.is_line else f" of element {index + 1}"
 
 
 def check_response(response):
     """Yield warnings about a MooringResponse: rest, mesh, harmonics."""
     yield from rest_warnings(response.system)
     yield from check_mesh(response.mesh_error, "cells")
-    count = response.basis.harmonics
-    amplitudes = response.tension_harmonics(count)[1:]
-    first, period = response.last_period
-    spread = np.ptp(response.fairlead_tension(first + period * np.arange(_INSTANTS) / _INSTANTS))
-    last = amplitudes[-2:].max()
-    if last > TAIL * spread > 0:
-        yield f"harmonics: the last of {count} carry {last / spread:.2g} of the tension's range: use more"
+    count, (first, period) = response.basis.harmonics, response.last_period
+    instants, shares = first + period * np.arange(_INSTANTS) / _INSTANTS, []
+    for line in response.lines:
+        tension = line.fairlead_tension(instants)
+        last, spread = line.tension_harmonics(count)[1:][-2:].max(), np.ptp(tension)
+        shares.append(last / spread if spread > STILL * tension.max() else 0.0)
+    if max(shares) > TAIL:
+        where = _element(response, int(np.argmax(shares)))
+        yield f"harmonics: the last of {count} carry {max(shares):.2g} of the range of the tension{where}: use more"
     if not response.mean:
         yield "mean: without the constant term the mean forces are not in balance"

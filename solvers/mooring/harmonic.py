@@ -14,21 +14,21 @@ from typing import Any
 import numpy as np
 from scipy.linalg.lapack import dgetrf, dgetrs
 
-from ..common.diagnostics import relative_change
-from ..common.outcome import InputError
+from ..common.outcome import ConvergenceError, InputError
 from ..harmonic_balance.blocks import Blocks
 from ..harmonic_balance.response import PeriodicResponse
 from ..harmonic_balance.solve import solve_periodic
 from ..numerics.newton import damped_newton, full_newton
 from ..time_domain.solve import solve_time_domain
 from . import diagnostics
+from .diagnostics import largest_change
 from .equations import sampled_residual, sampled_tangents
-from .history import LineOutputs
+from .history import MooringOutputs
 
 
 @dataclass(frozen=True)
-class MooringResponse(LineOutputs, PeriodicResponse):
-    """Periodic state of a moving line: PeriodicResponse with the outputs of LineOutputs at the samples.
+class MooringResponse(MooringOutputs, PeriodicResponse):
+    """Periodic state of a moving line: PeriodicResponse with the outputs of MooringOutputs at the samples.
 
     coarse: the response on half as many cells, which forces at the ends are extrapolated with, or None.
     """
@@ -51,25 +51,30 @@ class MooringResponse(LineOutputs, PeriodicResponse):
 
         The error of both meshes is of second order in the cells, so a third of their difference is left.
         """
-        t = np.asarray(t, dtype=float)
-        motion = self.at(t), self.rate_at(t), self.acceleration_at(t)
-        both = np.stack([self.system.end_force(*motion, end) for end in (0, -1)])
-        forces = np.einsum("dc,ekd->cek", self.system.axes, both)
-        return forces if self.coarse is None else forces + (forces - self.coarse.end_forces(t)) / 3
+        both = np.stack([self.end_force_at(t, end) for end in (0, -1)])
+        return np.einsum("dc,ekd->cek", self.system.axes, both)
 
     @property
     def fairlead_force(self) -> np.ndarray:
         """Force on the vessel at the samples, (3, Nt), N."""
-        return self.end_forces(self.time)[:, 1]
+        return self._of_line(self).end_forces(self.time)[:, 1]
 
     @property
     def anchor_force(self) -> np.ndarray:
         """Force on the anchor at the samples, (3, Nt), N."""
-        return self.end_forces(self.time)[:, 0]
+        return self._of_line(self).end_forces(self.time)[:, 0]
 
-    def _tension_at(self, t) -> np.ndarray:
-        """Return the size of the force on the vessel at times t (S,) in s, N."""
-        return np.linalg.norm(self.end_forces(t)[:, 1], axis=0)
+    def end_force_at(self, t, end, element=None) -> np.ndarray:
+        """Return the force at an end (0 or -1) of an element at times t (S,) in s, (S, n), N, as ``end_forces``."""
+        nodes, t = self.system.end_cell(end, element)[1], np.asarray(t, dtype=float)
+        z, (q, q_t), omega = self.z[:, nodes], self.basis.functions(t), self.basis.omega * self.basis.harmonic
+        y = self.system.rest_state()[:, nodes, None] + z @ q.T
+        force = self.system.end_cell_force(y, z @ q_t.T, -(z * omega**2) @ q.T, end, element)
+        return force if self.coarse is None else force + (force - self.coarse.end_force_at(t, end, element)) / 3
+
+    def end_tension_at(self, t, end, element=None) -> np.ndarray:
+        """Return the size of the force at an end (0 or -1) of an element at times t (S,) in s, N."""
+        return np.linalg.norm(self.end_force_at(t, end, element), axis=1)
 
     @cached_property
     def mesh_error(self) -> float | None:
@@ -78,9 +83,12 @@ class MooringResponse(LineOutputs, PeriodicResponse):
         Solved for on every second node when first asked, unless ``coarse`` is there.
         """
         if self.coarse is not None:
-            return relative_change(self, self.coarse)
+            return largest_change(self, self.coarse)
         coarser, repeat = self.system.coarser(), self.repeat
-        return None if coarser is None or repeat is None else relative_change(self, repeat(coarser[0]))
+        try:
+            return None if coarser is None or repeat is None else largest_change(self, repeat(coarser[0]))
+        except ConvergenceError:  # the coarser lines have no equilibrium
+            return None
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""Results of a moving line over time, and what they say of slack."""
+"""Results of moving lines over time, and what they say of slack."""
 
 from __future__ import annotations
 
@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from ..common.diagnostics import relative_change
-from ..common.outcome import Outcome, Status
+from ..common.outcome import ConvergenceError, InputError, Outcome, Status
 from ..common.response import Response, last_period, within_history
 from . import diagnostics
+from .diagnostics import largest_change
+from .prescribed_motion import reference_point
 
 _STENCIL = 6  # points of the polynomials between steps
 _LAGRANGE = np.linalg.inv(np.vander(np.arange(_STENCIL), _STENCIL, increasing=True))
@@ -27,14 +28,17 @@ class Slack(NamedTuple):
     cells: tuple[int, ...]
 
 
-class LineOutputs(Response):
-    """Outputs over time that a history and a periodic response of a moving line share.
+class MooringOutputs(Response):
+    """Outputs over time that a history and a periodic response of moving lines share.
 
-    system, time (K,), y, ydot, yddot (n, N, K). Forces are those of the line on what holds it, N, public frame.
+    system, time (K,), y, ydot, yddot (n, N, K). Forces are those of the lines on what holds them, N, public frame.
+    Of a network ``elements`` has the outputs of each; what names the fairlead or the anchor is that of a single line.
     """
 
     if TYPE_CHECKING:  # of the class of the result
+        time: Any
         yddot: Any
+        end_tension_at: Any
 
     @cached_property
     def _forces(self):
@@ -53,16 +57,106 @@ class LineOutputs(Response):
     @property
     def fairlead_force(self) -> np.ndarray:
         """Force on the vessel at the stored times, (3, K), N."""
-        return self.forces[:, -1]
+        return self._of_line(self.forces)[:, -1]
 
     @property
     def anchor_force(self) -> np.ndarray:
         """Force on the anchor at the stored times, (3, K), N."""
-        return self.forces[:, 0]
+        return self._of_line(self.forces)[:, 0]
+
+    def _of_line(self, value):
+        if not self.system.model.is_line:
+            problem = "a network has as many as coupled nodes; ask its elements[i], or body_force"
+            raise InputError(problem, field="fairlead")
+        return value
+
+    def _tension_at(self, t) -> np.ndarray:
+        """Return the size of the force on the vessel at times t (S,) in s, N."""
+        return self._of_line(self).end_tension_at(t, -1)
+
+    @cached_property
+    def elements(self) -> tuple[ElementOutputs, ...]:
+        """Outputs of each element, in the order of the network; a Scene is one element."""
+        return tuple(ElementOutputs(self, e) for e in range(len(self.system.model.segments)))
+
+    @property
+    def lines(self) -> tuple:
+        """This result where it is that of one line, else its elements: each with a fairlead and an anchor."""
+        return (self,) if self.system.model.is_line else self.elements
+
+    @property
+    def body_force(self) -> np.ndarray:
+        """Sum of the forces on the coupled nodes at the stored times, (3, K), N."""
+        return self.forces[:, self.system.coupled_nodes].sum(axis=1)
+
+    @property
+    def body_moment(self) -> np.ndarray:
+        """Moment of the forces on the coupled nodes about the moved reference point of the body, (3, K), N m.
+
+        That of the BodyMotion; of another motion the point that it moves from the origin of the public frame.
+        """
+        motion, nodes = getattr(self, "ramped_system", self.system).motion, self.system.coupled_nodes
+        arms = self.system.positions(self.y[:, nodes]) - reference_point(motion, self.time)[:, None]
+        return np.cross(arms, self.forces[:, nodes], axis=0).sum(axis=1)
+
+
+class ElementOutputs(Response):
+    """Outputs over time of one element of a network: forces at its ends, tensions of its cells.
+
+    result: the history or response of the network; index: of the element; the force at an end is that of the element
+    alone, without what else its node carries.
+    """
+
+    def __init__(self, result, index):
+        self.result, self.index, self.system = result, index, result.system
+        self.time = result.time
+
+    @property
+    def last_period(self) -> tuple[float, float]:
+        """Start of the last whole period, and the period, s. Raises InputError without one."""
+        return self.result.last_period
+
+    @property
+    def success(self) -> bool:
+        """Whether the history or response of the network is a success."""
+        return self.result.success
+
+    def end_force(self, end) -> np.ndarray:
+        """Force on what holds the anchor end (0) or the fairlead end (-1) at the stored times, (3, K), N."""
+        result = self.result
+        force = self.system.end_force(result.y, result.ydot, result.yddot, end, self.index)
+        return np.einsum("dc,kd->ck", self.system.axes, force)
+
+    @property
+    def fairlead_force(self) -> np.ndarray:
+        """Force on what holds the fairlead end at the stored times, (3, K), N."""
+        return self.end_force(-1)
+
+    @property
+    def anchor_force(self) -> np.ndarray:
+        """Force on what holds the anchor end at the stored times, (3, K), N."""
+        return self.end_force(0)
+
+    @property
+    def tension(self) -> np.ndarray:
+        """Tension of the cells of the element at the stored times, from the anchor end, (cells, K), N."""
+        return self.result.tension[self.system.layout.cells[self.index]]
+
+    @property
+    def r(self) -> np.ndarray:
+        """Positions of the nodes of the element at the stored times, from the anchor end, (3, nodes, K), m."""
+        return self.system.positions(self.result.y[:, self.system.layout.nodes[self.index]])
+
+    def _tension_at(self, t) -> np.ndarray:
+        return self.result.end_tension_at(t, -1, self.index)
+
+    def anchor_tension(self, t) -> np.ndarray:
+        """Return the size of the force on what holds the anchor end at times t (S,) in s, N."""
+        return self.result.end_tension_at(np.asarray(t, dtype=float), 0, self.index)
 
 
 @dataclass(frozen=True)
-class MooringHistory(LineOutputs, Outcome):
+class MooringHistory(MooringOutputs, Outcome):
     """Motion over time: time (K,) s; y, ydot, yddot (n, N, K): coordinates of the nodes in m, their rates.
 
     residual_norm: error of the last Newton step, the largest change of a tension or position, over the greatest tension
@@ -98,6 +192,7 @@ class MooringHistory(LineOutputs, Outcome):
     def mesh_error(self) -> float | None:
         """Rms change of the fairlead tension that half as many cells make, over its range; None where that fails.
 
+        Of a network the largest of its elements.
         Over the last period, or the second half of the history; about three times the error of the mesh where the
         response is smooth. Integrates the line on every second node when first asked: half of the first run time.
         """
@@ -108,7 +203,10 @@ class MooringHistory(LineOutputs, Outcome):
         if settings["start"] is not None:
             kept = self.system.nodes_of_coarser(coarser[0])
             settings["start"] = [part if part is None else part[:, kept] for part in settings["start"]]
-        return relative_change(self, coarser[0].integrate(**settings))
+        try:
+            return largest_change(self, coarser[0].integrate(**settings))
+        except ConvergenceError:  # the coarser lines have no equilibrium
+            return None
 
     @property
     def last_period(self) -> tuple[float, float]:
@@ -116,28 +214,29 @@ class MooringHistory(LineOutputs, Outcome):
         return last_period(self.time, self.system.period)
 
     @cached_property
-    def _end_tension(self):
-        return np.linalg.norm(self.system.end_force(self.y, self.ydot, self.yddot, -1), axis=1)
+    def _end_tensions(self) -> dict:
+        return {}
 
-    @cached_property
-    def _monotone(self):
-        return PchipInterpolator(self.time, self._end_tension)
+    def end_tension_at(self, t, end, element=None) -> np.ndarray:
+        """Return the size of the force at an end (0 or -1) of an element at times t (S,) in s, N, between the steps.
 
-    def _tension_at(self, t) -> np.ndarray:
-        """Return the size of the force on the vessel at times t (S,) in s, interpolated between the steps, N.
-
-        By polynomials of degree five through six equal steps; by monotone cubics, which do not overshoot, where a cell
-        went slack, the steps are few or the last one stored is shorter.
+        element None: of a line, what its first or last node leaves. By polynomials of degree five through six equal
+        steps; by monotone cubics, which do not overshoot, where a cell went slack, the steps are few or the last one
+        stored is shorter.
         """
         t, time = within_history(t, self.time), self.time
+        if (end, element) not in self._end_tensions:
+            force = self.system.end_force(self.y, self.ydot, self.yddot, end, element)
+            self._end_tensions[end, element] = np.linalg.norm(force, axis=1)
+        tension = self._end_tensions[end, element]
         is_even = time.size >= _STENCIL and np.isclose(time[1] - time[0], time[-1] - time[-2])
         if self.damped_from is not None or not is_even:
-            return self._monotone(t)
+            return PchipInterpolator(time, tension)(t)
         place = t / (time[1] - time[0])
         first = np.clip(place.astype(int) - _STENCIL // 2 + 1, 0, time.size - _STENCIL)
         powers = np.vander((place - first).ravel(), _STENCIL, increasing=True)
         weights = (powers @ _LAGRANGE).reshape(*place.shape, _STENCIL)
-        return (weights * self._end_tension[first[..., None] + np.arange(_STENCIL)]).sum(axis=-1)
+        return (weights * tension[first[..., None] + np.arange(_STENCIL)]).sum(axis=-1)
 
     @cached_property
     def slack(self) -> tuple[Slack, ...]:

@@ -11,6 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+INDEX = np.uint64  # of the sign of others compiled loops take care at every access
+
 
 class Layout(NamedTuple):
     """Nodes and cells of segments (k,) between points (P,).
@@ -27,7 +29,7 @@ class Layout(NamedTuple):
     last: np.ndarray
 
     @property
-    def count(self) -> int:
+    def size(self) -> int:
         """Number N of nodes."""
         return int(self.last.max()) + 1
 
@@ -72,7 +74,7 @@ def number_nodes(model, s) -> Layout:
     starts = np.cumsum([0, *(part.size - 1 for part in s)])
     cells = tuple(slice(a, b) for a, b in zip(starts[:-1].tolist(), starts[1:].tolist(), strict=True))
     pairs = np.sort(np.concatenate([np.stack([n[:-1], n[1:]]) for n in number.nodes], axis=1), axis=0)
-    return Layout(tuple(s), tuple(number.nodes), cells, number.points, *pairs)
+    return Layout(tuple(s), tuple(number.nodes), cells, number.points, *pairs.astype(INDEX))
 
 
 class _Numbers:
@@ -137,14 +139,14 @@ def _order_joints(ends, is_joint) -> list[int]:
 
 def plan_elimination(layout, prescribed) -> Elimination:
     """Return the Elimination of a Layout with prescribed nodes."""
-    is_prescribed = np.zeros(layout.count, dtype=bool)
+    is_prescribed = np.zeros(layout.size, dtype=bool)
     is_prescribed[prescribed] = True
-    later = [{} for _ in range(layout.count)]  # type: list[dict[int, int]]
+    later = [{} for _ in range(layout.size)]  # type: list[dict[int, int]]
     for c, (p, q) in enumerate(zip(layout.first.tolist(), layout.last.tolist(), strict=True)):
         if not (is_prescribed[p] or is_prescribed[q]):
             later[p][q] = c
     edges, pair = layout.first.size, []
-    for p in range(layout.count):
+    for p in range(layout.size):
         others = sorted(later[p])
         for i, one in enumerate(others):
             for two in others[i + 1 :]:
@@ -152,7 +154,7 @@ def plan_elimination(layout, prescribed) -> Elimination:
                     later[one][two] = edges
                     edges += 1
                 pair.append(later[one][two])
-    start = np.cumsum([0, *map(len, later)])
-    other = np.array([q for row in later for q in sorted(row)], dtype=np.int64)
-    edge = np.array([row[q] for row in later for q in sorted(row)], dtype=np.int64)
-    return Elimination(is_prescribed, start, other, edge, np.array(pair, dtype=np.int64), edges)
+    start = np.cumsum([0, *map(len, later)]).astype(INDEX)
+    other = np.array([q for row in later for q in sorted(row)], dtype=INDEX)
+    edge = np.array([row[q] for row in later for q in sorted(row)], dtype=INDEX)
+    return Elimination(is_prescribed, start, other, edge, np.array(pair, dtype=INDEX), edges)

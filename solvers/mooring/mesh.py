@@ -12,7 +12,7 @@ from ..common.validation import real_array, whole_number
 from .prescribed_motion import displace_points
 
 FAIRLEAD_POSITIONS = 16  # of the fairlead in its motion, over which the touchdown travels
-FEWEST_CELLS = 4  # of an element of a network that is short beside the longest
+FEWEST_CELLS = 6  # of an element of a network that is short beside the longest
 LEAST_DENSITY = 0.15  # of the greatest density of nodes
 _MOST_CELLS = 10**6
 _SAMPLES_PER_SEGMENT = 400  # places of a segment at which the curvature is looked at

@@ -105,7 +105,7 @@ class MooringModel:
         """
         points, environment = self.equilibrium(displacement), self.environment
         r, tension, horizontal_tension = (
-            np.zeros((3, layout.count)),
+            np.zeros((3, layout.size)),
             np.zeros(layout.first.size),
             np.zeros(layout.first.size),
         )
@@ -178,7 +178,7 @@ def _from_network(network) -> MooringModel:
         segments = tuple(_segment(element, element.ends) for element in network.elements)
         return _require_dynamic_data(MooringModel(name, segments, network.nodes, network.environment, is_line=False))
     tips.sort(key=lambda i: (network.nodes[i].kind == "coupled", network.nodes[i].kind == "fixed"))
-    node, order, chain, left = tips[0], [tips[0]], [], list(range(len(ends)))
+    node, order, chain, left = tips[0], [tips[0]], list[Segment](), list(range(len(ends)))
     while left:
         e = next(e for e in left if node in ends[e])
         left.remove(e)

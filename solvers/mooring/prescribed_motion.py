@@ -23,6 +23,15 @@ def move_points(motion, points, t) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return r, v, a
 
 
+def reference_point(motion, t) -> np.ndarray:
+    """Return the moved reference point of a body at times t (S,) in s, (3, S), m; without one that at the origin."""
+    if motion is None:
+        return np.zeros((3, np.size(t)))
+    if isinstance(motion, BodyMotion):
+        return np.array(motion.reference)[:, None] + motion.pose(t)[0]
+    return np.asarray(motion.displacement(t))
+
+
 def span_motion(motion, points) -> np.ndarray:
     """Return unit vectors (k, 3) that span the displacements of points (M, 3) in m."""
     return np.asarray(motion.directions(points) if isinstance(motion, BodyMotion) else motion.directions())

@@ -12,6 +12,7 @@ from ..common.outcome import Outcome, Status
 from ..numerics.continuation import continue_in_load
 from ..numerics.newton import Step, relaxed_newton
 from . import elimination, equations
+from .components import merge_states
 from .diagnostics import exact_pretension, rest_warnings
 
 TOLERANCE = 1e-13  # largest change of a position over the length: some hundred roundings of a coordinate
@@ -75,6 +76,14 @@ def solve_rest(system, displacement=(0.0, 0.0, 0.0), throw=True) -> MooringState
     current grows and the seabed stiffens in steps. Raises ConvergenceError where no equilibrium is found
     (``throw=False``: a state whose status says so).
     """
+    if system.components:
+        displaced = np.broadcast_to(displacement, system.moved_points.shape)
+        states = [solve_rest(part.system, displaced[part.moved], throw=False) for part in system.components]
+        state = merge_states(system, states)
+        failed = [
+            part.system.model.name for part, one in zip(system.components, states, strict=True) if not one.success
+        ]
+        return state.or_raise("; ".join(failed)) if throw else state
     catenaries = system.model.at_rest(system.layout, displacement)
     start = np.ascontiguousarray(system.to_axes(catenaries.r).T)
     solve = lambda load_factor, x: _Statics(system, load_factor, catenaries.tension).newton(x)

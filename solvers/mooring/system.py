@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import copy
-from functools import cached_property
+from dataclasses import replace
+from functools import cached_property, partial
 
 import numpy as np
 from scipy.interpolate import make_interp_spline
 
 from ..common.body_motion import BodyMotion
-from ..common.outcome import InputError
+from ..common.outcome import InputError, Status
+from ..common.properties import MAX_STRAIN
+from ..common.types import as_system
 from ..common.validation import positive_number
+from ..network.model import Network
 from .assembly import assemble_line, evaluate_forces, find_axes, take_end_cell
 from .calibration import SMALL_CHANGE, calibrate_line, estimate_tension_change
+from .components import Component, integrate_components, merge_responses, split_system
 from .equations import residual, tangents
 from .harmonic import MooringHarmonics, MooringResponse, full_then_damped_newton, solve_extrapolated, start_from_time
 from .history import MooringHistory
@@ -86,7 +91,7 @@ class MooringSystem:
     def __init__(self, model, layout, axes, motion, slip_speed, source=None, period=None, calibrated=False):
         self.model, self.layout, self.axes, self.motion, self.source = model, layout, axes, motion, source
         self.fields = ("along", "z") if len(axes) == 2 else ("x", "y", "z")
-        self.nodes = layout.count
+        self.nodes = layout.size
         self.period = getattr(motion, "period", period)
         first = np.array(model.points[0].r)
         self.origin = np.array([first[0], first[1], 0.0])
@@ -113,6 +118,9 @@ class MooringSystem:
     def with_motion(self, motion) -> MooringSystem:
         """Return the same lines, of the same mesh and rest, with another motion of the coupled points."""
         other = copy.copy(self)  # a rest that is solved for is kept
+        if "components" in vars(self):
+            parts = tuple(replace(part, system=part.system.with_motion(motion)) for part in self.components)
+            other.__dict__["components"] = parts
         other.motion, other.period = motion, getattr(motion, "period", self.period)
         return other
 
@@ -123,6 +131,24 @@ class MooringSystem:
     def scaled(self, load_factor) -> MooringSystem:
         """Return the same line with its motion multiplied by a number."""
         return self.with_motion(self.motion.scaled(load_factor))
+
+    @cached_property
+    def components(self) -> tuple[Component, ...]:
+        """Parts of a network that no free node joins, or none where it is one part."""
+
+        def build(model, layout):
+            part = MooringSystem(model, layout, self.axes, self.motion, self.line.slip_speed, None, self.period)
+            part.origin = self.origin
+            return part
+
+        parts = split_system(self, build)
+        for part in parts if self.source is not None else ():
+            part.system.source = lambda t, nodes=part.nodes: self.source(t)[:, nodes]
+        return parts
+
+    def merge_responses(self, responses) -> MooringResponse:
+        """Return the periodic response of the network from those of its components."""
+        return merge_responses(self, responses)
 
     # ------------------------------------------------------------ about the equilibrium
     @cached_property
@@ -140,7 +166,10 @@ class MooringSystem:
 
     def integrate(self, **settings) -> MooringHistory:
         """Return the motion over time, as ``solvers.solve_time_domain`` asks with settings that it has validated."""
-        return integrate_line(self, **settings)
+        if not self.components:
+            return integrate_line(self, **settings)
+        moved = self.ramped(settings["ramp"]) if settings["ramp"] else self
+        return integrate_components(self, partial(MooringHistory, self, moved), **settings)
 
     def rest_state(self) -> np.ndarray:
         """Return the coordinates of the nodes at rest, (n, N), m."""
@@ -166,9 +195,12 @@ class MooringSystem:
         """Return None: no symmetry is used."""
         return None
 
-    def invalid(self, y):
-        """Return None: a line is valid in every state, slack too."""
-        return None
+    def invalid(self, y) -> tuple[Status, int] | None:
+        """Return a status and a node where a line is stretched beyond ``MAX_STRAIN`` in states (n, N, *S); or None."""
+        line = self.line
+        chord = np.sqrt(((y[:, line.last] - y[:, line.first]) ** 2).sum(axis=0))
+        strain = (chord.reshape(line.length.size, -1).max(axis=1) / line.length) - 1
+        return (Status.OVERSTRETCHED, int(line.last[strain.argmax()])) if strain.max() > MAX_STRAIN else None
 
     def fourth_order(self):
         """Return None: there are no rows of higher order."""
@@ -186,7 +218,7 @@ class MooringSystem:
             source and (lambda t: share @ source(t)), self.period, self.calibrated)  # fmt: skip
 
         def prolong(z):
-            result = np.empty((z.shape[0], fine.count, *z.shape[2:]))
+            result = np.empty((z.shape[0], fine.size, *z.shape[2:]))
             for s, nodes, coarse_s, coarse_nodes in zip(fine.s, fine.nodes, layout.s, layout.nodes, strict=True):
                 result[:, nodes] = make_interp_spline(coarse_s, z[:, coarse_nodes], axis=1)(s)
             return result
@@ -221,8 +253,29 @@ class MooringSystem:
         path[:, 0] = self._prescribed_positions
         if self.motion is not None:
             for k, part in enumerate(move_points(self.motion, self.moved_points, t)):
-                path[:, k, self._moved] += np.tensordot(self.axes, part, 1).T
+                for moved, of_point in zip(self._moved, part.swapaxes(0, 1), strict=True):
+                    path[:, k, moved] += (self.axes @ of_point).T
+            self._require_above_seabed(t, path[:, 0, self._moved, -1])
         return path
+
+    def _require_above_seabed(self, t, z):
+        """Raise InputError where the motion takes a point (S, M) below the seabed that is above it at rest."""
+        floor = self.line.floor
+        below = (z < floor) & (self.moved_points[:, 2] >= floor)
+        if below.any():
+            k, i = np.argwhere(below)[0].tolist()
+            problem = (
+                f"takes node {self.model.moved[i] + 1} to z = {z[k, i]:g} m at t = {t[k]:g} s, below the seabed at"
+            )
+            raise InputError(f"{problem} {floor:g} m", field="motion", unit="m")
+
+    def name_node(self, node) -> str:
+        """Return what a message calls a node: its number along a line, or its element and arc length."""
+        if self.model.is_line:
+            return f"node {node + 1} of {self.nodes}"
+        e = next(e for e, nodes in enumerate(self.layout.nodes) if node in nodes)
+        s = self.layout.s[e][np.flatnonzero(self.layout.nodes[e] == node)[0]]
+        return f"element {e + 1}, {s:.4g} m from its anchor end"
 
     def forces(self, y, ydot, yddot):
         """Return forces (3, N, K) on what holds the nodes, public frame, and tensions (C, K) of the cells, N."""
@@ -234,8 +287,12 @@ class MooringSystem:
 
         y, ydot, yddot (n, N, K). element None: of a line, the whole of what its first or last node leaves.
         """
-        line, nodes = self.end_cell(end, element)
-        return evaluate_forces(line, *(part[:, nodes] for part in (y, ydot, yddot)))[0][:, end]
+        nodes = self.end_cell(end, element)[1]
+        return self.end_cell_force(y[:, nodes], ydot[:, nodes], yddot[:, nodes], end, element)
+
+    def end_cell_force(self, y, ydot, yddot, end, element=None) -> np.ndarray:
+        """Return ``end_force`` of the states (n, 2, K) of the two nodes of ``end_cell`` alone."""
+        return evaluate_forces(self.end_cell(end, element)[0], y, ydot, yddot)[0][:, end]
 
     def end_cell(self, end, element=None):
         """Return the Line of the cell at that end, and its two nodes; see ``assembly.take_end_cell``."""
@@ -281,7 +338,7 @@ def _every_second(s) -> np.ndarray:
 
 def _shares(coarse, fine) -> np.ndarray:
     """Return the part (N', N) of a load on a node of a Layout that each node of a coarser one takes."""
-    share = np.zeros((coarse.count, fine.count))
+    share = np.zeros((coarse.size, fine.size))
     for coarse_s, coarse_nodes, s, nodes in zip(coarse.s, coarse.nodes, fine.s, fine.nodes, strict=True):
         share[np.ix_(coarse_nodes, nodes)] = [np.interp(s, coarse_s, unit) for unit in np.eye(coarse_s.size)]
     return share
@@ -300,3 +357,6 @@ def _calibrates(given, model, motion) -> bool:
     if getattr(motion, "period", None) is None:
         return False
     return estimate_tension_change(model, motion, FAIRLEAD_POSITIONS) < SMALL_CHANGE
+
+
+as_system.register(Network, mooring_system)

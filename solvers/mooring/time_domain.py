@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..common.outcome import Status
+from ..common.properties import MAX_STRAIN
 from .history import MooringHistory
 from .prescribed_motion import displace_points
 from .statics import solve_rest
@@ -59,8 +60,17 @@ def integrate_line(
             part[time.size - 1] = now
     y, ydot, yddot = (part[: time.size].transpose(2, 1, 0) for part in record)
     status = Status.SUCCESS if event is None else Status.STEP_FAILED
+    could_tear = run.greatest_tension() > MAX_STRAIN * system.line.EA.min()
+    if event is None and could_tear and (invalid := system.invalid(y)) is not None:
+        status, event = invalid[0], _first_time(system, time, y)
     counts = run.iterations, run.factorisations, run.error, done, run.cut, run.damped_from
     return MooringHistory(system, moved, time, y, ydot, yddot, status, *counts, ramp, event, settings)
+
+
+def _first_time(system, time, y):
+    """Return (time in s, node) of the first stored state of y (n, N, K) that is invalid."""
+    each = ((t, system.invalid(y[..., k])) for k, t in enumerate(time.tolist()))
+    return next((t, invalid[1]) for t, invalid in each if invalid is not None)
 
 
 def _scheme(rho_inf) -> tuple[float, float, float, float]:
@@ -86,6 +96,10 @@ class _Run:
         self.iterations = self.factorisations = self.cut = self.worst = self.halvings = 0
         self.error = self.largest_displacement = 0.0
 
+    def greatest_tension(self) -> float:
+        """Return a bound of the tensions so far, N."""
+        return float(self.rest.max() + self.scale[0] * self.scale[2])
+
     def advance(self, t, record, every) -> int:
         """Take the steps between the times t; return how many succeeded."""
         path, done, steps = self.system.path(t), 0, t.size - 1
@@ -109,7 +123,7 @@ class _Run:
         return done
 
     def _integrate(self, path, t, h, record, every) -> int:
-        source = self.system.source_at(t[:-1] + (1 - self.scheme[1]) * h)
+        source = self.system.source_at(t[1:])
         system, tolerance = self.system, self.tolerance
         taken, iterations, factorisations, self.error = integrate(
             system.line, system.order, system.prescribed_nodes, path, source, h, self.scheme, self.scale, tolerance,
@@ -134,14 +148,14 @@ class _Run:
             times = t + h / parts * np.arange(parts + 1)
             record = tuple(np.empty((parts, *begin[0].shape)) for _ in range(3))
             if not adapts:  # the acceleration changed too fast for the step to be predicted with it
-                self.state[3][:] = self.state[2]
+                self.state[4][:] = self.state[3]
             self.stops_at_slack = False  # the scheme stays the same within a step
             taken = self._integrate(self.system.path(times), times, h / parts, record, 1)
             self.stops_at_slack = stops
             error = self._step_error(record, begin[2], h / parts) if adapts and taken == parts else 0.0
             if taken == parts and (not adapts or error <= self.step_tolerance):
                 if not adapts:
-                    self.state[3][:] = self.state[2]
+                    self.state[4][:] = self.state[3]
                 elif error < LENGTHEN_BELOW * self.step_tolerance:
                     self.halvings = max(0, halvings - 1)
                 self._damp_after_slack(parts, times[-1])
@@ -163,16 +177,16 @@ class _Run:
 
 
 def _initial_state(system, start):
-    """Return r, v, a and the a before, (N, n) each: at rest, or as given with the acceleration that balances it."""
+    """Return r, v, r'', a and the a before, (N, n) each: at rest, or as given with the r'' that balances it."""
     if start is None:
         state, v = system.rest, np.zeros((system.nodes, len(system.axes)))
         if system.motion is not None:
             if (displacement := displace_points(system.motion, system.moved_points, 0.0).T).any():
                 state = solve_rest(system, displacement)
             v[system.prescribed_nodes] = system.path(np.zeros(1))[0, 1]
-        return np.array(state.y.T, order="C"), v, np.zeros_like(v), np.zeros_like(v)
+        return np.array(state.y.T, order="C"), v, np.zeros_like(v), np.zeros_like(v), np.zeros_like(v)
     y, ydot = start
     ydot = np.zeros_like(y) if ydot is None else ydot
     r, v = np.ascontiguousarray(y.T), np.ascontiguousarray(ydot.T)
     a = system.acceleration(r, v)
-    return r, v, a, a.copy()
+    return r, v, a, a.copy(), a.copy()

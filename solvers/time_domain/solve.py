@@ -146,8 +146,10 @@ def _given(history, dt, ramps) -> str:
     given = f"dt = {dt:g} s, {ramps}"
     if history.event is not None:
         time, node = history.event
-        given += f"; stopped at t = {time:.6g} s, node {node + 1} of {history.system.nodes}"
-    if history.status in (Status.COMPRESSION, Status.OVERSTRETCHED):
+        name_node = getattr(history.system, "name_node", lambda node: f"node {node + 1} of {history.system.nodes}")
+        given += f"; stopped at t = {time:.6g} s, {name_node(node)}"
+    of_box = not hasattr(history.system, "integrate")
+    if of_box and history.status in (Status.COMPRESSION, Status.OVERSTRETCHED):
         given += "; allow_invalid=True goes on, to be read with care"
     return given
 

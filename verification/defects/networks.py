@@ -670,6 +670,32 @@ DEFECTS = (
         "CIntDamp is read as CB",
         _MAP,
     ),
+    Defect(
+        "degrees of a series taken for radians",
+        Fault("io.motion_file", "_from_series", "np.radians(series)", "series"),
+        "unit",
+        "a column yaw_deg is read as yaw",
+        "io/test_motion_file.py::test_columns_stand_in_any_order_and_angles_in_degrees",
+    ),
+    Defect(
+        "network file without sections",
+        Fault("io.network_scene", "_element", "cable.diameter and cable.mass_per_length", "False"),
+        "input",
+        "the dynamic properties of line types are read and dropped",
+        "io/test_motion_file.py::test_the_example_moves_in_three_degrees_of_freedom",
+    ),
+    Defect(
+        "series about the origin",
+        Fault(
+            "io.motion_file",
+            "motion_from_table",
+            "load_body_motion(folder / table['file'], reference)",
+            "load_body_motion(folder / table['file'])",
+        ),
+        "input",
+        "a series turns about the origin whatever reference the table names",
+        "io/test_motion_file.py::test_a_series_beside_the_network",
+    ),
     # ------------------------------------------------------------ declared blind spot
     Defect(
         "softer first stage",

@@ -43,7 +43,7 @@ def test_every_node_and_cell_has_one_number(name):
     made = system(name)
     layout, given, points = made.layout, made.model.segments, made.layout.points
     inner = [nodes[1:-1] for nodes in layout.nodes]
-    assert np.array_equal(np.sort(np.concatenate([points, *inner])), np.arange(layout.count))
+    assert np.array_equal(np.sort(np.concatenate([points, *inner])), np.arange(layout.size))
     assert [(nodes[0], nodes[-1]) for nodes in layout.nodes] == [tuple(points[list(s.ends)]) for s in given]
     for s, nodes, cells in zip(layout.s, layout.nodes, layout.cells, strict=True):
         pairs = np.sort(np.stack([nodes[:-1], nodes[1:]]), axis=0)
@@ -65,7 +65,7 @@ def test_elimination_adds_few_blocks(name):
     assert added <= (inner if is_joint.sum() > 1 else 0) + between
     if not is_joint.any():
         assert added == 0
-    assert layout.points[is_joint].min(initial=layout.count) >= layout.count - is_joint.sum()
+    assert layout.points[is_joint].min(initial=layout.size) >= layout.size - is_joint.sum()
 
 
 @pytest.mark.parametrize("name", NAMES)
