@@ -125,14 +125,14 @@ def test_order_in_ds(name, planar):
 @EACH_TERM
 def test_order_in_ds_and_dt_together(name, planar):
     """Cells and steps halved together, steps that are not short: the error falls with their square."""
-    errors = run_errors(line_of(name, planar), CELLS, (0.2, 0.1, 0.05))
+    errors = run_errors(line_of(name, planar), CELLS, (0.1, 0.05, 0.025))
     assert_order([1 / c for c in CELLS], errors, 2, ceiling=CEILINGS["both"], what=f"{name}, ds and dt")
 
 
 @SPATIAL
 def test_order_on_a_graded_mesh(planar):
     """The same with all terms where the last cell is four times as long as the first."""
-    errors = run_errors(line_of("all", planar), CELLS, (0.2, 0.1, 0.05), mesh="graded")
+    errors = run_errors(line_of("all", planar), CELLS, (0.1, 0.05, 0.025), mesh="graded")
     assert_order([1 / c for c in CELLS], errors, 2, ceiling=CEILINGS["both"], what="graded")
 
 

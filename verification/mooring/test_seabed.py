@@ -116,9 +116,9 @@ STORED = LYING.submerged_weight * 0.5 * LYING.length * 2 / np.pi  # J, of the li
 
 def test_a_dropped_line_loses_no_energy():
     """In vacuo, without dampers, on springs of the seabed and with the trapezoid in time: all of it stays."""
-    energy = energy_of(dropped(0.0, 5e-4, rho_inf=1.0))
+    energy = energy_of(dropped(0.0, 2.5e-4, rho_inf=1.0))
     assert not (energy.drag.any() or energy.damper.any() or energy.seabed.any() or energy.friction.any())
-    assert abs(energy.total - energy.total[0]).max() <= 1.5e-3 * STORED  # measured 7.6e-4
+    assert abs(energy.total - energy.total[0]).max() <= 6e-4 * STORED  # measured 2.9e-4, 1.7e-3 with twice the step
 
 
 def test_a_dropped_line_loses_energy_to_the_damper_of_the_seabed():
