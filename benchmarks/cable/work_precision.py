@@ -100,7 +100,7 @@ def errors(reference, answer) -> dict:
         return {"rms": None, "error": None, "status": answer.kind.upper(), "message": answer.message[:200]}
     if isinstance(answer, (np.ndarray, PeerTension)):
         return reference.errors(getattr(answer, "tension", answer)) | {"status": "SUCCESS"}
-    return reference.of(answer) | {"status": answer.status.name}
+    return reference.errors_of_response(answer) | {"status": answer.status.name}
 
 
 def least_seconds(run) -> tuple[float, object]:

@@ -113,10 +113,10 @@ class ConvergedTensions:
         self.folder, self.levels = folder / "cache", QUICK_REFERENCE if quick else REFERENCE
         self.of_paper = References(folder, quick)
 
-    def of(self, name: str) -> Reference:
+    def get_or_compute(self, name: str) -> Reference:
         """Return the Reference of a case: kept, or computed."""
         if name in PAPER:
-            return self.of_paper.of(name)
+            return self.of_paper.get_or_compute(name)
         path = self.folder / f"mooring-{name}-{self._digest(name)}.json"
         if path.exists():
             kept = json.loads(path.read_text(encoding="utf-8"))

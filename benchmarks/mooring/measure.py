@@ -37,7 +37,7 @@ def work(quick: bool, folder: Path):
     """Error against run time of every method and setting, and ratios at equal error."""
     references, points, uncertainty, difference = cases.ConvergedTensions(folder, quick), [], {}, {}
     for name in work_of.QUICK_CASES if quick else cases.CASES:
-        reference = references.of(name)
+        reference = references.get_or_compute(name)
         uncertainty[name] = reference.uncertainty
         if name in cases.PAPER:  # does the core come to what another discretisation gives?
             difference[name] = reference.errors(cases.finest(name, cases.QUICK_REFERENCE[1:]).tension)["rms"]
