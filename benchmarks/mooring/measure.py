@@ -33,21 +33,29 @@ BALANCED = ((14, 9), (20, 12), (28, 15), (40, 15), (56, 15), (80, 20))  # (cells
 REFERENCE = (100, 24)  # (cells, harmonics) of extrapolated harmonic balance
 
 
+def references(quick: bool, folder: Path):
+    """How far this core on a fine mesh is from another discretisation; the timings find the references made."""
+    tensions, difference = cases.ConvergedTensions(folder, quick), {}
+    for name in work_of.QUICK_CASES if quick else cases.CASES:
+        reference = tensions.get_or_compute(name)
+        if name in cases.PAPER:
+            difference[name] = reference.errors(cases.finest(name, cases.QUICK_REFERENCE[1:]).tension)["rms"]
+        yield None
+    yield {"difference": difference}
+
+
 def work(quick: bool, folder: Path):
     """Error against run time of every method and setting, and ratios at equal error."""
-    references, points, uncertainty, difference = cases.ConvergedTensions(folder, quick), [], {}, {}
+    references, points, uncertainty = cases.ConvergedTensions(folder, quick), [], {}
     for name in work_of.QUICK_CASES if quick else cases.CASES:
         reference = references.get_or_compute(name)
         uncertainty[name] = reference.uncertainty
-        if name in cases.PAPER:  # does the core come to what another discretisation gives?
-            difference[name] = reference.errors(cases.finest(name, cases.QUICK_REFERENCE[1:]).tension)["rms"]
         for point in work_of.points(name, reference, quick):
             points += [] if point is None else [point]
             yield None
     others = dict.fromkeys(p["method"] for p in points if p["method"] not in work_of.OWN)
     titles = {name: cases.scene(name).name for name in uncertainty if name in cases.SEABED}
-    yield {"points": points, "uncertainty": uncertainty, "difference": difference, "titles": titles,
-           "wanted": work_of.WANTED,
+    yield {"points": points, "uncertainty": uncertainty, "titles": titles, "wanted": work_of.WANTED,
            "ratios": [row for method in others for row in work_of.ratios(points, method)]}  # fmt: skip
 
 
@@ -171,6 +179,7 @@ def seabeds(quick: bool, folder: Path):
 
 
 PARTS = {
+    "references": references,
     "work": work,
     "three_periods": three_periods,
     "growth": growth,

@@ -59,11 +59,10 @@ def _work(data, folder, tables) -> dict:
             figures.work(data, folder), _table(tables, "work", "Error against run time", points, columns)
         ),
         "ratios": _table(tables, "ratios", "MoorDyn at equal error", rows, ratios, formats=formats) if rows else None,
-        "text": _difference(data),
     }
 
 
-def _difference(data) -> str:
+def _difference(data, folder, tables) -> str:
     cases = ", ".join(f"{CASES[name]} {number(100 * value, 2)} %" for name, value in data["difference"].items())
     return (
         f"On a fine mesh nodes and elements come to the tension of the box scheme, another discretisation by other "
@@ -202,6 +201,7 @@ def _line_table(data, tables) -> Table:
 
 
 PARTS = {
+    "references": _difference,
     "work": _work,
     "three_periods": _three_periods,
     "growth": _growth,
