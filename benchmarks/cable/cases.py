@@ -42,7 +42,7 @@ def scene(name: str) -> Scene:
 
 @cache
 def system(name: str, nodes: int = NODES, fields: str = "auto"):
-    """The cable of a case, with its equilibrium found: its cost is in no timing but where a benchmark says so."""
+    """Return the cable of a case, its equilibrium solved: its cost is in no timing but where a benchmark says so."""
     cable = cable_system(scene(name), nodes, fields=fields)
     cable.rest_state()
     return cable

@@ -168,10 +168,10 @@ def _motion_row(row) -> dict:
     balance = row.get("balance") or {"status": "", "difference": None}
     kN = {key: row[key] / 1e3 if key in row else None for key in ("pretension", "least", "greatest")}
     warned = ", ".join(row.get("subjects", ())) or "none"
-    rest = {"line": row["title"], "difference": balance["difference"], "change": row.get("change"),
+    about = {"line": row["title"], "difference": balance["difference"], "change": row.get("change"),
             "error": row.get("error"), "warned": warned if row["status"] == "SUCCESS" else status_words(row["status"]),
             "balance": status_words(balance["status"])}  # fmt: skip
-    return row | kN | rest
+    return row | kN | about
 
 
 def _line_table(data, tables) -> Table:
