@@ -11,7 +11,7 @@ from functools import cache
 import numpy as np
 from numba import njit
 
-PANEL = 8  # rows or columns that are eliminated before the remaining is updated
+PANEL = 8  # rows or columns that are eliminated before the others are updated
 FASTMATH = {"loops": False, "contracted loops": {"contract"}, "np.dot": False}
 """Name of an elimination -> the option of numba; contracted: products and sums rounded once."""
 

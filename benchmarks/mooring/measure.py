@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,8 +11,8 @@ from solvers import cable_system, mooring_system, solve_periodic, solve_time_dom
 from solvers.numerics.threads import one_blas_thread
 from verification.registry import instants, last_period_tension
 
-from ..cable.cases import Reference, rms, warm_up
-from ..cable.measure import add_parts, chosen
+from ..cable.cases import Reference, rms
+from ..cable.measure import add_parts, chosen, exponent, measured
 from ..cable.work_precision import least_seconds
 from ..run import console, results
 from ..run.harness import clock
@@ -88,7 +87,7 @@ def growth(quick: bool, folder: Path):
         seconds, history = least_seconds(lambda system=system: solve_time_domain(system, dt=DT, periods=1))
         rows.append({"cells": cells, "seconds": seconds, "iterations": history.iterations})
         yield None
-    yield {"rows": rows, "dt": DT, "fitted_from": FITTED_FROM, "exponent": cases.exponent(rows, "cells", FITTED_FROM)}
+    yield {"rows": rows, "dt": DT, "fitted_from": FITTED_FROM, "exponent": exponent(rows, "cells", FITTED_FROM)}
 
 
 def damping(quick: bool, folder: Path):
@@ -191,34 +190,13 @@ PARTS = {
 TIMED = ("work", "three_periods", "growth", "damping")
 
 
-def measured(names, quick: bool, folder: Path) -> dict:
-    """Return the named parts of a result file; a part yields None after a step of its work and its value last."""
-    file = {}
-    if set(names) & set(TIMED):
-        warm_up()
-
-    def steps():
-        for number, name in enumerate(names, start=1):
-            for value in PARTS[name](quick, folder):
-                file[name] = value
-            yield number
-
-    gc.disable()  # as timeit does: a collection in one solver's turn is not its doing
-    try:
-        for _ in console.progress(steps(), len(names), "mooring"):
-            gc.collect()
-    finally:
-        gc.enable()
-    return file
-
-
 def main(argv=None) -> int:
     """Command line."""
     parser = console.parser("mooring", __doc__)
     add_parts(parser, PARTS)
     arguments = parser.parse_args(argv)
     names, output = chosen(arguments, TIMED, "mooring")
-    file = measured(names, arguments.quick, arguments.out)
+    file = measured(PARTS, names, "mooring", arguments.quick, arguments.out)
     results.write(arguments.out / output, file | {"quick": arguments.quick})
     if "three_periods" in file:
         print(f"three periods: the box scheme takes {file['three_periods']['ratio']:.3g} times as long")

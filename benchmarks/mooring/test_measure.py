@@ -111,11 +111,6 @@ def test_periods_to_an_error_are_counted_from_the_last_that_exceeds_it(errors, c
     assert cases.least_period_count(waves, 1e-3, Reference(PERIOD, SINE, 0.0)) == count
 
 
-def test_the_exponent_is_of_the_large_sizes():
-    rows = [{"cells": n, "seconds": 1e-6 * n**1.5 + (1.0 if n < 100 else 0.0)} for n in (10, 100, 1000, 10000)]
-    assert cases.exponent(rows, "cells", 100) == pytest.approx(1.5, rel=1e-12)
-
-
 # ---------------------------------------------------------------- seabeds
 def seabed_row(error, subjects=(), change=0.0, status="SUCCESS", balance="SUCCESS"):
     return {"status": status, "error": error, "subjects": list(subjects), "change": change,

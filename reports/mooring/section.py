@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from functools import partial
 from statistics import median
 
 import numpy as np
 
 from ..page.figures import FigureWithTable
 from ..page.formatting import number, plural, seconds, status_words, times, two_digits
-from ..page.section import Content, Inputs, Section
-from ..page.tables import Table
+from ..page.section import Content, Inputs, Section, show_parts
+from ..page.tables import Table, write_table
 from . import figures
 from .cases import CASES, GROWING
 from .verdicts import verdicts
+
+_table = partial(write_table, "mooring")
 
 
 def build(inputs: Inputs) -> Content:
@@ -21,18 +23,12 @@ def build(inputs: Inputs) -> Content:
     data = inputs.results["mooring"]
     if not data:
         return Content({"mooring": None})
-    shown = {name: show(data[name], inputs.figures, inputs.tables) if data.get(name) else None
-             for name, show in PARTS.items()}  # fmt: skip
+    shown = show_parts(PARTS, data, inputs)
     content = Content({"mooring": shown}, list(verdicts(data)))
     if shown["work"]:
         content.figures += [("a moving line", figure) for figure in shown["work"]["points"].group.figures[:1]]
         content.sentences += _sentences(data["work"])
     return content
-
-
-def _table(folder: Path, name: str, title: str, rows, columns=None, **options) -> Table:
-    keys = columns or {key: key for key in rows[0]}
-    return Table(f"mooring_{name}", title, keys, rows, **options).write(folder)
 
 
 def _sentences(work) -> list[str]:
