@@ -125,7 +125,7 @@ def test_order_in_ds(name, planar):
 @EACH_TERM
 def test_order_in_ds_and_dt_together(name, planar):
     """Cells and steps halved together, steps that are not short: the error falls with their square."""
-    errors = run_errors(line_of(name, planar), CELLS, (0.2, 0.1, 0.05))
+    errors = run_errors(line_of(name, planar), CELLS, (0.08, 0.04, 0.02))
     assert_order([1 / c for c in CELLS], errors, 2, ceiling=CEILINGS["both"], what=f"{name}, ds and dt")
 
 
