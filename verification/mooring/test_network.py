@@ -18,6 +18,7 @@ import pytest
 from solvers import Network, mooring_system, solve_network, solve_periodic, solve_time_domain
 from solvers.common.body_motion import BodyMotion
 from solvers.io import load_network
+from solvers.mooring.impedance import harmonic_impedance, mooring_impedance, mooring_stiffness
 from solvers.numerics.modes import natural_modes
 
 from ..cases import networks as cases
@@ -28,6 +29,7 @@ from ..exact.rigid_motion import RigidMotion
 from ..tools.orders import assert_order, extrapolated
 from .networks import case_network, exact_system, section, with_line_far_away
 from .problems import energy_gap, energy_of
+
 
 @pytest.fixture(autouse=True)
 def no_limit_of_strain(monkeypatch):
@@ -364,6 +366,81 @@ def test_random_networks_move_as_another_program_has_them(seed, deep):
     assert_order([1 / count for count in counts], errors, 2, ceiling=1e-4, what=f"seed {seed}")
     assert abs(extrapolated([1 / count for count in counts], places) - exact.position).max() <= AS_FAR
     assert abs(exact.position - exact.position[0]).max() > 0.2
+
+
+@pytest.mark.parametrize("seed", [2, 4])
+def test_forces_on_the_body_are_those_of_another_program(seed):
+    """Force and moment on the body, about its moved reference point, and forces at the ends of each line alone."""
+    case, exact = random_network(seed), random_history(seed, duration=1.0, samples=6)
+    made, tables = exact_system(case.network), []
+    start = made.coordinates(case.position), made.rates(case.velocity)
+    for count in (1000, 2000):
+        history = solve_time_domain(made.system, dt=1.0 / count, duration=1.0, start=start, rho_inf=1.0,
+                                    tolerance=1e-11, every=count // 5)  # fmt: skip
+        ends = [[element.anchor_force.T, element.fairlead_force.T] for element in history.elements]
+        tables.append([history.body_force.T, history.body_moment.T, np.moveaxis(np.array(ends), 2, 0)])
+    lines = len(case.network.lines.ends)
+    wanted = [exact.body_force, exact.body_moment, exact.end_force]
+    for *got, true in zip(*tables, wanted, strict=True):
+        got = extrapolated((2.0, 1.0), [table[:, :lines] if table.ndim == 4 else table for table in got])
+        assert abs(got[1:] - true[1:]).max() <= FORCES * abs(true).max()
+
+
+FORCES = 1e-5  # of the largest: the acceleration of the end nodes is known, those of the next less exactly; 4e-7
+
+
+def test_impedance_is_that_of_linear_motions():
+    """Z of the body's six degrees of freedom at three frequencies, by small motions of another program's matrices."""
+    network = random_network(4).network
+    network = replace(network, current=(0.0, 0.0, 0.0))
+    made = exact_system(network)
+    exact = linear_network.linearise(network, made.in_exact_order(made.system.rest.r))
+    reference, frequencies = network.motion.reference, np.array([0.0, 0.08, 0.4])
+    Z = mooring_impedance(made.system, frequencies, reference)
+    at = made.system.rest.forces[:, made.nodes[moving_network.Mesh(network).coupled]].T
+    arms = network.nodes.position[[4, 5]] - reference
+    for k, omega in enumerate(2 * np.pi * frequencies):
+        for j in range(6):
+            unit = np.eye(6)[j]
+            _, _, forces = exact.response(omega, exact.held_by_body(unit, np.zeros(6)))
+            moved = np.cross(unit[3:], arms)
+            forces = forces[exact.mesh.coupled]
+            moment = (np.cross(arms, forces) + np.cross(moved, at)).sum(axis=0)
+            wanted = np.concatenate([forces.sum(axis=0), moment])
+            assert abs(Z[k, :, j] + wanted).max() <= 1e-9 * abs(Z[k]).max()
+    assert np.allclose(mooring_stiffness(made.system, reference), Z[0].real, rtol=1e-12)
+
+
+def test_impedance_of_small_motions_is_that_of_finite_ones():
+    """Below all natural frequencies the difference is the drag's, which falls with the amplitude: 3e-3 at 1 mm."""
+    network = replace(random_network(4).network, current=(0.0, 0.0, 0.0))
+    made, reference = exact_system(network).system, network.motion.reference
+    linear = mooring_impedance(made, 0.05, reference)
+    finite = [harmonic_impedance(made, 0.05, [a] * 3 + [a / 20] * 3, reference) for a in (2e-3, 1e-3)]
+    errors = [abs(Z - linear).max(axis=0) / abs(linear).max(axis=0) for Z in finite]
+    assert (errors[1] <= 5e-3).all() and abs(errors[1] / errors[0] - 0.5).max() <= 0.01
+
+
+def test_a_network_is_taken_apart_where_nodes_are_prescribed():
+    """Nine lines in three parts that a body joins: rest, motion and balance are those of all of them at once."""
+    motion = BodyMotion.harmonic(0.05, MOTIONS["all six"], reference=(0.0, 0.0, -60.0))
+    made, whole = (mooring_system(scene("three_bridles", None), 6, motion=motion, mesh="uniform") for _ in range(2))
+    whole.__dict__["components"] = ()
+    assert len(made.components) == 3 and not whole.components
+    assert sorted(cell for part in made.components for cell in part.cells) == list(range(made.line.length.size))
+
+    def assert_alike(one, other):
+        size = other.tension.max()
+        assert abs(one.tension - other.tension).max() <= ALIKE * size
+        assert abs(one.forces - other.forces).max() <= ALIKE * size
+        assert abs(one.r - other.r).max() <= ALIKE * made.length
+
+    assert_alike(made.rest, whole.rest)
+    start = whole.rest.y + 1e-4 * np.sin(np.arange(whole.rest.y.size)).reshape(whole.rest.y.shape), None
+    start[0][:, made.prescribed_nodes] = made.path(np.zeros(1))[0, 0].T
+    for options in ({"periods": 1}, {"duration": 2.0, "start": start, "rho_inf": 0.8}):
+        assert_alike(*(solve_time_domain(one, dt=0.1, tolerance=1e-10, **options) for one in (made, whole)))
+    assert_alike(*(solve_periodic(one, harmonics=4) for one in (made, whole)))
 
 
 # ---------------------------------------------------------------- a manufactured bridle
