@@ -36,7 +36,7 @@ WORKS = ("holders", "drag", "damping", "seabed damping", "friction", "turning")
 """Work done on the system by holders and applied loads; lost by drag, damping, seabed and friction; done by the added
 mass that turns with its cell."""
 
-JUMP, KINK, SMOOTH_KINK = 1e-13, 1e-7, 3e-5
+JUMP, KINK, SMOOTH_KINK = 1e-13, 1e-9, 3e-5
 """Widths, s, of the brackets of touchdown, of tension and lift-off, and of a turn of the flow along a cell, in which
 the force is wrong by a jump, by its slope times the width, by the square of that: some 1e-11 N s each."""
 
@@ -377,7 +377,7 @@ class History:
         return gained - self.work["holders"] - self.work["turning"] + lost
 
 
-def simulate(network, times, position=None, velocity=None, *, load=None, rtol=1e-11, atol=1e-11):
+def simulate(network, times, position=None, velocity=None, *, load=None, rtol=1e-12, atol=1e-12):
     """Return the `History` at `times` (nt,), s, of a network that starts at times[0] from a given state.
 
     position, velocity : (size, 3) of the mesh's nodes, those of held ones unused; by default straight lines at rest
