@@ -497,15 +497,10 @@ DEFECTS = (
         "mooring/test_network.py::test_a_network_is_taken_apart_where_nodes_are_prescribed",
     ),
     Defect(
-        "the last part alone",
-        Fault(
-            "mooring.components",
-            "merge_states",
-            "forces[:, part.nodes] += state.forces",
-            "forces[:, part.nodes] = state.forces",
-        ),
-        "term",
-        "of the lines that end at one prescribed node the last one counts",
+        "equilibria of parts in their own order",
+        Fault("mooring.components", "merge_states", "y[:, part.nodes]", "y[:, : part.nodes.size]"),
+        "index",
+        "every part rests where the first one does",
         "mooring/test_network.py::test_a_network_is_taken_apart_where_nodes_are_prescribed",
     ),
     Defect(

@@ -424,9 +424,14 @@ PARTS = 1e-10  # of the largest tension: each part ends Newton's method by itsel
 
 
 def test_a_network_is_taken_apart_where_nodes_are_prescribed():
-    """Nine lines in three parts that a body joins: rest, motion and balance are those of all of them at once."""
-    motion = BodyMotion.harmonic(0.05, MOTIONS["all six"], reference=(0.0, 0.0, -60.0))
-    made, whole = (mooring_system(scene("three_bridles", None), 6, motion=motion, mesh="uniform") for _ in range(2))
+    """Nine lines in three parts that a body joins: rest, motion and balance are those of all of them at once.
+
+    Two parts end at each point of the body, which carries a mass and a force.
+    """
+    case, motion = cases.bridle_system(), BodyMotion.harmonic(0.05, MOTIONS["all six"], reference=(0.0, 0.0, -60.0))
+    loaded = [replace(n, mass=2e3, force=(100.0, 0.0, 50.0)) if n.kind == "coupled" else n for n in case.nodes]
+    network = case_network(replace(case, nodes=loaded, environment=replace(case.environment, depth=None)))
+    made, whole = (mooring_system(network, 6, motion=motion, mesh="uniform") for _ in range(2))
     whole.__dict__["components"] = ()
     assert len(made.components) == 3 and not whole.components
     assert sorted(cell for part in made.components for cell in part.cells) == list(range(made.line.length.size))
