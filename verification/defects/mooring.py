@@ -498,7 +498,7 @@ DEFECTS = (
     ),
     Defect(
         "equilibria of parts in their own order",
-        Fault("mooring.components", "merge_states", "y[:, part.nodes]", "y[:, : part.nodes.size]"),
+        Fault("mooring.components", "merge_states", "y[:, part.nodes] = state.y", "y[:, : part.nodes.size] = state.y"),
         "index",
         "every part rests where the first one does",
         "mooring/test_network.py::test_a_network_is_taken_apart_where_nodes_are_prescribed",
