@@ -55,13 +55,21 @@ class Adapter:
         """
         raise NotImplementedError
 
+    def moving_network(self, network, motion, time, cells):
+        """Forces of lines and loads on the coupled nodes at each time, (P, 3, K), N, from rest.
+
+        network as solvers.Network, motion as solvers.BodyMotion, whose velocity at the start is not zero unless it is
+        ramped; time (K,) in s, evenly spaced from 0; cells: segments of each element, one number or a list.
+        """
+        raise NotImplementedError
+
     @property
     def name(self) -> str:
         """In result files."""
         return type(self).__name__.lower()
 
     def solves(self, problem: str) -> bool:
-        """Whether it has a method for "span", "network" or "cable"."""
+        """Whether it has a method for "span", "network", "cable" or "moving_network"."""
         return getattr(type(self), problem) is not getattr(Adapter, problem)
 
     def limit(self, problem: str) -> float:

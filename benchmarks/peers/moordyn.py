@@ -1,4 +1,4 @@
-"""MoorDyn 2 on a cable with a moving fairlead, through its own Python bindings.
+"""MoorDyn 2 on a cable or a network with moving fairleads, through its own Python bindings.
 
 What to mind: the tension output of a line is that of its last segment, half a segment from the end (first order), so
 the force on the point is taken; in a coupling step the fairlead moves with one velocity, so the mean one is given, and
@@ -13,11 +13,15 @@ import math
 import os
 import tempfile
 from contextlib import contextmanager
+from dataclasses import replace
 from importlib import metadata
 from pathlib import Path
 
 import moordyn
 import numpy as np
+
+from solvers.io.moordyn_writer import write_moordyn
+from solvers.network.solve import solve_network
 
 from .adapter import Adapter
 
@@ -88,6 +92,65 @@ class MoorDyn(Adapter):
             finally:
                 moordyn.Close(system)
         return np.linalg.norm(force, axis=1)
+
+    def moving_network(self, network, motion, time, cells):
+        """The forces on the coupled nodes at the start and at the end of each coupling step, (P, 3, K), N."""
+        if any(element.friction for element in network.elements):
+            raise NotImplementedError("this adapter describes a seabed without friction")
+        coupled = [i for i, node in enumerate(network.nodes) if node.kind == "coupled"]
+        mean = np.array([network.nodes[i].r for i in coupled])
+        positions = mean + np.moveaxis(motion.displacement(mean, time), (0, 1, 2), (2, 1, 0))  # (K, P, 3)
+        step = time[1] - time[0]
+        velocity = np.diff(positions, axis=0) / step
+        top = max(positions[..., 2].max(), *(node.r[2] for node in network.nodes))
+        down = float(top + sum(element.L for element in network.elements))
+        positions = positions - [0.0, 0.0, down]
+        forces = np.empty((len(coupled), 3, len(time)))
+        lowered = let_down(network, down)
+        with _system(lowered, cells, {"tScheme": "RK2", "TmaxIC": 0}, -DAMPING, positions[0]) as (system, every):
+            points = [every[i] for i in coupled]
+            forces[..., 0] = [moordyn.GetPointForce(point) for point in points]
+            for k in range(len(time) - 1):
+                x, v = positions[k].ravel(), velocity[k].ravel()
+                moordyn.Step(system, list(x), list(v), time[k], step)
+                forces[..., k + 1] = [moordyn.GetPointForce(point) for point in points]
+        return forces
+
+
+def forces_at_rest(network, cells) -> np.ndarray:
+    """The forces at all points, (n, 3), N, after a dynamic relaxation from our equilibrium; all nodes below z = 0."""
+    relaxation = {"ICgenDynamic": 1, "CdScaleIC": 50.0, "TmaxIC": 600.0, "threshIC": 1e-13, "dtIC": 2.0}
+    coupled = np.array([node.r for node in network.nodes if node.kind == "coupled"])
+    with _system(let_down(network, 0.0), cells, relaxation, 0.5, coupled) as (_, points):
+        return np.array([moordyn.GetPointForce(point) for point in points])
+
+
+@contextmanager
+def _system(network, cells, options, damping_ratio, coupled):
+    """A started system with its points, the coupled ones at positions (P, 3) in m."""
+    with tempfile.TemporaryDirectory() as folder, _silence():
+        file = Path(folder) / "lines.txt"
+        quiet = {"writeLog": 0, "disableOutput": 1, "disableOutTime": 1}
+        try:
+            write_moordyn(file, network, cells, damping_ratio=damping_ratio, options=options | quiet)
+        except ValueError as error:  # an InputError: outside MoorDyn's model
+            raise NotImplementedError(str(error)) from None
+        system = moordyn.Create(str(file))
+        try:
+            moordyn.Init(system, list(coupled.ravel()), [0.0] * coupled.size)
+            yield system, [moordyn.GetPoint(system, i + 1) for i in range(len(network.nodes))]
+        finally:
+            moordyn.Close(system)
+
+
+def let_down(network, down: float):
+    """The network so many m lower, with its seabed; free nodes where they are at rest, from where MoorDyn starts."""
+    places = solve_network(network).r - [0.0, 0.0, down]
+    nodes = [replace(node, r=tuple(r)) for node, r in zip(network.nodes, places.tolist(), strict=True)]
+    environment = network.environment
+    if environment.depth is not None:
+        environment = replace(environment, depth=environment.depth + down)
+    return type(network)(nodes, network.elements, environment)
 
 
 def describe(scene, segments: int, down: float) -> str:

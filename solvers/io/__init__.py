@@ -1,6 +1,8 @@
-"""Readers of input files: scenes and networks in TOML, motions in CSV, MAP++ files."""
+"""Readers of input files: scenes and networks in TOML, motions in CSV, MAP++ and MoorDyn files."""
 
 from .map_file import read_map_file
+from .moordyn_file import load_moordyn
+from .moordyn_writer import write_moordyn
 from .motion_file import load_body_motion
 from .network_scene import load_network
 from .scene import Scene
@@ -8,6 +10,8 @@ from .scene import Scene
 __all__ = [
     "Scene",
     "load_body_motion",
+    "load_moordyn",
     "load_network",
     "read_map_file",
+    "write_moordyn",
 ]

@@ -230,6 +230,7 @@ _FILES = {
         ("common/test_motion.py", "io/test_scene.py", "time_domain/test_solve.py"),
     ),
     "io.motion_file": ("io/test_motion_file.py",),
+    **dict.fromkeys(("io.moordyn_file", "io.moordyn_tables", "io.moordyn_writer"), ("io/test_moordyn_file.py",)),
     "common.body_motion": ("common/test_body_motion.py",),
     "numerics.newton": ("numerics/test_newton.py", *_SPAN, *_PERIODIC, "cable/test_statics.py"),
     "common.outcome": ("common/test_failures.py", "network/test_solve.py", "harmonic_balance/test_oscillators.py"),

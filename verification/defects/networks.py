@@ -696,6 +696,49 @@ DEFECTS = (
         "a series turns about the origin whatever reference the table names",
         "io/test_motion_file.py::test_a_series_beside_the_network",
     ),
+    # ------------------------------------------------------------ MoorDyn files
+    Defect(
+        "damping ratio of a whole line",
+        Fault("io.moordyn_file", "_element", "-BA * length / segments", "-BA * length"),
+        "factor",
+        "the share of critical damping is taken of the line, not of a segment",
+        "io/test_moordyn_file.py::test_damping_is_a_time_whichever_way_it_is_given",
+    ),
+    Defect(
+        "damping without stiffness",
+        Fault("io.moordyn_writer", "_line_type", "cable.damping * cable.EA", "cable.damping"),
+        "unit",
+        "BA (N s) is written in s",
+        "io/test_moordyn_file.py::test_a_network_comes_back_as_it_was_written",
+    ),
+    Defect(
+        "seabed per area taken per length",
+        Fault("io.moordyn_file", "_environment", "options['kBot'] * thickest", "options['kBot']"),
+        "unit",
+        "the stiffness of the seabed lacks the diameter",
+        "io/test_moordyn_file.py::test_every_column_arrives",
+    ),
+    Defect(
+        "axial coefficients swapped",
+        Fault("io.moordyn_file", "_element", "'CdAx'", "'CaAx'"),
+        "symbol",
+        "added mass along the line is read as drag along it",
+        "io/test_moordyn_file.py::test_every_column_arrives",
+    ),
+    Defect(
+        "bending stiffness dropped",
+        Fault("io.moordyn_file", "_line_types", "('EI', 'bending stiffness')", "('CaAx', 'bending stiffness')"),
+        "input",
+        "a line with bending stiffness is read as a cable",
+        "io/test_moordyn_file.py::test_what_is_wrong_is_named_with_its_line",
+    ),
+    Defect(
+        "MoorDyn 1 read as MoorDyn 2",
+        Fault("io.moordyn_tables", "_row", "columns = MOORDYN_1_LINES", "pass"),
+        "input",
+        "UnstrLen is read as an end",
+        "io/test_moordyn_file.py::test_a_file_of_moordyn_1_has_other_columns",
+    ),
     # ------------------------------------------------------------ declared blind spot
     Defect(
         "softer first stage",

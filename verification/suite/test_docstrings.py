@@ -8,7 +8,7 @@ import inspect
 import pytest
 
 import solvers
-from solvers.io import load_body_motion, load_network, read_map_file
+from solvers.io import load_body_motion, load_moordyn, load_network, read_map_file, write_moordyn
 from solvers.numerics.modes import natural_modes
 
 RETURNED = {"CableSystem", "CatenaryBatch", "CatenaryState", "ConvergenceError", "InputError", "NetworkState",
@@ -18,7 +18,8 @@ RETURNED = {"CableSystem", "CatenaryBatch", "CatenaryState", "ConvergenceError",
 PUBLIC = {name: getattr(solvers, name) for name in solvers.__all__ if callable(getattr(solvers, name))}
 CALLS = {name: call for name, call in PUBLIC.items() if name not in RETURNED}
 CALLS |= {"Scene.load": solvers.Scene.load, "natural_modes": natural_modes, "read_map_file": read_map_file,
-          "load_network": load_network, "load_body_motion": load_body_motion}  # fmt: skip
+          "load_network": load_network, "load_body_motion": load_body_motion,
+          "load_moordyn": load_moordyn, "write_moordyn": write_moordyn}  # fmt: skip
 
 
 def examples(call, name: str) -> doctest.DocTest:

@@ -9,12 +9,14 @@ from __future__ import annotations
 
 import math
 import re
+import tempfile
 import time
 import warnings
 from dataclasses import fields
 from functools import cache
 from importlib.resources import files
 from numbers import Real
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -42,6 +44,8 @@ from solvers import (
     solve_time_domain,
 )
 from solvers.io.map_file import read_map_file
+from solvers.io.moordyn_file import load_moordyn
+from solvers.io.moordyn_writer import write_moordyn
 from solvers.io.network_scene import load_network
 from solvers.numerics.modes import natural_modes
 
@@ -219,13 +223,19 @@ def test_spans_of_any_numbers(_, numbers, seabed):
 def texts() -> dict[str, list[str]]:
     """Scene files by what reads them."""
     read = lambda pattern: [path.read_text(encoding="utf-8") for path in sorted(SCENES.glob(pattern))]
-    return {"scene": read("*.toml") + read("dynamics/*.toml"), "network": read("networks/*.toml"), "map": read("*.map")}
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "lines.txt"
+        write_moordyn(path, load_network(SCENES / "networks" / "oc3_moving.toml"))
+        moordyn = [path.read_text(encoding="ascii")]
+    return {"scene": read("*.toml") + read("dynamics/*.toml"), "network": read("networks/*.toml"), "map": read("*.map"),
+            "moordyn": moordyn}  # fmt: skip
 
 
 READERS = {
     "scene": Scene.load,
     "network": load_network,
     "map": lambda path: read_map_file(path, depth=320.0),
+    "moordyn": load_moordyn,
 }
 VALUES = ("nan", "inf", "-inf", "-1", "0", "1e400", "true", '"text"', "[]", "[1]", "{}", "[[1, 2], [3]]", "1979-05-27",
           "-5e-324", "1e308", "''", "[1, 2, 'x']", "#", "-", "depth", "\x00", "\u00e9", "9" * 400)  # fmt: skip
@@ -259,8 +269,8 @@ def spoiled(draw, kind: str) -> str:
     return text
 
 
-def _file_test(kind, count):
-    @fuzzed(count, int(0.8 * count), spoiled(kind))
+def _file_test(kind, count, refused=0.8):
+    @fuzzed(count, int(refused * count), spoiled(kind))
     def check(folder, text):
         path = folder / f"bad.{'map' if kind == 'map' else 'toml'}"
         path.write_bytes(text.encode("utf-8"))
@@ -273,6 +283,7 @@ def _file_test(kind, count):
 test_scene_files, test_network_files, test_map_files = (
     _file_test(kind, count) for kind, count in (("scene", 150), ("network", 100), ("map", 120))
 )
+test_moordyn_files = _file_test("moordyn", 120, refused=0.4)  # whose titles, column names and units are not read
 
 
 @fuzzed(20, 20, st.binary(max_size=60), st.sampled_from(sorted(READERS)))
