@@ -3,7 +3,8 @@
 Four sections, each a title between dashes, a line of column names, a line of units, then its rows, words parted by
 blanks or tabs:
 
-LINE DICTIONARY   LineType Diam MassDenInAir EA CB CIntDamp Ca Cdn Cdt    m, kg/m, N; CB: friction of the seabed
+LINE DICTIONARY   LineType Diam MassDenInAir EA CB CIntDamp Ca Cdn Cdt    m, kg/m, N; CB: friction of the seabed; for
+                  motion CIntDamp (Pa s), damping = CIntDamp (pi d^2/4)/EA in s, Cdn on d l, Cdt on pi d l
 NODE PROPERTIES   Node Type X Y Z M B FX FY FZ      Type fix, connect or vessel; M kg, B m^3 (or named V), forces N
 LINE PROPERTIES   Line LineType UnstrLen NodeAnch NodeFair Flags...
 SOLVER OPTIONS    Option: a word and its numbers; a line that starts with a blank is a comment
@@ -23,7 +24,9 @@ from pathlib import Path
 
 from ..common.outcome import InputError
 from ..common.properties import CableProperties, Environment
-from ..network.model import Element, Network, Node
+from ..common.types import Vector
+from ..network.model import Element, Node
+from .network_scene import NamedNetwork
 
 SECTIONS = {
     "LINE DICTIONARY": "LineType Diam MassDenInAir EA CB CIntDamp Ca Cdn Cdt",
@@ -50,17 +53,28 @@ REFUSED = {
 
 
 @dataclass(frozen=True)
-class MapNetwork(Network):
-    """The network of a MAP++ file; ``ignored``: its flags and options that have no meaning here, as text."""
+class MapNetwork(NamedNetwork):
+    """The network of a MAP++ file; node_names are its numbers, those of repeated nodes following."""
 
-    ignored: tuple[str, ...] = ()
+    @property
+    def ignored(self) -> tuple[str, ...]:
+        """Its flags, options and values that have no meaning here, as text: ``notes``."""
+        return self.notes
 
 
 def read_map_file(
-    path: str | PathLike[str], *, depth: float | None = None, rho: float = Environment.rho, g: float = Environment.g
+    path: str | PathLike[str],
+    *,
+    depth: float | None = None,
+    rho: float = Environment.rho,
+    g: float = Environment.g,
+    current: Vector = (0.0, 0.0, 0.0),
+    seabed_stiffness: float | None = None,
+    seabed_damping: float = 0.0,
 ) -> MapNetwork:
     """Return the network of a MAP++ file, in water ``depth`` m deep (None: no seabed), rho kg/m^3, g m/s^2.
 
+    current, seabed_stiffness and seabed_damping as solvers.Environment takes them, for motion.
     Raises InputError naming file and line for what is missing, wrong or not supported.
 
     >>> from importlib.resources import files
@@ -68,8 +82,11 @@ def read_map_file(
     >>> len(read_map_file(files("reference_data") / "scenes" / "oc3_hywind.map", depth=320.0).elements)
     3
     """
-    environment, types = Environment(rho=rho, g=g, depth=depth), {}
+    seabed = {"seabed_stiffness": seabed_stiffness, "seabed_damping": seabed_damping}
+    environment = Environment(rho, g, depth, current=current, **seabed)  # type: ignore[arg-type]
+    types: dict[str, dict] = {}
     angles: list[float] = []
+    ignored: list[str] = []
     try:
         text = Path(path).read_text(encoding="latin-1")  # all but the unit m^3 is ASCII, and that comes in any encoding
     except (TypeError, ValueError):
@@ -79,19 +96,18 @@ def read_map_file(
     rows = _sections(path, text.split("\n"))
     for row in rows["LINE DICTIONARY"]:
         row.require(row["LineType"] not in types, f"LineType {row['LineType']!r} is there already")
-        diameter, mass, EA, friction, *_ = [row.number(name) for name in row if name != "LineType"]
-        cable = row.checked(CableProperties, EA, diameter, mass)
-        types[row["LineType"]] = {"w": cable.weight_in(environment), "EA": EA, "friction": friction}
+        types[row["LineType"]] = _line_type(row, environment, ignored)
     nodes = [_node(row, i, environment) for i, row in enumerate(rows["NODE PROPERTIES"], start=1)]
     elements = [_element(row, i, types, len(nodes)) for i, row in enumerate(rows["LINE PROPERTIES"], start=1)]
-    ignored = [text for row in rows["LINE PROPERTIES"] for text in _flags(row, environment)]
+    ignored += [text for row in rows["LINE PROPERTIES"] for text in _flags(row, environment)]
     for row in rows["SOLVER OPTIONS"]:
         _option(row, angles, ignored)
     shifts = range(0, len(nodes) * (len(angles) + 1), len(nodes))
     copies = [replace(e, ends=(e.ends[0] + shift, e.ends[1] + shift)) for shift in shifts for e in elements]
     nodes += [_turned(node, angle) for angle in angles for node in nodes]
     try:
-        return MapNetwork(nodes, copies, environment, tuple(ignored))
+        names = tuple(str(i) for i in range(1, len(nodes) + 1))
+        return MapNetwork(nodes, copies, environment, name=Path(path).stem, node_names=names, notes=tuple(ignored))
     except InputError as error:
         if error.item is None:
             raise error.located(str(path)) from None
@@ -170,6 +186,19 @@ def _check_header(where, section, words, header):
         raise InputError(f"{where}: columns {' '.join(words)} of {section} must be {' '.join(names)}")
     if header == 1 and not words[0].startswith("("):
         raise InputError(f"{where}: {words[0]!r}: a line of units, (-) (m) ..., must stand above the rows of {section}")
+
+
+def _line_type(row, environment, ignored) -> dict:
+    """Return what its elements take; those with a negative coefficient, as files for statics have, have no section."""
+    diameter, mass, EA, friction, pressure, Ca, Cdn, Cdt = [row.number(name) for name in row if name != "LineType"]
+    cable = row.checked(CableProperties, EA, diameter, mass)
+    values = {"w": cable.weight_in(environment), "EA": EA, "friction": friction}
+    coefficients = {"CIntDamp": pressure, "Ca": Ca, "Cdn": Cdn, "Cdt": Cdt}
+    negative = [f"{name} = {value:g}" for name, value in coefficients.items() if value < 0]
+    if negative:
+        ignored.append(f"line type {row['LineType']}: {', '.join(negative)}: no coefficient; it cannot be moved")
+        return values
+    return values | {"cable": replace(cable, damping=pressure * cable.area / EA, Ca=Ca, Cdn=Cdn, Cdb=Cdn, Cdt=Cdt)}
 
 
 def _node(row, i, environment) -> Node:

@@ -59,7 +59,7 @@ def write_moordyn(
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     file = pathlib.Path(folder) / "lines.txt"
     ...     notes = write_moordyn(file, network, cells=40)
-    ...     print(file.read_text().splitlines()[-10])
+    ...     print(next(line for line in file.read_text().splitlines() if line.startswith("3 type")))
     3 type1 5 6 902.2 40 -
     """
     if not isinstance(network, Network):

@@ -662,9 +662,9 @@ DEFECTS = (
         "friction from the column of damping",
         Fault(
             "io.map_file",
-            "read_map_file",
-            'diameter, mass, EA, friction, *_ = [row.number(name) for name in row if name != "LineType"]',
-            'diameter, mass, EA, _, friction, *_ = [row.number(name) for name in row if name != "LineType"]',
+            "_line_type",
+            "values = {'w': cable.weight_in(environment), 'EA': EA, 'friction': friction}",
+            "values = {'w': cable.weight_in(environment), 'EA': EA, 'friction': pressure}",
         ),
         "index",
         "CIntDamp is read as CB",
@@ -695,6 +695,13 @@ DEFECTS = (
         "input",
         "a series turns about the origin whatever reference the table names",
         "io/test_motion_file.py::test_a_series_beside_the_network",
+    ),
+    Defect(
+        "pressure of damping taken for a force",
+        Fault("io.map_file", "_line_type", "pressure * cable.area / EA", "pressure / EA"),
+        "unit",
+        "CIntDamp (Pa s) is not multiplied by the area of the section",
+        "io/test_map_file.py::test_coefficients_of_motion_arrive",
     ),
     # ------------------------------------------------------------ MoorDyn files
     Defect(

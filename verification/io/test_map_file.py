@@ -53,7 +53,28 @@ def test_every_column_arrives():
     assert (first.ends, first.L, first.EA, first.friction) == ((0, 1), 870.0, 384.243e6, 1.0)
     assert (leg.ends, leg.L) == ((1, 3), 30.0)
     assert first.w == pytest.approx(9.80665 * (77.7066 - 1025 * math.pi * 0.09**2 / 4), rel=1e-15)
-    assert network.ignored[0] == "line 1: tension_anch" and network.ignored[-1] == "outer_tol 1e-6"
+    assert network.ignored[1] == "line 1: tension_anch" and network.ignored[-1] == "outer_tol 1e-6"
+    assert network.node_names == tuple(str(i) for i in range(1, 13)) and network.ignored == network.notes
+
+
+def test_coefficients_of_motion_arrive(tmp_path):
+    """Damping, added mass and drag of the section, current and a yielding seabed: by hand."""
+    path = edited(tmp_path, "0.6   -1.0  0.05", "0.6    1.6  0.05")
+    network = read_map_file(path, depth=DEPTH, current=(0.5, 0.0, 0.0), seabed_stiffness=1e4, seabed_damping=1e3)
+    cable = network.elements[3].cable
+    assert (cable.diameter, cable.mass_per_length) == (0.09, 77.7066)
+    assert (cable.Ca, cable.Cdn, cable.Cdb, cable.Cdt) == (0.6, 1.6, 1.6, 0.05)
+    assert cable.damping == pytest.approx(1e8 * math.pi * 0.09**2 / 4 / 384.243e6, rel=1e-14)
+    environment = network.environment
+    assert (environment.current, environment.seabed_stiffness) == ((0.5, 0.0, 0.0), 1e4)
+    assert environment.seabed_damping == 1e3
+
+
+def test_a_negative_coefficient_is_none():
+    """As published files for statics have: the line can be solved at rest, and has no section to move with."""
+    network = read_map_file(BRIDLE, depth=DEPTH)
+    assert all(element.cable is None for element in network.elements)
+    assert network.ignored[0] == "line type chain: Cdn = -1: no coefficient; it cannot be moved"
 
 
 def test_environment_comes_from_the_arguments():
