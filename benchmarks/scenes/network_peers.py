@@ -60,9 +60,9 @@ def _times(study: Study, steps: int) -> np.ndarray:
 
 
 def _window(study: Study, steps: int, values) -> np.ndarray:
-    """Return what is compared of values (..., K) at the times of the coupling: the last period, or a series but its start.
+    """Return what is compared of values (..., K) at the times of the coupling: the last period, or most of a series.
 
-    At the start codes differ in how they take a body that moves at once.
+    At its start codes differ in how they take a body that moves at once.
     """
     if study.period is None:
         return values[..., round(START_SHARE * values.shape[-1]) :]

@@ -93,6 +93,7 @@ def study(path: Path, network, notes, compact: bool = False):
     report = {"file": path.name, "name": getattr(network, "name", "") or path.stem, "compact": compact}
     report |= {"description": getattr(network, "description", ""), "tolerance": TOLERANCE, "warnings": list(notes)}
     report |= {"moves": getattr(network, "motion", None) is not None, "lines": names}
+    report |= {"coupled": _coupled_names(network)}
     total = steps(network, compact)
     try:
         report["statics"] = statics(network, compact)
@@ -163,11 +164,19 @@ def _impedance(made: Study) -> dict | None:
         return {"failed": str(error)}
 
 
+def _coupled_names(network) -> list[str]:
+    return [name for name, node in zip(node_names(network), network.nodes, strict=True) if node.kind == "coupled"]
+
+
+def node_names(network) -> list[str]:
+    """Return the names of the nodes, their numbers where the file gives none."""
+    return list(getattr(network, "node_names", ())) or [str(i) for i in range(1, len(network.nodes) + 1)]
+
+
 def _picture(network) -> dict:
     """Return what a picture shows: see ``benchmarks.network.pictures.drawn``; each node with its name."""
     picture = drawn(network)
-    names = getattr(network, "node_names", ()) or [str(i) for i in range(1, len(network.nodes) + 1)]
-    for node, name in zip(picture["nodes"], names, strict=True):
+    for node, name in zip(picture["nodes"], node_names(network), strict=True):
         node["name"] = name
     return picture
 
