@@ -22,6 +22,8 @@ SHOWN_TRAVEL = 0.05  # of the width of a picture, to which the motion of a line 
 NICE = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 NEAR, ROOM = 0.15, 1.35  # of the width: nodes around the body that the close view shows; its half width over theirs
 DASHES = ("-", "--", ":", "-.")
+FLAT = 1e-3  # of the width: less in y is none
+FLATTEST = 6  # width over height of a side view, beyond which its heights are enlarged
 MOST_NAMES = 24  # of nodes in a picture
 SMALLEST = 1e-6  # of the largest harmonic, below which nothing is drawn
 
@@ -35,9 +37,15 @@ def pictures(report: dict, name: str, folder: Path) -> Group:
     with plt.rc_context({"figure.constrained_layout.use": False}):
         figures = [draw_network(row, f"{name}_space", folder, draw)]
     top = max(max(element["tension"]) for element in row["elements"])
-    figures.append(_from_above(report, f"{name}_above", folder, factor, None, top))
-    if (view := _close_view(row)) is not None:
-        figures.append(_from_above(report, f"{name}_body", folder, 1, view, top))
+    planes = {"xy": "From above", "xz": "From the side"}
+    if _is_flat(row):
+        del planes["xy"]
+    for k, (plane, title) in enumerate(planes.items()):
+        figures.append(_projection(report, f"{name}_{plane}", folder, title, factor, top, plane, has_names=k == 0))
+        view = _close_view(row, plane) if k == 0 else None
+        if view is not None:
+            title = f"{title}, around the body"
+            figures.append(_projection(report, f"{name}_body", folder, title, 1, top, plane, view))
     return Group(_caption(report, factor), figures)
 
 
@@ -65,6 +73,11 @@ def _width(picture: dict) -> float:
     return max(np.ptp(np.concatenate([element[axis] for element in picture["elements"]])) for axis in "xy")
 
 
+def _is_flat(picture: dict) -> bool:
+    """Return whether all lines lie in a plane of constant y, which shows nothing from above."""
+    return np.ptp(np.concatenate([element["y"] for element in picture["elements"]])) < FLAT * _width(picture)
+
+
 def _poses(envelope: dict, factor: int):
     """Yield positions (3, points) of each line at each instant, their displacements from rest multiplied."""
     for pose in envelope["poses"]:
@@ -77,79 +90,106 @@ def _draw_poses_in_space(axes, envelope: dict, factor: int):
     axes.add_collection3d(Line3DCollection(pieces, colors=style.PALE, linewidths=0.6, alpha=0.6, zorder=1))
 
 
-def _close_view(picture: dict):
+def _close_view(picture: dict, plane: str):
     """Return (centre (2,), half width) around the coupled nodes and what is near them, m; None where that is all."""
-    coupled = np.array([node["r"][:2] for node in picture["nodes"] if node["kind"] == "coupled"])
+    coupled = np.array([_in_plane(node, plane) for node in picture["nodes"] if node["kind"] == "coupled"])
     if not coupled.size:
         return None
     centre, width = coupled.mean(axis=0), _width(picture)
-    away = np.linalg.norm(np.array([n["r"][:2] for n in picture["nodes"] if n["kind"] != "fixed"]) - centre, axis=1)
+    others = np.array([_in_plane(node, plane) for node in picture["nodes"] if node["kind"] != "fixed"])
+    away = np.linalg.norm(others - centre, axis=1)
     near = away[away <= NEAR * width]
     half = ROOM * max(float(near.max(initial=0.0)), 0.01 * width)
     return None if half > NEAR * ROOM * width else (centre, half)
 
 
-def _from_above(report: dict, name: str, folder: Path, factor: int, view, top: float) -> Figure:
-    """Return the lines from above, whole or within a view (centre, half width), node names beside the nodes."""
-    title = "From above" if view is None else "From above, around the body"
-    figure, axes = plt.subplots(figsize=(4.7, 4.3))
+def _in_plane(node: dict, plane: str) -> np.ndarray:
+    return np.array([node["r"]["xyz".index(axis)] for axis in plane])
+
+
+def _projection(report, name: str, folder: Path, title: str, factor: int, top: float, plane: str, view=None,
+                has_names=True) -> Figure:  # fmt: skip
+    """Return the lines in a plane, whole or within a view (centre (2,), half width) in m, with names of nodes."""
     picture = report["picture"]
+    figure, axes = plt.subplots(figsize=(4.7, 3.2 if plane == "xz" and view is None else 4.3))
     if "envelope" in report:
-        pieces = [line[:2].T for line in _poses(report["envelope"], factor)]
+        kept = ["xyz".index(axis) for axis in plane]
+        pieces = [line[kept].T for line in _poses(report["envelope"], factor)]
         axes.add_collection(LineCollection(pieces, colors=style.PALE, linewidths=0.6, alpha=0.6, zorder=1))
-    points = [np.column_stack([e["x"], e["y"]]) for e in picture["elements"]]
-    tension = [np.array(e["tension"]) for e in picture["elements"]]
+    points = [np.column_stack([element[axis] for axis in plane]) for element in picture["elements"]]
+    tension = [np.array(element["tension"]) for element in picture["elements"]]
     lines = LineCollection(
         np.concatenate([np.stack([p[:-1], p[1:]], axis=1) for p in points]),
         cmap=style.TENSION_COLOURS, linewidths=2.4, capstyle="round", zorder=3)  # fmt: skip
     lines.set_array(np.concatenate([(t[:-1] + t[1:]) / 2 for t in tension]) * KN)
     lines.set_clim(0, KN * top or 1.0)
     axes.add_collection(lines)
-    _draw_nodes(axes, picture["nodes"], view)
-    axes.set(title=title, xlabel="x, m", ylabel="y, m")
-    _set_view(axes, np.concatenate(points), view)
+    _draw_nodes(axes, picture["nodes"], plane)
+    if has_names:
+        _name_nodes(axes, picture["nodes"], plane, view)
+    if plane == "xz" and picture["seabed"] is not None:
+        axes.axhline(picture["seabed"], color=style.SEABED, linewidth=1.2, zorder=1)
+    enlarged = _set_limits(axes, np.concatenate(points), view, plane)
+    axes.set(title=title, xlabel="x, m", ylabel=f"{plane[1]}, m{enlarged}")
     figure.colorbar(lines, ax=axes, location="bottom", aspect=35, shrink=0.9).set_label("tension at rest, kN")
-    alt = f"{report['name']} from above{'' if view is None else ', around the body'}, coloured by the tension at rest."
-    return style.save(figure, folder, name, title, alt)
+    return style.save(figure, folder, name, title, f"{report['name']}, {title.lower()}, coloured by tension at rest.")
 
 
-def _draw_nodes(axes, nodes: list[dict], view):
-    """Draw markers by kind; names of the fixed ones where all is seen, in the close view those of all within it."""
+def _draw_nodes(axes, nodes: list[dict], plane: str):
+    """Draw markers by kind."""
     for kind, marker in (("fixed", "s"), ("free", "o"), ("coupled", "^")):
-        places = np.array([node["r"][:2] for node in nodes if node["kind"] == kind]).reshape(-1, 2)
+        places = np.array([_in_plane(node, plane) for node in nodes if node["kind"] == kind]).reshape(-1, 2)
         face = "none" if kind == "free" else style.INK
         axes.scatter(*places.T, s=24, marker=marker, facecolor=face, edgecolor=style.INK, zorder=5, label=kind)
-    named = [n for n in nodes if n["kind"] == "fixed"] if view is None else [
-        n for n in nodes if np.abs(np.array(n["r"][:2]) - view[0]).max() < view[1]]  # fmt: skip
-    middle = np.mean([node["r"][:2] for node in nodes], axis=0) if view is None else view[0]
+
+
+def _name_nodes(axes, nodes: list[dict], plane: str, view):
+    """Write the names of the fixed nodes where all is seen, in a close view those of all nodes within it."""
+    places = [_in_plane(node, plane) for node in nodes]
+    if view is None:
+        middle, is_named = np.mean(places, axis=0), [node["kind"] == "fixed" for node in nodes]
+    else:
+        middle, is_named = view[0], [abs(place - view[0]).max() < view[1] for place in places]
+    named = [(node, place) for node, place, yes in zip(nodes, places, is_named, strict=True) if yes]
     by_place: dict[tuple, list[str]] = {}
-    for node in named[:MOST_NAMES]:
-        by_place.setdefault((round(node["r"][0], 2), round(node["r"][1], 2)), []).append(node["name"])
-    for place, names in by_place.items():
-        right, up = np.sign(np.round(np.array(place) - middle, 3))
-        inward = view is None  # at the rim of the picture names have room towards its middle
-        side = {1.0: "right", -1.0: "left"} if inward else {1.0: "left", -1.0: "right"}
-        axes.annotate(
-            "\n".join(names), place, (-6 * right if inward else 6 * right, 7 * up if up else 7),
-            textcoords="offset points", ha=side.get(right, "center"), va="bottom" if up >= 0 else "top", fontsize=8,
-            zorder=6)  # fmt: skip
+    for node, place in named[:MOST_NAMES]:
+        by_place.setdefault(tuple(np.round(place, 2)), []).append(node["name"])
+    for at, names in by_place.items():
+        _name_node(axes, at, names, np.sign(np.round(at - middle, 3)), inwards=view is None)
 
 
-def _set_view(axes, points, view):
+def _name_node(axes, at, names: list[str], side, inwards: bool):
+    """Write names beside a node, to the side (2,) of it where it lies; at the rim of a picture towards its middle."""
+    right, up = (-side if inwards else side).tolist()
+    axes.annotate(
+        "\n".join(names), at, (9 * right, 7 * up if up else 7), textcoords="offset points", fontsize=8, zorder=6,
+        ha={1.0: "left", -1.0: "right"}.get(right, "center"), va="bottom" if up >= 0 else "top")  # fmt: skip
+
+
+def _set_limits(axes, points, view, plane: str) -> str:
+    """Set the limits; equal scales, unless a side view is too flat for them, which the words for its label say."""
     if view is None:
         low, high = points.min(axis=0), points.max(axis=0)
-        centre, half = (low + high) / 2, np.maximum(0.56 * (high - low), 0.12 * (high - low).max())
+        centre, size = (low + high) / 2, high - low
+        half = np.maximum(0.56 * size, 0.12 * size.max() if plane == "xy" else 0.56 * size)
     else:
         centre, half = view[0], np.array([view[1], view[1]])
+    half = np.maximum(half, 1e-3)
     axes.set_xlim(centre[0] - half[0], centre[0] + half[0])
     axes.set_ylim(centre[1] - half[1], centre[1] + half[1])
+    if plane == "xz" and half[0] > FLATTEST * half[1]:
+        return " (enlarged)"
     axes.set_aspect("equal")
+    return ""
 
 
 def _looks(lines: list[str]) -> list[dict]:
+    """Return a look for each line: every second one dashed and on top, for symmetric lines have the same tension."""
     colours = len(style.PALETTE)
-    return [{"color": style.PALETTE[i % colours], "linestyle": DASHES[i // colours % len(DASHES)]}
-            for i in range(len(lines))]  # fmt: skip
+    return [
+        {"color": style.PALETTE[i % colours], "linestyle": DASHES[i % 2 + 2 * (i // colours % 2)], "zorder": 2 + i % 2}
+        for i in range(len(lines))
+    ]
 
 
 def tensions(report: dict, name: str, folder: Path) -> Group:

@@ -16,12 +16,24 @@ LINES = {
     "uplift": "upwards, kN", "uplift_angle": "at, degrees", "grounded_min": "least", "grounded_max": "greatest",
     "slack": "slack",
 }  # fmt: skip
-GROUPS = (("", 1), ("tension at the fairlead end, kN", 6), ("greatest along the line", 2), ("anchor end", 3),
-          ("on the seabed, m", 2), ("", 1))  # fmt: skip
+ALONG = "greatest along the line", 2
+GROUPS = (("", 1), ("tension at the fairlead end, kN", 6), ALONG, ("anchor end", 3), ("on the seabed, m", 2), ("", 1))
 
 
 def _kn(digits: int = 4):
     return lambda value: number(None if value is None else KN * value, digits)
+
+
+def lines_of_all(reports: dict[str, dict]) -> Table | None:
+    """Return one table of the lines of all networks in motion; None where none moved."""
+    parts = [(report["name"], lines(report, stem)) for stem, report in reports.items() if "motion" in report]
+    if not parts:
+        return None
+    rows = [{"network": name if k == 0 else ""} | row for name, table in parts for k, row in enumerate(table.rows)]
+    first = parts[0][1]
+    columns = {"network": "network"} | {key: head for key, head in LINES.items() if not key.startswith("greatest")}
+    groups = (("", 2), *(group for group in GROUPS[1:] if group != ALONG))
+    return Table("networks_lines", "Lines of all networks", columns, rows, first.formats, groups, note=first.note)
 
 
 def lines(report: dict, name: str) -> Table:
@@ -113,10 +125,10 @@ def stiffness_at_rest(report: dict, name: str) -> list[Table]:
 
 def _matrix(name: str, title: str, K, note: str) -> Table:
     columns = {"row": ""} | {c: f"{c}, {'m' if i < 3 else 'rad'}" for i, c in enumerate(COORDINATES)}
-    rows = []
+    rows, scales = [], [max(abs(K[i][i]) for i in part) for part in (range(3), range(3, 6))]
     for i, (label, values) in enumerate(zip(COORDINATES, K, strict=True)):
-        sizes = [abs(K[i][i] * K[j][j]) ** 0.5 for j in range(6)]
-        values = [0.0 if abs(v) <= 1e-6 * size else v for v, size in zip(values, sizes, strict=True)]
+        sizes = [(scales[i // 3] * scales[j // 3]) ** 0.5 for j in range(6)]
+        values = [0.0 if abs(v) <= VANISHING * size else v for v, size in zip(values, sizes, strict=True)]
         kind = "force, kN" if i < 3 else "moment, kN m"
         rows.append({"row": f"{label}: {kind}"} | dict(zip(COORDINATES, values, strict=True)))
     about = "Rows: what the lines resist with; columns: displacement or rotation of the body."
@@ -168,7 +180,7 @@ def peers(report: dict, name: str) -> Table | None:
 
 def as_text(table: Table) -> str:
     """Return a table in letters, its columns aligned, for a terminal."""
-    head = list(_headings(table))
+    head = list(table.columns.values())
     rows = [head, *([text for text, *_ in row] for row in table.cells())]
     right = [table.is_numeric(key) for key in table.columns]
     widths = [max(len(row[i]) for row in rows) for i in range(len(head))]
@@ -177,13 +189,17 @@ def as_text(table: Table) -> str:
     return "\n".join(line.rstrip() for line in lines)
 
 
-def _headings(table: Table):
-    """Yield the headings, each with that of its group in front where one column alone would not say what it is."""
-    groups = [heading for heading, width in table.groups for _ in range(width)] or [""] * len(table.columns)
-    short = {"tension at the fairlead end, kN": "", "greatest along the line": "along", "anchor end": "anchor",
-             "on the seabed, m": "grounded"}  # fmt: skip
-    for group, heading in zip(groups, table.columns.values(), strict=True):
-        yield f"{short.get(group, '')} {heading}".strip()
+def _lines_for_terminal(report: dict) -> Table:
+    """Return the table of lines in as few columns as a terminal has room for."""
+    full = lines(report, "terminal")
+    columns = {key: LINES[key] for key in ("line", "pretension", "min", "mean", "max", "std", "time_of_max")}
+    columns |= {"anchor_max": "anchor", "uplift": "upwards", "grounded": "on seabed, m", "slack": "slack"}
+    rows = [row | {"grounded": _range(row["grounded_min"], row["grounded_max"])} for row in full.rows]
+    return Table("terminal", "", columns, rows, full.formats)
+
+
+def _range(low, high) -> str:
+    return DASH if low is None else f"{number(low)} to {number(high)}"
 
 
 def summarise(report: dict, stem: str) -> str:
@@ -192,7 +208,7 @@ def summarise(report: dict, stem: str) -> str:
     if "failed" in report:
         text.append(report["failed"])
     if "motion" in report:
-        text += ["tensions in kN", as_text(lines(report, stem)), sentence(report)]
+        text += ["tensions in kN", as_text(_lines_for_terminal(report)), sentence(report)]
     elif report.get("statics"):
         text += ["tensions in kN", as_text(statics(report, stem))]
     return "\n".join([*text, *(f"- {warning}" for warning in report["warnings"])])

@@ -16,7 +16,11 @@ def build(inputs: Inputs) -> Content:
     """Return figures, tables and sentences of every network file that was measured."""
     reports = settings.merge_timings(inputs.results["moving_networks"])
     shown = [_show(report, stem, inputs) for stem, report in reports.items()]
-    return Content({"networks": shown}, sentences=_sentences(reports))
+    compact = {stem: report for stem, report in reports.items() if report["compact"]}
+    together = tables.lines_of_all(compact)
+    if together is not None:
+        together.write(inputs.tables)
+    return Content({"networks": shown, "lines_of_all": together}, sentences=_sentences(reports))
 
 
 def _sentences(reports: dict) -> list[str]:
@@ -36,10 +40,8 @@ def _show(report: dict, stem: str, inputs: Inputs) -> dict:
         "stem": stem, "data": report, "pictures": None, "tables": [], "sentence": "", "facts": [], "python": None,
         "tensions": None, "details": None, "all": not report["compact"],
     }  # fmt: skip
-    if "picture" in report:
+    if "picture" in report and not report["compact"]:
         shown["pictures"] = figures.pictures(report, name, folder)
-        if report["compact"]:
-            shown["pictures"].figures = shown["pictures"].figures[:1]
     if "motion" in report:
         shown |= _motion(report, name, folder)
     shown["tables"] = [table.write(inputs.tables) for table in filter(None, _tables(report, name))]
@@ -59,12 +61,12 @@ def _motion(report: dict, name: str, folder: Path) -> dict:
 
 
 def _tables(report: dict, name: str) -> list[Table | None]:
-    """Return the tables in their order; of a compact report the lines, and the settings."""
+    """Return the tables in their order; of a compact report the settings."""
     made: list[Table | None] = []
+    if report["compact"]:
+        return [tables.settings(report, name)] if report.get("ladder") else []
     if "motion" in report:
         made += [tables.lines(report, name), tables.settings(report, name)]
-        if report["compact"]:
-            return made
         made += [tables.peers(report, name), tables.body(report, name), *tables.matrices(report, name)]
     elif report.get("ladder"):
         made.append(tables.settings(report, name))
