@@ -82,8 +82,8 @@ def build(folder: Path) -> Path:
 
 def files(folder: Path) -> dict[Path, tuple[int, int]]:
     """Return every file below the folder with its size and its time of change; no bytecode, no compiled cache."""
-    found = (path for path in folder.rglob("*") if path.is_file() and "__pycache__" not in path.parts)
-    return {path: (path.stat().st_size, path.stat().st_mtime_ns) for path in found}
+    paths = (path for path in folder.rglob("*") if path.is_file() and "__pycache__" not in path.parts)
+    return {path: (path.stat().st_size, path.stat().st_mtime_ns) for path in paths}
 
 
 def check_without_extras(python: Path, folder: Path):

@@ -16,6 +16,7 @@ from .exact import catenary_mp, network_mp
 
 EPS = 2.0**-52
 SPANS = files("reference_data") / "spans" / "data.csv"
+MOVING_NETWORKS = files("reference_data") / "moving_networks" / "data.csv"
 
 ORACLE = Path(catenary_mp.__file__)
 """The oracle's source: results kept between runs are valid as long as it does not change."""
@@ -106,6 +107,19 @@ def exact_network(case, start) -> NetworkTruth:
     H, V, H_anchor, V_anchor = (np.array(f, dtype=float) for f in (exact.H, exact.V, exact.H_anchor, exact.V_anchor))
     ends = np.column_stack([np.hypot(H_anchor, V_anchor), np.hypot(H, V)])
     return NetworkTruth(np.array(exact.r, dtype=float), ends)
+
+
+@cache
+def moving_network_tensions() -> dict[int, tuple[np.ndarray, np.ndarray]]:
+    """The reference table reference_data/moving_networks: seed -> (t (nt,) in s, end tensions (nt, e, 2) in N)."""
+    with MOVING_NETWORKS.open(newline="") as file:
+        rows = [{name: float(text) for name, text in row.items()} for row in csv.DictReader(file)]
+    tables = {}
+    for seed in sorted({int(row["seed"]) for row in rows}):
+        own = [row for row in rows if row["seed"] == seed]
+        t = np.unique([row["t"] for row in own])
+        tables[seed] = t, np.array([(row["T_a"], row["T_b"]) for row in own]).reshape(t.size, -1, 2)
+    return tables
 
 
 def tension_error(tension, truth: NetworkTruth) -> float:

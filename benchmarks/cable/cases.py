@@ -42,7 +42,7 @@ def scene(name: str) -> Scene:
 
 @cache
 def system(name: str, nodes: int = NODES, fields: str = "auto"):
-    """The cable of a case, with its equilibrium found: its cost is in no timing but where a benchmark says so."""
+    """Return the cable of a case, its equilibrium solved: its cost is in no timing but where a benchmark says so."""
     cable = cable_system(scene(name), nodes, fields=fields)
     cable.rest_state()
     return cable
@@ -86,8 +86,8 @@ class Reference:
         difference = (given - self.tension[:: INSTANTS // len(given)]) / self.range
         return {"rms": rms(difference), "error": float(abs(difference).max())}
 
-    def of(self, response) -> dict:
-        """rms and error of the last period of a TimeHistory or PeriodicResponse."""
+    def errors_of_response(self, response) -> dict:
+        """Return rms and error of the last period of a TimeHistory or PeriodicResponse."""
         return self.errors(last_period_tension(response))
 
 
@@ -135,8 +135,8 @@ class References:
         self.folder = folder / "cache"
         self.folder.mkdir(parents=True, exist_ok=True)
 
-    def of(self, name: str) -> Reference:
-        """Reference of a case: kept, or computed; a finer one that is kept serves too."""
+    def get_or_compute(self, name: str) -> Reference:
+        """Return the Reference of a case: kept, or computed; a finer one that is kept serves too."""
         for settings in ((LEVELS, FINE, FINEST), self.settings):
             path = self._path(name, settings)
             if path.exists():

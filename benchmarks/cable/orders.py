@@ -122,8 +122,8 @@ def _orbit(damping: float, steps, harmonics) -> tuple[list, np.ndarray]:
     case = replace(case, cable=replace(case.cable, damping=damping))
     chain = cable_system(case, NODES)
     orbit = solve_periodic(chain, harmonics=harmonics)
-    rest = chain.end(orbit.y, orbit.ydot, orbit.time, False).value.mean(axis=-1)
-    system = cable_system(case, NODES, motion=_Led(case.motion, chain.axes.T @ rest))
+    mean_place = chain.end(orbit.y, orbit.ydot, orbit.time, False).value.mean(axis=-1)
+    system = cable_system(case, NODES, motion=_Led(case.motion, chain.axes.T @ mean_place))
     zero = np.zeros(1)
     start = orbit.at(zero)[..., 0], orbit.rate_at(zero)[..., 0]
     period = chain.period

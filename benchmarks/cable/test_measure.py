@@ -98,7 +98,7 @@ def rms_misses() -> list[str]:
     misses, wanted = [], rms_in_closed_form()
     results = {count: known.errors(wave_at(WAVE, 500.0 + OFFSET, instants(PERIOD, count)))["rms"]
              for count in (INSTANTS // 5, INSTANTS // 2, INSTANTS, 3 * INSTANTS)}  # fmt: skip
-    results["a response"] = known.of(Tension())["rms"]
+    results["a response"] = known.errors_of_response(Tension())["rms"]
     results["its wave"] = known.errors(last_period_tension(Tension()))["rms"]
     for name, got in results.items():
         misses += [] if got == pytest.approx(wanted, rel=1e-12) else [f"{name}: {got}, wanted {wanted}"]
@@ -254,7 +254,7 @@ def test_a_reference_is_better_than_its_finest_mesh():
     result = dynamic_cases.converged("case_1", *COARSE)
     finer = solve_periodic(system("case_1", 193), harmonics=COARSE[2])
     plain = result.errors(last_period_tension(solve_periodic(system("case_1", 49), harmonics=COARSE[1])))
-    assert result.of(finer)["rms"] < 0.2 * plain["rms"]
+    assert result.errors_of_response(finer)["rms"] < 0.2 * plain["rms"]
     assert result.uncertainty < 0.01
 
 
@@ -267,17 +267,17 @@ def test_a_reference_is_computed_once_and_again_when_the_scene_changes(tmp_path,
         return Reference(PERIOD, SINE * len(made), 1e-5)
 
     monkeypatch.setattr(dynamic_cases, "converged", converged)
-    quick = dynamic_cases.References(tmp_path, True)
-    assert np.array_equal(quick.of("case_1").tension, dynamic_cases.References(tmp_path, True).of("case_1").tension)
+    quick, again = (dynamic_cases.References(tmp_path, True) for _ in range(2))
+    assert np.array_equal(quick.get_or_compute("case_1").tension, again.get_or_compute("case_1").tension)
     assert len(made) == 1
-    whole = dynamic_cases.References(tmp_path, False).of("case_1")
-    assert len(made) == 2 and np.array_equal(quick.of("case_1").tension, whole.tension)
+    whole = dynamic_cases.References(tmp_path, False).get_or_compute("case_1")
+    assert len(made) == 2 and np.array_equal(quick.get_or_compute("case_1").tension, whole.tension)
     changed = tmp_path / "scenes"
     changed.mkdir()
     text = (dynamic_cases.SCENES / "hb_case_1.toml").read_text(encoding="utf-8")
     (changed / "hb_case_1.toml").write_text(text.replace("5.0", "5.1"), encoding="utf-8")
     monkeypatch.setattr(dynamic_cases, "SCENES", changed)
-    quick.of("case_1")
+    quick.get_or_compute("case_1")
     assert len(made) == 3
 
 

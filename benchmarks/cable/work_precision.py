@@ -41,7 +41,7 @@ PAPER_SETTING = (49, 1000)  # (cells, steps in a period) of another code beside 
 
 ERRORS = (3e-2, 1e-2, 3e-3, 1e-3, 3e-4)  # rms of the tension over its range, at which methods are set side by side
 
-LONG, ENOUGH, REPEATS = 1.0, 0.2, 3  # s: of a call that is timed once; of all repeats of a shorter one; at most so many
+LONG, ENOUGH, REPEATS = 0.5, 0.2, 3  # s: of a call that is timed once; of all repeats of a shorter one; at most so many
 
 
 def peer_adapters() -> dict[str, peers.Adapter]:
@@ -100,7 +100,7 @@ def errors(reference, answer) -> dict:
         return {"rms": None, "error": None, "status": answer.kind.upper(), "message": answer.message[:200]}
     if isinstance(answer, (np.ndarray, PeerTension)):
         return reference.errors(getattr(answer, "tension", answer)) | {"status": "SUCCESS"}
-    return reference.of(answer) | {"status": answer.status.name}
+    return reference.errors_of_response(answer) | {"status": answer.status.name}
 
 
 def least_seconds(run) -> tuple[float, object]:

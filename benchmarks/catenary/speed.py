@@ -46,7 +46,7 @@ def contestants(cases, known) -> tuple[dict, dict]:
     chosen, judged = {}, {}
     for name, solver in solvers.items():
         for case in (cases[COLD_CASE], cases[WITHOUT_FRICTION]):
-            verdict = harness.assess(solver, case, known.of(case))
+            verdict = harness.assess(solver, case, known.get_or_compute(case))
             if verdict["verdict"] in ("right", "wrong"):
                 chosen[name], judged[name] = (solver, case), verdict | {"case": case.name, "label": solver.label}
             if verdict["verdict"] != "unsupported":

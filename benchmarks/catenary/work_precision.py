@@ -25,10 +25,10 @@ BATCH_REPEATS = 2
 def points(known: truth.TruthCache):
     """Yield the points of the file, a list a step; ``total`` steps in all."""
     for case in NAMED:
-        exact = known.of(case)
+        exact = known.get_or_compute(case)
         for solver in harness.solvers().values():
             yield list(sweep(solver, case, exact))
-    sample = [(case, known.of(case)) for case in mixed_cases()]
+    sample = [(case, known.get_or_compute(case)) for case in mixed_cases()]
     for solver in harness.solvers().values():
         for tolerance in ladder(solver):
             yield [mixed_point(solver, sample, tolerance)]

@@ -11,7 +11,7 @@ from functools import cache
 import numpy as np
 from numba import njit
 
-PANEL = 8  # rows or columns that are eliminated before the rest is updated
+PANEL = 8  # rows or columns that are eliminated before the others are updated
 FASTMATH = {"loops": False, "contracted loops": {"contract"}, "np.dot": False}
 """Name of an elimination -> the option of numba; contracted: products and sums rounded once."""
 
@@ -127,29 +127,29 @@ def build(name):
         return singular
 
     @compiled
-    def eliminate(rest, left, right, border, opened, cell, ahead, columns, rows):
+    def eliminate(remaining, left, right, border, opened, cell, ahead, columns, rows):
         """Factors of all nodes but the last; arguments as of numerics.lu.bordered, cell (m, n + k, n) by rows."""
         m, q, n = ahead.shape
         p, singular = n - q, 0
         for i in range(m):
             o, C, a = opened[i], cell[i], ahead[i]
-            o[:] = rest[:p]
+            o[:] = remaining[:p]
             singular += factor_by_columns(o, columns[i])
             for r in range(n):
                 for j in range(n):
                     C[r, j] = left[i, r, columns[i, j]]
             for r in range(n, len(C)):
                 for j in range(n):
-                    C[r, j] = rest[p + r - n, columns[i, j]]
+                    C[r, j] = remaining[p + r - n, columns[i, j]]
             divide_right(C, o, p)
             singular += factor_by_rows(C, p, n, rows[i])
             for r in range(q):
                 a[r] = right[i, rows[i, r]]
             for r in range(p):
-                rest[r] = right[i, rows[i, q + r]]
-            rest[p:] = border[i]
+                remaining[r] = right[i, rows[i, q + r]]
+            remaining[p:] = border[i]
             divide_left(C[:q, p:], a)
-            subtract_large(rest, C[q:, p:], a)
+            subtract_large(remaining, C[q:, p:], a)
         return singular
 
     @compiled
@@ -171,22 +171,22 @@ def build(name):
         """Solution (N, n) for right-hand sides (p,), (N - 1, n), (n - p - k,) and (k,)."""
         m, q, n = ahead.shape
         p, k, x = n - q, border.size, np.empty((m + 1, n), last.dtype)
-        right, y, rest = np.empty(n + k, x.dtype), np.empty(n, x.dtype), np.empty(p + k, x.dtype)
-        rest[:p], rest[p:] = start, border
+        right, y, remaining = np.empty(n + k, x.dtype), np.empty(n, x.dtype), np.empty(p + k, x.dtype)
+        remaining[:p], remaining[p:] = start, border
         for i in range(m):
             o, C, f = opened[i], cell[i], x[i]
             for r in range(p):
-                f[r] = rest[r] - dot(o[r, :r], f[:r])
+                f[r] = remaining[r] - dot(o[r, :r], f[:r])
             for r in range(n):
                 right[r] = cells[i, rows[i, r]]
-            right[n:] = rest[p:]
+            right[n:] = remaining[p:]
             for r in range(len(C)):
                 right[r] -= dot(C[r, :p], f[:p])
             for r in range(len(C)):
                 at = min(r, q)
                 right[r] -= dot(C[r, p : p + at], right[:at])
-            f[p:], rest[:] = right[:q], right[q:]
-        right[:p], right[p : n - k], right[n - k : n] = rest[:p], end, rest[p:]
+            f[p:], remaining[:] = right[:q], right[q:]
+        right[:p], right[p : n - k], right[n - k : n] = remaining[:p], end, remaining[p:]
         for r in range(n):
             x[m, r] = right[last_rows[r]] - dot(last[r, :r], x[m, :r])
         for r in range(n - 1, -1, -1):
@@ -217,10 +217,10 @@ class Alternative:
             cells = np.concatenate(list(cells), axis=1)
         self.opened, self.cell = np.empty((nodes - 1, p, n), real), np.empty((nodes - 1, n + k, n), real)
         self.ahead, (self.columns, self.rows) = np.empty((nodes - 1, n - p, n), real), np.empty((2, nodes - 1, n), int)
-        border, rest = np.ascontiguousarray(border.swapaxes(0, 1)), np.concatenate([start, border[:, 0]])
+        border, remaining = np.ascontiguousarray(border.swapaxes(0, 1)), np.concatenate([start, border[:, 0]])
         factors = self.opened, self.cell, self.ahead, self.columns, self.rows
-        singular = eliminate(rest, *cells, border[1:], *factors)
-        self.last, self.last_rows = np.concatenate([rest[:p], end, rest[p:]]), np.empty(n, int)
+        singular = eliminate(remaining, *cells, border[1:], *factors)
+        self.last, self.last_rows = np.concatenate([remaining[:p], end, remaining[p:]]), np.empty(n, int)
         singular += factor_by_rows(self.last, 0, n, self.last_rows)
         self.singular = bool(singular or not np.isfinite(self.last).all())
 

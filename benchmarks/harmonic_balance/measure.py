@@ -62,7 +62,7 @@ def converged(quick: bool, references):
     """The references, which later parts (and a later run of the timed ones) find made."""
     uncertainties = {}
     for case in CASES:
-        reference = references.of(case)
+        reference = references.get_or_compute(case)
         uncertainties[case] = {"uncertainty": reference.uncertainty, "levels": reference.levels}
         yield None
     yield uncertainties
@@ -112,7 +112,7 @@ def cases(quick: bool, references):
         for _ in range(0 if quick else TURNS):
             for name in rng.permutation(list(calls)).tolist():
                 seconds[name].append(clock(calls[name], 1))
-        reference = references.of(case)
+        reference = references.get_or_compute(case)
         for name, result in responses.items():
             rows.append({"case": case, "method": name, "seconds": seconds[name], "uncertainty": reference.uncertainty,
                          "range": reference.range, "iterations": getattr(result, "iterations", None)}
@@ -121,7 +121,7 @@ def cases(quick: bool, references):
             {"case": case, "method": "reference", "tension": reference.tension[:: reference.tension.size // SHOWN]}
         )
         yield None
-    reference = references.of("case_1")
+    reference = references.get_or_compute("case_1")
     converged_values = {"max": reference.tension.max() / 1e3, "min": reference.tension.min() / 1e3,
                         "harmonics": reference.harmonics(5) / 1e3}  # fmt: skip
     yield {"node": NODE, "s": system("case_1").s[NODE - 1], "rows": rows, "converged": converged_values,
@@ -172,7 +172,7 @@ def constant(quick: bool, references):
                 "status": response.status.name,
                 "tension": tension[:: EXTREMES // SHOWN],
             }
-            | references.of(case).of(response)
+            | references.get_or_compute(case).errors_of_response(response)
         )
         yield None
     yield rows
@@ -182,7 +182,7 @@ def work(quick: bool, references):
     """Error against run time: points of all methods, a case each; the uncertainty of the references."""
     points, uncertainty = [], {}
     for case in PAPER_CASES[:1] if quick else PAPER_CASES:
-        reference = references.of(case)
+        reference = references.get_or_compute(case)
         uncertainty[case] = reference.uncertainty
         for point in dynamic_work.points(case, reference, quick):
             points.append(point)

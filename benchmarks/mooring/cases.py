@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import math
 from dataclasses import replace
 from functools import cache
 from importlib.resources import files
@@ -113,10 +112,10 @@ class ConvergedTensions:
         self.folder, self.levels = folder / "cache", QUICK_REFERENCE if quick else REFERENCE
         self.of_paper = References(folder, quick)
 
-    def of(self, name: str) -> Reference:
+    def get_or_compute(self, name: str) -> Reference:
         """Return the Reference of a case: kept, or computed."""
         if name in PAPER:
-            return self.of_paper.of(name)
+            return self.of_paper.get_or_compute(name)
         path = self.folder / f"mooring-{name}-{self._digest(name)}.json"
         if path.exists():
             kept = json.loads(path.read_text(encoding="utf-8"))
@@ -149,10 +148,3 @@ def least_period_count(waves, level: float, known: Reference) -> int | None:
     late = np.flatnonzero(~(away <= level))
     first = int(late[-1]) + 2 if late.size else 1
     return first if first <= len(away) else None
-
-
-def exponent(rows, key: str, least: float) -> float:
-    """Return p of seconds = C size^p, least squares in logarithms, from a least size on."""
-    size, seconds = zip(*((math.log(row[key]), math.log(row["seconds"])) for row in rows if row[key] >= least),
-                        strict=True)  # fmt: skip
-    return float(np.polyfit(size, seconds, 1)[0])

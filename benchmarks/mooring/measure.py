@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,8 +11,8 @@ from solvers import cable_system, mooring_system, solve_periodic, solve_time_dom
 from solvers.numerics.threads import one_blas_thread
 from verification.registry import instants, last_period_tension
 
-from ..cable.cases import Reference, rms, warm_up
-from ..cable.measure import add_parts, chosen
+from ..cable.cases import Reference, rms
+from ..cable.measure import add_parts, chosen, exponent, measured
 from ..cable.work_precision import least_seconds
 from ..run import console, results
 from ..run.harness import clock
@@ -33,21 +32,29 @@ BALANCED = ((14, 9), (20, 12), (28, 15), (40, 15), (56, 15), (80, 20))  # (cells
 REFERENCE = (100, 24)  # (cells, harmonics) of extrapolated harmonic balance
 
 
+def references(quick: bool, folder: Path):
+    """How far this core on a fine mesh is from another discretisation; the timings find the references made."""
+    tensions, difference = cases.ConvergedTensions(folder, quick), {}
+    for name in work_of.QUICK_CASES if quick else cases.CASES:
+        reference = tensions.get_or_compute(name)
+        if name in cases.PAPER:
+            difference[name] = reference.errors(cases.finest(name, cases.QUICK_REFERENCE[1:]).tension)["rms"]
+        yield None
+    yield {"difference": difference}
+
+
 def work(quick: bool, folder: Path):
     """Error against run time of every method and setting, and ratios at equal error."""
-    references, points, uncertainty, difference = cases.ConvergedTensions(folder, quick), [], {}, {}
+    references, points, uncertainty = cases.ConvergedTensions(folder, quick), [], {}
     for name in work_of.QUICK_CASES if quick else cases.CASES:
-        reference = references.of(name)
+        reference = references.get_or_compute(name)
         uncertainty[name] = reference.uncertainty
-        if name in cases.PAPER:  # does the core come to what another discretisation gives?
-            difference[name] = reference.errors(cases.finest(name, cases.QUICK_REFERENCE[1:]).tension)["rms"]
         for point in work_of.points(name, reference, quick):
             points += [] if point is None else [point]
             yield None
     others = dict.fromkeys(p["method"] for p in points if p["method"] not in work_of.OWN)
     titles = {name: cases.scene(name).name for name in uncertainty if name in cases.SEABED}
-    yield {"points": points, "uncertainty": uncertainty, "difference": difference, "titles": titles,
-           "wanted": work_of.WANTED,
+    yield {"points": points, "uncertainty": uncertainty, "titles": titles, "wanted": work_of.WANTED,
            "ratios": [row for method in others for row in work_of.ratios(points, method)]}  # fmt: skip
 
 
@@ -80,7 +87,7 @@ def growth(quick: bool, folder: Path):
         seconds, history = least_seconds(lambda system=system: solve_time_domain(system, dt=DT, periods=1))
         rows.append({"cells": cells, "seconds": seconds, "iterations": history.iterations})
         yield None
-    yield {"rows": rows, "dt": DT, "fitted_from": FITTED_FROM, "exponent": cases.exponent(rows, "cells", FITTED_FROM)}
+    yield {"rows": rows, "dt": DT, "fitted_from": FITTED_FROM, "exponent": exponent(rows, "cells", FITTED_FROM)}
 
 
 def damping(quick: bool, folder: Path):
@@ -171,6 +178,7 @@ def seabeds(quick: bool, folder: Path):
 
 
 PARTS = {
+    "references": references,
     "work": work,
     "three_periods": three_periods,
     "growth": growth,
@@ -182,34 +190,13 @@ PARTS = {
 TIMED = ("work", "three_periods", "growth", "damping")
 
 
-def measured(names, quick: bool, folder: Path) -> dict:
-    """Return the named parts of a result file; a part yields None after a step of its work and its value last."""
-    file = {}
-    if set(names) & set(TIMED):
-        warm_up()
-
-    def steps():
-        for number, name in enumerate(names, start=1):
-            for value in PARTS[name](quick, folder):
-                file[name] = value
-            yield number
-
-    gc.disable()  # as timeit does: a collection in one solver's turn is not its doing
-    try:
-        for _ in console.progress(steps(), len(names), "mooring"):
-            gc.collect()
-    finally:
-        gc.enable()
-    return file
-
-
 def main(argv=None) -> int:
     """Command line."""
     parser = console.parser("mooring", __doc__)
     add_parts(parser, PARTS)
     arguments = parser.parse_args(argv)
     names, output = chosen(arguments, TIMED, "mooring")
-    file = measured(names, arguments.quick, arguments.out)
+    file = measured(PARTS, names, "mooring", arguments.quick, arguments.out)
     results.write(arguments.out / output, file | {"quick": arguments.quick})
     if "three_periods" in file:
         print(f"three periods: the box scheme takes {file['three_periods']['ratio']:.3g} times as long")

@@ -111,11 +111,6 @@ def test_periods_to_an_error_are_counted_from_the_last_that_exceeds_it(errors, c
     assert cases.least_period_count(waves, 1e-3, Reference(PERIOD, SINE, 0.0)) == count
 
 
-def test_the_exponent_is_of_the_large_sizes():
-    rows = [{"cells": n, "seconds": 1e-6 * n**1.5 + (1.0 if n < 100 else 0.0)} for n in (10, 100, 1000, 10000)]
-    assert cases.exponent(rows, "cells", 100) == pytest.approx(1.5, rel=1e-12)
-
-
 # ---------------------------------------------------------------- seabeds
 def seabed_row(error, subjects=(), change=0.0, status="SUCCESS", balance="SUCCESS"):
     return {"status": status, "error": error, "subjects": list(subjects), "change": change,
@@ -169,10 +164,10 @@ def test_a_reference_is_kept_and_made_anew_for_another_line(tmp_path, monkeypatc
 
     monkeypatch.setattr(cases, "finest", finest)
     for _ in range(2):
-        kept = cases.ConvergedTensions(tmp_path, quick=True).of("oc3_seabed")
+        kept = cases.ConvergedTensions(tmp_path, quick=True).get_or_compute("oc3_seabed")
         assert np.array_equal(kept.tension, SINE) and kept.uncertainty == 1e-5
     assert made == [("oc3_seabed", cases.QUICK_REFERENCE)]
-    cases.ConvergedTensions(tmp_path, quick=False).of("oc3_seabed")
+    cases.ConvergedTensions(tmp_path, quick=False).get_or_compute("oc3_seabed")
     assert made[1:] == [("oc3_seabed", cases.REFERENCE)]
 
 
@@ -198,9 +193,9 @@ def test_moordyn_has_the_seabed_of_the_scene():
     for stiffness in (1e5, 1e3):
         one = replace(case, environment=replace(case.environment, seabed_stiffness=stiffness), motion=still)
         answer = cable_work.ask(peers.adapters()["moordyn"], one, still, PERIOD, (60, 400), 3)
-        rest = mooring_system(one, 60).rest.fairlead_tension
-        assert answer.tension[-1] == pytest.approx(rest, rel=2e-2), stiffness
-        tensions.append((answer.tension[-1], rest))
+        pretension = mooring_system(one, 60).rest.fairlead_tension
+        assert answer.tension[-1] == pytest.approx(pretension, rel=2e-2), stiffness
+        tensions.append((answer.tension[-1], pretension))
     change = np.diff(tensions, axis=0)[0] / tensions[0]
     assert change[0] == pytest.approx(change[1], abs=0.01) and change[1] > 0.1
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from solvers import BodyMotion, CableProperties, Element, Environment, Network, Node, Scene, solve_network
-from solvers.io import load_network
+from solvers.io import load_moordyn, load_network, write_moordyn
 
 from .. import peers
 
@@ -23,6 +23,39 @@ SAME = 1e-9
 """Of the largest force: one line described twice, with steps and damping rounded another way."""
 SYMMETRY = 2e-7
 """Of the largest force: 4e-8 is to where MoorDyn iterates the catenaries that it starts from."""
+
+
+# The chain of the OC3 Hywind spar in two parts with a buoyed joint, beside a whole one: 20 s of motion to rest.
+TWO_LINES = """--- LINE TYPES ---
+Name Diam MassDen EA BA/-zeta EI Cd Ca CdAx CaAx
+(-) (m) (kg/m) (N) (N-s/-) (N-m^2) (-) (-) (-) (-)
+main 0.09 77.7066 384.243E6 -0.8 0 1.6 1.0 0.1 0.0
+light 0.09 60.0 2e8 3e6 0 1.2 0.5 0.05 0.0
+--- POINTS ---
+ID Attachment X Y Z M V CdA CA
+(#) (-) (m) (m) (m) (kg) (m^3) (m^2) (-)
+1 Fixed 853.87 0 -320.0 0 0 0 0
+2 Fixed -426.94 739.47 -320.0 0 0 0 0
+3 Free 420 0 -260.0 1e3 2.0 2 0.6
+4 Coupled 5.2 0.0 -70.0 0 0 0 0
+5 Coupled -2.6 4.5 -70.0 0 0 0 0
+--- LINES ---
+ID LineType AttachA AttachB UnstrLen NumSegs LineOutputs
+(#) (name) (#) (#) (m) (-) (-)
+1 main 1 3 450.0 20 -
+2 light 3 4 452.2 15 -
+3 main 2 5 902.2 12 -
+--- OPTIONS ---
+0.004 dtM
+20.0 TmaxIC
+1 ICgenDynamic
+1e-9 threshIC
+0 writeLog
+1 disableOutput
+1 disableOutTime
+320 WtrDpth
+--- need this line ---
+"""
 
 
 @pytest.fixture(scope="module")
@@ -60,6 +93,28 @@ def test_a_written_network_has_our_static_forces_in_the_limit(moordyn):
     assert 3.5 < errors[0] / errors[1] < 4.5, errors
     limit = np.linalg.norm((4 * fine - coarse) / 3 - state.reaction[3]) / size
     assert limit <= LIMIT, limit
+
+
+def test_a_file_read_and_written_is_the_same_to_moordyn(moordyn, tmp_path):
+    """Sections, ratios of damping, seabed, points with loads: MoorDyn's forces of a file and of the one made of it."""
+    forces_of_file = sys.modules[type(moordyn).__module__].forces_of_file
+    first, second = tmp_path / "first.txt", tmp_path / "second.txt"
+    first.write_text(TWO_LINES, encoding="ascii")
+    network = load_moordyn(first)
+    same = {
+        "dtM": 0.004,
+        "TmaxIC": 20.0,
+        "ICgenDynamic": 1,
+        "threshIC": 1e-9,
+        "writeLog": 0,
+        "disableOutput": 1,
+        "disableOutTime": 1,
+    }
+    write_moordyn(second, network, cells=[20, 15, 12], options=same)
+    coupled = [node.r for node in network.nodes if node.kind == "coupled"]
+    expected, result = (forces_of_file(file, coupled, len(network.nodes)) for file in (first, second))
+    assert abs(expected).max() > 1e5
+    np.testing.assert_allclose(result, expected, rtol=0, atol=SAME * abs(expected).max())
 
 
 def test_a_network_of_one_line_is_that_line(moordyn):

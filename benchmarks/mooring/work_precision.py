@@ -55,7 +55,7 @@ NEED_FINE_PEER = ("case_3", *cases.SEABED)  # cases in which other codes have la
 QUICK_PEER = ((12, 200), (24, 500), (34, 1000))
 WANTED = (1e-3, 1e-2)  # errors between which other codes are compared with
 LONG = 0.5  # s: of a call that is timed once
-ROUNDS = 3
+ROUNDS = 2
 SHORT = 0.05  # s: of a call that is made once before it is timed, for what ran before it has emptied the caches
 
 

@@ -125,6 +125,12 @@ def forces_at_rest(network, cells) -> np.ndarray:
         return np.array([moordyn.GetPointForce(point) for point in points])
 
 
+def forces_of_file(file, coupled, count: int) -> np.ndarray:
+    """The forces at its first points, (count, 3), N, after its own start; coupled: positions (P, 3) of those, m."""
+    with _silence(), _started(file, coupled, count) as (_, points):
+        return np.array([moordyn.GetPointForce(point) for point in points])
+
+
 @contextmanager
 def _system(network, cells, options, damping_ratio, coupled):
     """A started system with its points, the coupled ones at positions (P, 3) in m."""
@@ -135,12 +141,18 @@ def _system(network, cells, options, damping_ratio, coupled):
             write_moordyn(file, network, cells, damping_ratio=damping_ratio, options=options | quiet)
         except ValueError as error:  # an InputError: outside MoorDyn's model
             raise NotImplementedError(str(error)) from None
-        system = moordyn.Create(str(file))
-        try:
-            moordyn.Init(system, list(coupled.ravel()), [0.0] * coupled.size)
-            yield system, [moordyn.GetPoint(system, i + 1) for i in range(len(network.nodes))]
-        finally:
-            moordyn.Close(system)
+        with _started(file, coupled, len(network.nodes)) as system:
+            yield system
+
+
+@contextmanager
+def _started(file, coupled, count: int):
+    system = moordyn.Create(str(file))
+    try:
+        moordyn.Init(system, list(np.ravel(coupled)), [0.0] * np.size(coupled))
+        yield system, [moordyn.GetPoint(system, i + 1) for i in range(count)]
+    finally:
+        moordyn.Close(system)
 
 
 def let_down(network, down: float):

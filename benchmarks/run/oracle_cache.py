@@ -43,8 +43,8 @@ class TruthCache:
             with self.path.open("a", encoding="utf-8") as file:
                 file.write("\n" + json.dumps([key, asdict(truth)]))  # not after a line that was cut
 
-    def of(self, case) -> SpanTruth:
-        """Truth of a case, computed if it is new."""
+    def get_or_compute(self, case) -> SpanTruth:
+        """Return the truth of a case, computed if it is new."""
         truth = self.get(case) or oracle(case)
         self.put(case, truth)
         return truth

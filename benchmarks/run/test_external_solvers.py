@@ -39,8 +39,8 @@ from my_code import MyCode
 asked = json.load(sys.stdin)
 print("a line before the answer")
 try:
-    found = MyCode().span(SimpleNamespace(**asked), asked["tolerance"])
-    print(json.dumps({"H": found.H, "V": found.V, "iterations": found.iterations}))
+    answer = MyCode().span(SimpleNamespace(**asked), asked["tolerance"])
+    print(json.dumps({"H": answer.H, "V": answer.V, "iterations": answer.iterations}))
 except NotImplementedError as error:
     print(json.dumps({"unsupported": str(error)}))
 """
@@ -85,8 +85,8 @@ class TwoPercent(MyCode):
     label = "two per cent more"
 
     def span(self, case, tolerance=None):
-        found = super().span(case, tolerance)
-        return SpanAnswer(1.02 * found.H, 1.02 * found.V)
+        answer = super().span(case, tolerance)
+        return SpanAnswer(1.02 * answer.H, 1.02 * answer.V)
 
 class Called(Program):
     label, command = "called", (sys.executable, "program.py")

@@ -203,19 +203,19 @@ def test_a_result_file_is_strict_and_whole(tmp_path):
 
 def test_exact_results_are_kept_and_a_cut_line_is_skipped(tmp_path, monkeypatch):
     known = truth.TruthCache(tmp_path)
-    exact = known.of(NAMED[0])
+    exact = known.get_or_compute(NAMED[0])
     with known.path.open("a") as file:
         file.write('\n["cut", {"H": 1')
     monkeypatch.setattr(truth, "oracle", None)  # a second computation would fail
     again = truth.TruthCache(tmp_path)
-    assert again.of(NAMED[0]) == exact
+    assert again.get_or_compute(NAMED[0]) == exact
     assert again.get(NAMED[1]) is None
 
 
 def test_an_entry_after_a_cut_line_is_found(tmp_path):
     known = truth.TruthCache(tmp_path)
     known.path.write_text('["cut", {"H": 1')
-    truth.TruthCache(tmp_path).of(NAMED[0])
+    truth.TruthCache(tmp_path).get_or_compute(NAMED[0])
     assert truth.TruthCache(tmp_path).get(NAMED[0]) == exact_span(NAMED[0])
 
 

@@ -42,11 +42,11 @@ class Study:
 
     def __init__(self, scene: Scene):
         self.scene, self.period = scene, scene.motion.period
-        self.chains, self.found = {}, {}
+        self.chains, self.solutions = {}, {}
         self.warnings = []
 
     def chain(self, nodes: int):
-        """The cable on so many nodes, its equilibrium found."""
+        """Return the cable on so many nodes, its equilibrium solved for."""
         if nodes not in self.chains:
             self.chains[nodes] = cable_system(self.scene, nodes)
             self.chains[nodes].rest_state()
@@ -55,7 +55,7 @@ class Study:
     def solve(self, method: str, nodes: int, other: int) -> dict:
         """One setting from rest: seconds, status, wave (None where it failed), and the response itself."""
         key = method, nodes, other
-        if key not in self.found:
+        if key not in self.solutions:
             chain, began = self.chain(nodes), time.perf_counter()
             if harmonic := method.startswith("harmonic"):
                 corrected = method.endswith("corrected")
@@ -64,7 +64,7 @@ class Study:
                 response = solve_time_domain(chain, dt=self.period / other, periods=PERIODS, throw=False)
             seconds = time.perf_counter() - began
             good = response.status is Status.SUCCESS
-            self.found[key] = {
+            self.solutions[key] = {
                 "method": method,
                 "nodes": nodes,
                 **({"harmonics": other} if harmonic else {"dt": self.period / other}),
@@ -74,7 +74,7 @@ class Study:
                 "wave": last_period_tension(response) if good else None,
                 "response": response,
             }
-        return self.found[key]
+        return self.solutions[key]
 
     def reference(self) -> dict:
         """The converged tension: harmonic balance extrapolated in the mesh, or the finest time histories."""

@@ -35,7 +35,7 @@ def line(span, scene: Scene, known: truth.TruthCache, timed: bool = True) -> dic
     """The part of the file for one friction coefficient; without the ladder where nothing is timed."""
     label = f"friction {span.friction:g}"
     case = SpanCase(label, "scene", **asdict(span))
-    state, exact = solve_span(span), known.of(case)
+    state, exact = solve_span(span), known.get_or_compute(case)
     s = np.linspace(0, span.L, PROFILE_POINTS)
     profile = dict(zip(("s", "x", "z", "tension"), (s, *state.profile(s)), strict=True))
     sensitivity = {name: _sensitivity(span, name, exact.condition) for name in SENSITIVE_TO}

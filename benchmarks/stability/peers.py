@@ -39,7 +39,7 @@ def spans(known, quick: bool):
         step = 3 if quick else 1
         cases = [make(u, v) for v in y.thinned(step).values for u in x.thinned(step).values]
         for key, solver in harness.solvers().items():
-            answers = [harness.assess(solver, case, known.of(case)) for case in cases]
+            answers = [harness.assess(solver, case, known.get_or_compute(case)) for case in cases]
             yield {
                 "map": name,
                 "title": title,
@@ -56,7 +56,7 @@ def _kinds(solver, cases, answers, known):
     kinds = {}
     for case, judged in zip(cases, answers, strict=True):
         if judged["verdict"] == "wrong":
-            answer, truth = harness.ask(solver, case), known.of(case)
+            answer, truth = harness.ask(solver, case), known.get_or_compute(case)
             kinds.setdefault(_kind(answer, truth, case), []).append((_strangeness(case), case, answer, truth, judged))
     for kind, examples in kinds.items():
         _, case, answer, truth, judged = min(examples, key=lambda one: one[0])

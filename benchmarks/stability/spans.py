@@ -73,7 +73,7 @@ def _solve(known, make, x, y) -> Found:
     state = solve_span(Span(**case.inputs()), throw=False)
     if state.status is not Status.SUCCESS:
         return Found(state.status)
-    truth = known.of(case)
+    truth = known.get_or_compute(case)
     error = force_error(state.H, state.V, truth, case) / truth.limit
     numbers = [state.H, state.V, state.H_anchor, state.V_anchor, state.grounded_length]
     lost = [f"error of {error:.3g} condition limits"] if not error <= CLAIM else []

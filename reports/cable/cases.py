@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from functools import partial
 
 from ..drawing import style
-from ..page.figures import Figure
-from ..page.formatting import slug
 
 CASES = {
     "case_1": "Case 1: surge 5 m",
@@ -30,6 +28,5 @@ def motion_of(case: str) -> str:
     return CASES[case].split(": ")[-1].capitalize()
 
 
-def save(figure, folder: Path, name: str, title: str, alt: str) -> Figure:
-    """Write a figure as style.save does, under the names that all figures of moving cables have."""
-    return style.save(figure, folder, f"dynamics_{slug(name)}", title, alt)
+save = partial(style.save_in_section, "dynamics")
+"""Write a figure as style.save does, under the names that all figures of moving cables have."""

@@ -9,7 +9,7 @@ from matplotlib import pyplot as plt
 from matplotlib.ticker import MaxNLocator
 
 from ..drawing import style
-from ..drawing.axes import KN, LOOKS, add_legend, draw_order_line, panel, set_decade_ticks, set_size_ticks
+from ..drawing.axes import KN, LOOKS, add_legend, draw_growth, draw_order_line, panel, set_decade_ticks
 from ..page.figures import Group
 from ..page.formatting import DASH, number, plural, seconds, status_words, times
 from ..pipeline.published import printed_value
@@ -196,12 +196,7 @@ def _control(row: dict) -> str:
 def growth(data: dict, folder: Path) -> Group:
     """Return the seconds of one period by nodes."""
     rows, p = data["rows"], data["exponent"]
-    figure, axes = panel(
-        "Time stepping, growth with nodes", "nodes N", "time of one period, s", xscale="log", yscale="log"
-    )
-    axes.plot([r["nodes"] for r in rows], [r["seconds"] for r in rows], linewidth=1, **METHODS["time domain"])
-    set_decade_ticks(axes, "y")
-    set_size_ticks(axes, [r["nodes"] for r in rows])
+    figure = draw_growth("Time stepping, growth with nodes", "nodes N", rows, "nodes", METHODS["time domain"])
     drawn = save(figure, folder, "growth_time", "Growth with nodes", "Time of one period by nodes, logarithmic.")
     first, last = rows[0], rows[-1]
     caption = (

@@ -6,7 +6,7 @@ from statistics import median
 
 from ..page.figures import FigureWithTable
 from ..page.formatting import number, seconds, times, two_digits
-from ..page.section import Content, Inputs, Section
+from ..page.section import Content, Inputs, Section, show_parts
 from ..pipeline.published import other_times, printed_value, read
 from . import figures
 from .tables import to_long_form, write_table
@@ -18,8 +18,7 @@ def build(inputs: Inputs) -> Content:
     data = inputs.results["dynamics"]
     if not data:
         return Content({"dynamics": None})
-    shown = {name: show(data[name], inputs.figures, inputs.tables) if data.get(name) else None
-             for name, show in PARTS.items()}  # fmt: skip
+    shown = show_parts(PARTS, data, inputs)
     frequency = read("hb_paper")[0]["cases"]["case 1"]["Y"][1]
     return Content({"dynamics": shown, "frequency": frequency}, list(verdicts(data)))
 

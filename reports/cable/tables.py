@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from functools import partial
 
-from ..page.tables import Table
+from ..page import tables
 
-
-def write_table(folder: Path, name: str, title: str, rows: list[dict], columns: dict | None = None, **options) -> Table:
-    """Write and return a table; by default it has a column for every key of the first row."""
-    keys = columns or {key: key for key in rows[0]}
-    return Table(f"dynamics_{name}", title, keys, rows, **options).write(folder)
+write_table = partial(tables.write_table, "dynamics")
+"""Write and return a table under the names that all tables of moving cables have."""
 
 
 def to_long_form(series: dict, **given) -> list[dict]:

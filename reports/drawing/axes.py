@@ -54,6 +54,16 @@ def set_size_ticks(axes, values):
     axes.xaxis.set_minor_locator(NullLocator())
 
 
+def draw_growth(title: str, xlabel: str, rows: list[dict], key: str, look: dict):
+    """Return a figure of the seconds of one period by size, both logarithmic; key: of the size in a row."""
+    figure, axes = panel(title, xlabel, "time of one period, s", xscale="log", yscale="log")
+    sizes = [row[key] for row in rows]
+    axes.plot(sizes, [row["seconds"] for row in rows], linewidth=1, **look)
+    set_decade_ticks(axes, "y")
+    set_size_ticks(axes, sizes)
+    return figure
+
+
 def draw_order_line(axes, x, y, order: int = 2):
     """Draw a dashed line of this order from the point of the least x with the value y."""
     x = np.array([min(x), max(x)], dtype=float)

@@ -15,6 +15,7 @@ from matplotlib.colors import ListedColormap
 
 from ..page.analysis import sort_solvers
 from ..page.figures import Figure
+from ..page.formatting import slug
 from ..pipeline.ledger import write_atomically
 from . import background, figure_data
 
@@ -88,6 +89,11 @@ def save(figure, folder: Path, name: str, title: str, alt: str, rows: list[dict]
     background.start(lambda: figure.savefig(folder / f"{name}.png", dpi=200, facecolor="white"))
     plt.close(figure)
     return Figure(name, title, alt, _embed(drawn.getvalue(), name, alt, width), width > 6)
+
+
+def save_in_section(section: str, figure, folder: Path, name: str, title: str, alt: str) -> Figure:
+    """Save a figure under the names that all figures of a section have."""
+    return save(figure, folder, f"{section}_{slug(name)}", title, alt)
 
 
 def _add_white_background(svg: str) -> str:

@@ -8,7 +8,7 @@ from ..drawing.axes import KN
 from ..page.figures import FigureWithTable
 from ..page.formatting import MINUS, number, status_words, times, two_digits
 from ..page.pareto import front_verdict, moving_fronts, summarise_fronts
-from ..page.section import Content, Inputs, Section
+from ..page.section import Content, Inputs, Section, show_parts
 from ..pipeline import published
 from . import case_tables, figures, paper_figures
 from .verdicts import FIELDS_GAIN, fields_gain, verdicts
@@ -19,8 +19,7 @@ def build(inputs: Inputs) -> Content:
     data = inputs.results["harmonic_balance"]
     if not data:
         return Content({"harmonic": None})
-    shown = {name: show(data[name], inputs.figures, inputs.tables) if data.get(name) else None
-             for name, show in PARTS.items()}  # fmt: skip
+    shown = show_parts(PARTS, data, inputs)
     constant = data.get("constant")
     shown["constant"] = _constant(constant, data.get("cases"), inputs.figures, inputs.tables) if constant else None
     content = Content({"harmonic": shown, "fronts": []}, list(verdicts(data)))

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from functools import partial
 
 from ..cable import cases as cable_cases
 from ..drawing import style
-from ..page.figures import Figure
-from ..page.formatting import slug
 
 CASES = cable_cases.CASES
 """Cases of the paper; those over a seabed have their titles in the results."""
@@ -31,6 +29,5 @@ OWN = tuple(METHODS)[:4]
 """Methods of nodes and elements."""
 
 
-def save(figure, folder: Path, name: str, title: str, alt: str) -> Figure:
-    """Write a figure as style.save does, under the names that all figures of this section have."""
-    return style.save(figure, folder, f"mooring_{slug(name)}", title, alt)
+save = partial(style.save_in_section, "mooring")
+"""Write a figure as style.save does, under the names that all figures of this section have."""

@@ -10,7 +10,7 @@ from matplotlib import pyplot as plt
 from matplotlib.lines import Line2D
 
 from ..drawing import style
-from ..drawing.axes import LOOKS, add_legend, panel, set_decade_ticks, set_size_ticks
+from ..drawing.axes import LOOKS, add_legend, draw_growth, panel, set_decade_ticks
 from ..page.analysis import pareto_front
 from ..page.figures import Figure, Group
 from ..page.formatting import number, plural, seconds, times
@@ -85,10 +85,7 @@ def _beginning(text: str) -> str:
 def growth(data: dict, folder: Path) -> Group:
     """Return the seconds of one period by cells."""
     rows = data["rows"]
-    figure, axes = panel("Growth with cells", "cells", "time of one period, s", xscale="log", yscale="log")
-    axes.plot([r["cells"] for r in rows], [r["seconds"] for r in rows], linewidth=1, **METHODS["in time"])
-    set_decade_ticks(axes, "y")
-    set_size_ticks(axes, [r["cells"] for r in rows])
+    figure = draw_growth("Growth with cells", "cells", rows, "cells", METHODS["in time"])
     drawn = save(figure, folder, "growth", "Growth with cells", "Time of one period by cells, logarithmic.")
     first, last = rows[0], rows[-1]
     caption = (

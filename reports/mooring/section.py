@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from functools import partial
 from statistics import median
 
 import numpy as np
 
 from ..page.figures import FigureWithTable
 from ..page.formatting import number, plural, seconds, status_words, times, two_digits
-from ..page.section import Content, Inputs, Section
-from ..page.tables import Table
+from ..page.section import Content, Inputs, Section, show_parts
+from ..page.tables import Table, write_table
 from . import figures
 from .cases import CASES, GROWING
 from .verdicts import verdicts
+
+_table = partial(write_table, "mooring")
 
 
 def build(inputs: Inputs) -> Content:
@@ -21,18 +23,12 @@ def build(inputs: Inputs) -> Content:
     data = inputs.results["mooring"]
     if not data:
         return Content({"mooring": None})
-    shown = {name: show(data[name], inputs.figures, inputs.tables) if data.get(name) else None
-             for name, show in PARTS.items()}  # fmt: skip
+    shown = show_parts(PARTS, data, inputs)
     content = Content({"mooring": shown}, list(verdicts(data)))
     if shown["work"]:
         content.figures += [("a moving line", figure) for figure in shown["work"]["points"].group.figures[:1]]
         content.sentences += _sentences(data["work"])
     return content
-
-
-def _table(folder: Path, name: str, title: str, rows, columns=None, **options) -> Table:
-    keys = columns or {key: key for key in rows[0]}
-    return Table(f"mooring_{name}", title, keys, rows, **options).write(folder)
 
 
 def _sentences(work) -> list[str]:
@@ -59,11 +55,10 @@ def _work(data, folder, tables) -> dict:
             figures.work(data, folder), _table(tables, "work", "Error against run time", points, columns)
         ),
         "ratios": _table(tables, "ratios", "MoorDyn at equal error", rows, ratios, formats=formats) if rows else None,
-        "text": _difference(data),
     }
 
 
-def _difference(data) -> str:
+def _difference(data, folder, tables) -> str:
     cases = ", ".join(f"{CASES[name]} {number(100 * value, 2)} %" for name, value in data["difference"].items())
     return (
         f"On a fine mesh nodes and elements come to the tension of the box scheme, another discretisation by other "
@@ -169,10 +164,10 @@ def _motion_row(row) -> dict:
     balance = row.get("balance") or {"status": "", "difference": None}
     kN = {key: row[key] / 1e3 if key in row else None for key in ("pretension", "least", "greatest")}
     warned = ", ".join(row.get("subjects", ())) or "none"
-    rest = {"line": row["title"], "difference": balance["difference"], "change": row.get("change"),
+    about = {"line": row["title"], "difference": balance["difference"], "change": row.get("change"),
             "error": row.get("error"), "warned": warned if row["status"] == "SUCCESS" else status_words(row["status"]),
             "balance": status_words(balance["status"])}  # fmt: skip
-    return row | kN | rest
+    return row | kN | about
 
 
 def _line_table(data, tables) -> Table:
@@ -202,6 +197,7 @@ def _line_table(data, tables) -> Table:
 
 
 PARTS = {
+    "references": _difference,
     "work": _work,
     "three_periods": _three_periods,
     "growth": _growth,

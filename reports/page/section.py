@@ -39,6 +39,17 @@ class Inputs:
     stages: list[dict]
 
 
+def show_parts(parts: dict[str, Callable], data: dict, inputs: Inputs) -> dict[str, Any]:
+    """Return part -> what its function makes of the measured data, figures and tables; None where none were measured.
+
+    parts : name -> function of data, the folder of the figures and that of the tables
+    """
+    return {
+        name: show(data[name], inputs.figures, inputs.tables) if data.get(name) else None
+        for name, show in parts.items()
+    }
+
+
 @dataclass
 class Content:
     """What a section shows: the variables of its template, and what it gives to the summary of its part.

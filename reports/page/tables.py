@@ -55,3 +55,11 @@ class Table:
         data = [{key: row.get(key) for key in self.columns} for row in self.rows]
         write_atomically(folder / f"{self.name}.json", json.dumps(data, indent=1))
         return self
+
+
+def write_table(
+    section: str, folder: Path, name: str, title: str, rows: list[dict], columns: dict | None = None, **options
+) -> Table:
+    """Write and return a table of a section; by default it has a column for every key of the first row."""
+    keys = columns or {key: key for key in rows[0]}
+    return Table(f"{section}_{name}", title, keys, rows, **options).write(folder)

@@ -97,5 +97,5 @@ def _share(stage: Stage) -> float:
 
 
 def _clock(seconds: float) -> str:
-    minutes, rest = divmod(round(seconds), 60)
-    return f"{minutes}:{rest:02}"
+    minutes, remaining = divmod(round(seconds), 60)
+    return f"{minutes}:{remaining:02}"

@@ -40,10 +40,10 @@ def msqs_table2() -> list[dict]:
     """Return Table 2 of MSQS: method, jacobian and globalisation (absent for nested), counts and norms as printed."""
     rows = {}
     for (name, quantity), value in values("msqs_paper").items():
-        method, *rest = name.split(", ")
+        method, *options = name.split(", ")
         if method in ("nested", "monolithic"):
             row = rows.setdefault(
-                name, {"method": method} | dict(zip(("jacobian", "globalisation"), rest, strict=False))
+                name, {"method": method} | dict(zip(("jacobian", "globalisation"), options, strict=False))
             )
             whole = quantity.endswith(("iterations", "operations"))
             row[quantity.replace(" ", "_")] = int(value) if whole else value

@@ -108,11 +108,11 @@ def _reference(known: dict) -> str:
 def _caption(dynamics: dict) -> str:
     tail = "Dashed: the tolerance of the scene. Star: the recommended setting. Ringed: on the Pareto front."
     if dynamics.get("harmonics"):
-        mean, *rest = dynamics["harmonics"]
-        great = int(np.argmax(rest)) + 1
+        mean, *amplitudes = dynamics["harmonics"]
+        great = int(np.argmax(amplitudes)) + 1
         tail += (
-            f" The greatest harmonic of the tension is number {great}, {number(KN * rest[great - 1], 4)} kN about a "
-            f"mean of {number(KN * mean, 5)} kN."
+            f" The greatest harmonic of the tension is number {great}, {number(KN * amplitudes[great - 1], 4)} kN "
+            f"about a mean of {number(KN * mean, 5)} kN."
         )
     return f"{_count_outcomes(dynamics['ladder'])}. {tail}"
 

@@ -19,6 +19,8 @@ from ..common.properties import CableProperties, Environment
 from ..network.model import Element, Network, Node
 from ..network.solve import solve_network
 
+_ON_SEABED = 1e-9  # of the depth: a point as near to the seabed rests on it, but for rounding
+
 
 @dataclass(frozen=True)
 class Segment:
@@ -118,9 +120,24 @@ class MooringModel:
             tension[cells] = segment.profile(start, end, environment, (s[1:] + s[:-1]) / 2)[1]
             horizontal_tension[cells] = state.H
             states.append(state)
+        r[2, layout.points] = points[:, 2] - self._sinkage(layout, points)
         prescribed = [i for i, point in enumerate(self.points) if point.kind != "free"]
         r[:, layout.points[prescribed]] = points[prescribed].T
         return CatenariesAtRest(r, tension, horizontal_tension, tuple(states))
+
+    def _sinkage(self, layout, points) -> np.ndarray:
+        """Return how far points (P, 3) on the seabed sink under their weight and that of half a cell each way, m."""
+        environment, weight, length = self.environment, np.zeros(len(points)), np.zeros(len(points))
+        if not environment.seabed_stiffness:
+            return weight
+        for i, point in enumerate(self.points):
+            weight[i] = environment.g * (point.mass - environment.rho * point.volume) - point.force[2]
+        for segment, s in zip(self.segments, layout.s, strict=True):
+            halves = (s[[1, -1]] - s[[0, -2]]) / 2
+            np.add.at(length, list(segment.ends), halves)
+            np.add.at(weight, list(segment.ends), segment.weight * halves)
+        rests = points[:, 2] <= -environment.depth * (1 - _ON_SEABED)
+        return np.where(rests, np.maximum(weight / length, 0.0) / environment.seabed_stiffness, 0.0)
 
 
 class CatenariesAtRest(NamedTuple):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -16,8 +17,13 @@ from .components import merge_states
 from .diagnostics import exact_pretension, rest_warnings
 
 TOLERANCE = 1e-13  # largest change of a position over the length: some hundred roundings of a coordinate
+SOFT_STRAIN = 0.1  # of the greatest tension, where the continuation begins
+SETTLED = 1e-9  # of the length: a step that ends the search for the least energy
+FIRST_SHIFT = 1e-3  # of the greatest stiffness of a cell
+MAX_DESCENTS = 200  # steps towards the least energy of soft lines
 MAX_STEPS = 30  # of Newton's method; the mixed one takes four to eight from a catenary
 MIN_LOAD_STEP = 2.0**-10  # of the load parameter, in the continuation
+SLACK_STIFFNESS = 1e-9  # of the stiffest cell's, in the Jacobian alone, at nodes of slack cells: it is singular else
 
 
 @dataclass(frozen=True)
@@ -86,8 +92,27 @@ def solve_rest(system, displacement=(0.0, 0.0, 0.0), throw=True) -> MooringState
         return state.or_raise("; ".join(failed)) if throw else state
     catenaries = system.model.at_rest(system.layout, displacement)
     start = np.ascontiguousarray(system.to_axes(catenaries.r).T)
-    solve = lambda load_factor, x: _Statics(system, load_factor, catenaries.tension).newton(x)
-    x, reached, iterations, steps = continue_in_load(solve, start, min_step=MIN_LOAD_STEP)
+    tension = catenaries.tension
+    x, steps, converged = _Statics(system, 1.0, tension).newton(start)
+    reached, iterations = float(converged), len(steps)
+    if not converged:
+
+        def solve(load_factor, x):
+            nonlocal tension
+            statics, descents = _Statics(system, load_factor, tension), []
+            result, steps, converged = statics.newton(x)
+            if not converged:
+                result, descents = statics.lower_energy(x)
+                tension = statics.evaluate(result)[1]
+                result, steps, converged = _Statics(system, load_factor, tension).newton(result)
+            if converged:
+                tension = statics.evaluate(result)[1]
+            return result, [*descents, *steps], converged
+
+        soft, descents = _Statics(system, 0.0, tension).lower_energy(start)
+        tension = _Statics(system, 0.0, tension).evaluate(soft)[1]
+        x, reached, more, steps = continue_in_load(solve, soft, min_step=MIN_LOAD_STEP)
+        iterations += len(descents) + more
     R, T, _ = _Statics(system, 1.0, np.zeros(system.line.length.size)).evaluate(x)
     forces = system.axes.T @ -R.T
     free = np.delete(R, system.prescribed_nodes, axis=0)
@@ -111,6 +136,8 @@ class _Statics:
                 line = line._replace(
                     seabed_stiffness=line.seabed_stiffness * min(1.0, soft / stiffest) ** (1 - load_factor)
                 )
+            softest = float(tension.max()) / SOFT_STRAIN
+            line = line._replace(EA=line.EA * np.minimum(1.0, softest / line.EA) ** (1 - load_factor))
         self.line, self.order, self.length = line, system.order, system.length
         self.prescribed_nodes = system.prescribed_nodes
         self.still = np.zeros((system.nodes, len(system.axes)))
@@ -129,13 +156,21 @@ class _Statics:
         R[self.prescribed_nodes] = 0.0
         return R
 
-    def tangents(self, x):
-        """Return a function that solves with the tangents at x, None where they are singular."""
+    def tangents(self, x, shift=0.0):
+        """Return a function that solves with the tangents at x, None where they are singular.
+
+        shift: what to add to the diagonal, of the greatest stiffness of a cell.
+        """
         nodes, n = x.shape
         edges = self.order.edges
         diagonal, right, left = np.empty((nodes, n, n)), np.empty((edges, n, n)), np.empty((edges, n, n))
         weights = (1.0, 0.0, 0.0)
         equations.tangents(self.line, x, self.still, self.still, self.auxiliary, weights, diagonal, right, left)
+        stiffest = float((self.line.EA / self.line.length).max())
+        diagonal += shift * stiffest * np.eye(n)
+        slack = self.auxiliary <= 0
+        for ends in (self.line.first[slack], self.line.last[slack]):  # which nothing keeps from moving sideways
+            diagonal[ends] += SLACK_STIFFNESS * stiffest * np.eye(n)
         elimination.factorise(self.order, diagonal, right, left)
 
         def solve(F):
@@ -144,6 +179,42 @@ class _Statics:
             return step
 
         return solve if np.isfinite(diagonal).all() else None
+
+    def energy(self, x) -> float:
+        """Return the potential energy in J: of cells in tension, of loads and of the seabed. It is convex."""
+        line = self.line
+        chord = np.linalg.norm(x[line.last] - x[line.first], axis=1)
+        strain = np.maximum(chord / line.length - 1, 0.0)
+        depth = np.maximum(line.floor - x[:, -1], 0.0)
+        stored = line.EA @ (line.length * strain**2) + line.seabed_stiffness @ depth**2
+        return float(stored / 2 - (line.load * x).sum())
+
+    def lower_energy(self, x):
+        """Return x near the least energy and the steps there: Newton's method, damped so that each lowers the energy.
+
+        The drag of a current has no energy: it counts as a load that stays as it is within a step.
+        """
+        shift, steps = FIRST_SHIFT, []
+        drag = np.zeros_like(x)
+        for _ in range(MAX_DESCENTS):
+            self.auxiliary = np.zeros_like(self.auxiliary)  # so that the tensions are those of the law
+            R, self.auxiliary, _ = self.evaluate(x)
+            if any(self.line.current):
+                calm = copy(self)
+                calm.line = self.line._replace(current=(0.0,) * x.shape[1])
+                drag = R - calm.evaluate(x)[0]
+            R[self.prescribed_nodes] = 0.0
+            solve = self.tangents(x, shift)
+            step = np.full_like(x, np.nan) if solve is None else solve(R)
+            size = float(abs(step).max()) / self.length
+            if np.isfinite(size) and self.energy(x - step) - (drag * step).sum() <= self.energy(x):
+                x, shift = x - step, shift / 4
+                steps.append(Step(size, 1.0))
+                if size <= SETTLED:
+                    break
+            else:
+                shift *= 8
+        return x, steps
 
     def newton(self, x):
         """Return (x, steps, converged) of the mixed method from x, in full steps until they grow."""

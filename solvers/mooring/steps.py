@@ -2,8 +2,11 @@
 
 It is one function, for each call inside it would pass and count all arrays: parted into predictor, corrector and
 acceptance, put in line, it took 15 % longer on ten cells.
-M(r) a at n + 1 - alpha_m balances the forces at r, v of n + 1 - alpha_f; r and v at n + 1 follow from a by Newmark's
-formulas. Newton's method solves for r at n + 1, with the tensions of the cells as unknowns of their own.
+The forces at n + 1 balance the inertia there: no force is taken between two steps, where stiff cells that turn would be
+too short. The acceleration r'' follows an algorithmic one a, and r and v follow from a by Newmark's formulas:
+(1 - alpha_f) r''[n+1] + alpha_f r''[n] = (1 - alpha_m) a[n+1] + alpha_m a[n]
+(Arnold and Bruels, Multibody Syst. Dyn. 18 (2007) 185). Newton's method solves for r at n + 1, with the tensions of the
+cells as unknowns of their own.
 """
 
 from __future__ import annotations
@@ -20,32 +23,38 @@ FULL_STEPS = 15  # of Newton's method, before they are halved
 MAX_CONTRACTION = 0.03  # contraction above which a new factorisation is cheaper than more iterations with the old one
 
 
+def newmark_parameters(rho_inf) -> tuple[float, float, float, float]:
+    """Return alpha_m, alpha_f, beta, gamma of second order with this spectral radius at infinite frequency."""
+    alpha_m, alpha_f = (2 * rho_inf - 1) / (rho_inf + 1), rho_inf / (rho_inf + 1)
+    return alpha_m, alpha_f, (1 - alpha_m + alpha_f) ** 2 / 4, 0.5 - alpha_m + alpha_f
+
+
 @compiled(calls=(equations, elimination))
 def integrate(
     line, order, driven, path, source, h, scheme, scale, tolerance, rest, state, auxiliary, record, every, stop
 ):
     """Take a step of generalized-alpha for each row but the first of ``path`` (S + 1, 3, P, n); stop where one fails.
 
-    order: the Elimination; driven (P,): the nodes whose motion is prescribed; path: their r, v, a at the ends of the
-    steps. source (S, N, n): load added at n + 1 - alpha_f, N, or empty. scheme: (alpha_m, alpha_f, beta, gamma). scale:
-    tension in N and length in m that errors refer to; the largest change of a tension from ``rest`` (C,) so far over
-    the former, which the tolerance refers to, and which grows; the error that rounding makes. state: r, v, a and the a
-    before (N, n), and auxiliary (C,): left at the last step that was taken. record: r, v, a (K, N, n) of every
+    order: the Elimination; driven (P,): the nodes whose motion is prescribed; path: their r, v, r'' at the ends of the
+    steps. source (S, N, n): load added at n + 1, N, or empty. scheme: (alpha_m, alpha_f, beta, gamma). scale: tension
+    in N and length in m that errors refer to; the largest change of a tension from ``rest`` (C,) so far over the
+    former, which the tolerance refers to, and which grows; the error that rounding makes. state: r, v, r'', a and the a
+    before (N, n), and auxiliary (C,): left at the last step that was taken. record: r, v, r'' (K, N, n) of every
     ``every``-th step. stop: end after a step with slack.
     Returns steps, iterations, factorisations and the error of the last iteration: the largest change of a tension or
     position, relative to ``scale``.
     """
-    r, v, a, before = state
+    r, v, acceleration, a, before = state
     nodes, n = r.shape
     alpha_m, alpha_f, beta, gamma = scheme
     cells = line.length.size
     r1, v1, a1 = np.empty((nodes, n)), np.empty((nodes, n)), np.empty((nodes, n))
-    rf, vf, am, R = np.empty((nodes, n)), np.empty((nodes, n)), np.empty((nodes, n)), np.empty((nodes, n))
+    new_acceleration, R = np.empty((nodes, n)), np.empty((nodes, n))
     T, unit = np.empty(cells), np.empty((cells, n))
     diagonal, right, left = np.empty((nodes, n, n)), np.empty((order.edges, n, n)), np.empty((order.edges, n, n))
     iterations, factorisations, error, factorised = 0, 0, 0.0, False
     by_v, by_a = gamma / (beta * h), 1 / (beta * h * h)
-    weights = (1 - alpha_f, (1 - alpha_f) * by_v, (1 - alpha_m) * by_a)
+    weights = (1.0, by_v, (1 - alpha_m) / (1 - alpha_f) * by_a)
     kept = auxiliary.copy()
     for step in range(path.shape[0] - 1):
         kept[:], solved = auxiliary, False
@@ -53,24 +62,21 @@ def integrate(
             for i in range(nodes):
                 for k in range(n):
                     a1[i, k] = 2 * a[i, k] - before[i, k] if attempt == 0 else (1 - 0.5 / beta) * a[i, k]
+                    filtered = (1 - alpha_m) * a1[i, k] + alpha_m * a[i, k] - alpha_f * acceleration[i, k]
+                    new_acceleration[i, k] = filtered / (1 - alpha_f)
                     r1[i, k] = r[i, k] + h * v[i, k] + h * h * ((0.5 - beta) * a[i, k] + beta * a1[i, k])
                     v1[i, k] = v[i, k] + h * ((1 - gamma) * a[i, k] + gamma * a1[i, k])
             for p in range(driven.size):
                 for k in range(n):
                     r1[driven[p], k], v1[driven[p], k] = path[step + 1, 0, p, k], path[step + 1, 1, p, k]
-                    a1[driven[p], k] = path[step + 1, 2, p, k]
+                    a1[driven[p], k] = new_acceleration[driven[p], k] = path[step + 1, 2, p, k]
             if attempt == 1:
                 auxiliary[:], factorised = kept, False
             last = np.inf
             for iteration in range(MAX_ITERATIONS):
-                for i in range(nodes):
-                    for k in range(n):
-                        rf[i, k] = (1 - alpha_f) * r1[i, k] + alpha_f * r[i, k]
-                        vf[i, k] = (1 - alpha_f) * v1[i, k] + alpha_f * v[i, k]
-                        am[i, k] = (1 - alpha_m) * a1[i, k] + alpha_m * a[i, k]
                 if iteration >= FULL_STEPS:
                     auxiliary[:] = 0.0
-                residual(line, rf, vf, am, auxiliary, R, T, unit)
+                residual(line, r1, v1, new_acceleration, auxiliary, R, T, unit)
                 if iteration >= FULL_STEPS:
                     auxiliary[:] = T
                 if source.shape[0] > 0:
@@ -82,7 +88,7 @@ def integrate(
                         R[driven[p], k] = 0.0
                 iterations += 1
                 if not factorised:
-                    tangents(line, rf, vf, am, auxiliary, weights, diagonal, right, left)
+                    tangents(line, r1, v1, new_acceleration, auxiliary, weights, diagonal, right, left)
                     factorise(order, diagonal, right, left)
                     factorisations += 1
                     factorised = True
@@ -97,7 +103,7 @@ def integrate(
                     change = 0.0
                     for k in range(n):
                         change -= unit[c, k] * (R[line.last[c], k] - R[line.first[c], k])
-                    change *= line.EA[c] / line.length[c] * (weights[0] + weights[1] * line.damping[c])
+                    change *= line.EA[c] / line.length[c] * (1 + by_v * line.damping[c])
                     if T[c] != 0:
                         error = max(error, abs(change) / scale[0], -(T[c] + change) / scale[0])
                         auxiliary[c] = T[c] + change
@@ -110,6 +116,7 @@ def integrate(
                         r1[i, k] -= part * R[i, k]
                         v1[i, k] -= part * by_v * R[i, k]
                         a1[i, k] -= part * by_a * R[i, k]
+                        new_acceleration[i, k] -= part * weights[2] * R[i, k]
                 if solved or not error < np.inf:
                     break
                 if error > MAX_CONTRACTION * last:
@@ -124,6 +131,7 @@ def integrate(
             for k in range(n):
                 before[i, k] = a[i, k]
                 r[i, k], v[i, k], a[i, k] = r1[i, k], v1[i, k], a1[i, k]
+                acceleration[i, k] = new_acceleration[i, k]
         slack = False
         for c in range(cells):
             scale[2] = max(scale[2], abs(T[c] - rest[c]) / scale[0])
@@ -132,7 +140,7 @@ def integrate(
             for i in range(nodes):
                 for k in range(n):
                     at = (step + 1) // every - 1
-                    record[0][at, i, k], record[1][at, i, k], record[2][at, i, k] = r[i, k], v[i, k], a[i, k]
+                    record[0][at, i, k], record[1][at, i, k], record[2][at, i, k] = r[i, k], v[i, k], acceleration[i, k]
         if stop and slack:
             return step + 1, iterations, factorisations, error
     return path.shape[0] - 1, iterations, factorisations, error

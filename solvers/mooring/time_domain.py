@@ -13,7 +13,7 @@ from ..common.properties import MAX_STRAIN
 from .history import MooringHistory
 from .prescribed_motion import displace_points
 from .statics import solve_rest
-from .steps import integrate
+from .steps import integrate, newmark_parameters
 
 MOST_HALVINGS = 10  # of one step
 STEPS_AT_ONCE = 256  # between two calls of ``progress``
@@ -73,18 +73,12 @@ def _first_time(system, time, y):
     return next((t, invalid[1]) for t, invalid in each if invalid is not None)
 
 
-def _scheme(rho_inf) -> tuple[float, float, float, float]:
-    """Return alpha_m, alpha_f, beta, gamma of second order with this spectral radius at infinite frequency."""
-    alpha_m, alpha_f = (2 * rho_inf - 1) / (rho_inf + 1), rho_inf / (rho_inf + 1)
-    return alpha_m, alpha_f, (1 - alpha_m + alpha_f) ** 2 / 4, 0.5 - alpha_m + alpha_f
-
-
 class _Run:
     """The state of an integration and the counts of its work."""
 
     def __init__(self, system, rho_inf, tolerance, step_tolerance, state):
         self.system, self.tolerance, self.step_tolerance = system, tolerance, step_tolerance
-        self.scheme, self.stops_at_slack = _scheme(RHO_INF if rho_inf is None else rho_inf), rho_inf is None
+        self.scheme, self.stops_at_slack = newmark_parameters(RHO_INF if rho_inf is None else rho_inf), rho_inf is None
         self.damped_from = None
         self.state = state
         self.rest = system.rest.tension
@@ -123,7 +117,7 @@ class _Run:
         return done
 
     def _integrate(self, path, t, h, record, every) -> int:
-        source = self.system.source_at(t[:-1] + (1 - self.scheme[1]) * h)
+        source = self.system.source_at(t[1:])
         system, tolerance = self.system, self.tolerance
         taken, iterations, factorisations, self.error = integrate(
             system.line, system.order, system.prescribed_nodes, path, source, h, self.scheme, self.scale, tolerance,
@@ -136,7 +130,7 @@ class _Run:
         """Return whether the steps ended at the first slack cell, and take the damped scheme from there on."""
         if not (self.stops_at_slack and taken and (self.auxiliary <= 0).any()):
             return False
-        self.scheme, self.stops_at_slack, self.damped_from = _scheme(0.0), False, float(t)
+        self.scheme, self.stops_at_slack, self.damped_from = newmark_parameters(0.0), False, float(t)
         return True
 
     def _subdivide_step(self, t, h) -> bool:
@@ -148,14 +142,14 @@ class _Run:
             times = t + h / parts * np.arange(parts + 1)
             record = tuple(np.empty((parts, *begin[0].shape)) for _ in range(3))
             if not adapts:  # the acceleration changed too fast for the step to be predicted with it
-                self.state[3][:] = self.state[2]
+                self.state[4][:] = self.state[3]
             self.stops_at_slack = False  # the scheme stays the same within a step
             taken = self._integrate(self.system.path(times), times, h / parts, record, 1)
             self.stops_at_slack = stops
             error = self._step_error(record, begin[2], h / parts) if adapts and taken == parts else 0.0
             if taken == parts and (not adapts or error <= self.step_tolerance):
                 if not adapts:
-                    self.state[3][:] = self.state[2]
+                    self.state[4][:] = self.state[3]
                 elif error < LENGTHEN_BELOW * self.step_tolerance:
                     self.halvings = max(0, halvings - 1)
                 self._damp_after_slack(parts, times[-1])
@@ -177,16 +171,16 @@ class _Run:
 
 
 def _initial_state(system, start):
-    """Return r, v, a and the a before, (N, n) each: at rest, or as given with the acceleration that balances it."""
+    """Return r, v, r'', a and the a before, (N, n) each: at rest, or as given with the r'' that balances it."""
     if start is None:
         state, v = system.rest, np.zeros((system.nodes, len(system.axes)))
         if system.motion is not None:
             if (displacement := displace_points(system.motion, system.moved_points, 0.0).T).any():
                 state = solve_rest(system, displacement)
             v[system.prescribed_nodes] = system.path(np.zeros(1))[0, 1]
-        return np.array(state.y.T, order="C"), v, np.zeros_like(v), np.zeros_like(v)
+        return np.array(state.y.T, order="C"), v, np.zeros_like(v), np.zeros_like(v), np.zeros_like(v)
     y, ydot = start
     ydot = np.zeros_like(y) if ydot is None else ydot
     r, v = np.ascontiguousarray(y.T), np.ascontiguousarray(ydot.T)
     a = system.acceleration(r, v)
-    return r, v, a, a.copy()
+    return r, v, a, a.copy(), a.copy()

@@ -125,25 +125,29 @@ _PERIODIC = (
 )
 _LINE = tuple(
     f"mooring/test_{name}.py"
-    for name in ("equations", "order", "statics", "model", "time_domain", "slack", "seabed", "periodic")
+    for name in ("equations", "order", "statics", "model", "time_domain", "slack", "seabed", "periodic", "network")
 )
+_LAYOUT = ("mooring/test_layout.py", *_LINE)
 _FILES = {
     **dict.fromkeys(
         (
             "mooring.equations",
-            "mooring.elimination",
             "mooring.steps",
             "mooring.model",
             "mooring.system",
+            "mooring.assembly",
             "mooring.statics",
             "mooring.time_domain",
         ),
         _LINE,
     ),
+    **dict.fromkeys(("mooring.layout", "mooring.elimination"), _LAYOUT),
+    **dict.fromkeys(("mooring.components", "mooring.impedance"), ("mooring/test_network.py",)),
+    "mooring.prescribed_motion": ("mooring/test_model.py", "mooring/test_network.py", "mooring/test_time_domain.py"),
     "mooring.mesh": ("mooring/test_model.py", "mooring/test_statics.py", "mooring/test_periodic.py"),
     "mooring.calibration": ("mooring/test_statics.py", "mooring/test_periodic.py"),
-    "mooring.modes": ("mooring/test_statics.py",),
-    "mooring.harmonic": ("mooring/test_periodic.py",),
+    "mooring.modes": ("mooring/test_statics.py", "mooring/test_network.py"),
+    "mooring.harmonic": ("mooring/test_periodic.py", "mooring/test_layout.py", "mooring/test_network.py"),
     "mooring.history": ("mooring/test_slack.py", "mooring/test_time_domain.py", "mooring/test_periodic.py"),
     "mooring.diagnostics": ("mooring/test_periodic.py",),
     **dict.fromkeys(
@@ -231,7 +235,7 @@ _FILES = {
     ),
     "io.motion_file": ("io/test_motion_file.py",),
     **dict.fromkeys(("io.moordyn_file", "io.moordyn_tables", "io.moordyn_writer"), ("io/test_moordyn_file.py",)),
-    "common.body_motion": ("common/test_body_motion.py",),
+    "common.body_motion": ("common/test_body_motion.py", "mooring/test_network.py"),
     "numerics.newton": ("numerics/test_newton.py", *_SPAN, *_PERIODIC, "cable/test_statics.py"),
     "common.outcome": ("common/test_failures.py", "network/test_solve.py", "harmonic_balance/test_oscillators.py"),
     "common.validation": (

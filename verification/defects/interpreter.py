@@ -1,8 +1,8 @@
 """An interpreter for pytest on one copy of the project; where it can fork, the libraries are imported once.
 
-As a programme (without the packages around it) it is the side that forks: it reads lines {"arguments", "timeout"},
-runs pytest on each in a child of its own, which imports the project anew, and answers {"code", "output"}. When its
-input ends, because the other side has finished or was killed, it ends with the child that is running.
+As a programme (without the packages around it) it is the side that forks: it reads lines {"arguments", "timeout",
+"interpreted"}, runs pytest on each in a child of its own, which imports the project anew, and answers {"code",
+"output"}. When its input ends, because the other side has finished or was killed, it ends with the child that runs.
 """
 
 from __future__ import annotations
@@ -23,14 +23,21 @@ LIBRARIES = ("pytest", "hypothesis", "mpmath", "numba", "numpy.polynomial", "sci
              "scipy.linalg", "scipy.optimize", "scipy.sparse.linalg", "threadpoolctl")  # fmt: skip
 """What most checks import; nothing of the project."""
 
+DISABLE_JIT = {"NUMBA_DISABLE_JIT": "1"}
+"""Environment in which numba leaves loops to Python."""
+
 
 class Stopped(RuntimeError):
     """The interpreter was ended while a check ran."""
 
 
 def environment(root: Path) -> dict[str, str]:
-    """Environment of the checks on the copy at ``root``: one BLAS thread, no settings of the run around it."""
-    results = {k: v for k, v in os.environ.items() if not k.startswith(("PYTEST_", "MOORING_", "COV_"))}
+    """Return the environment of checks on the copy at ``root``: one BLAS thread, no settings of the run around it.
+
+    Bytecode is written, whatever the caller does: the copy is deleted, and hundreds of checks import it.
+    """
+    others = ("PYTEST_", "MOORING_", "COV_", "PYTHONDONTWRITEBYTECODE")
+    results = {k: v for k, v in os.environ.items() if not k.startswith(others)}
     results |= {"OPENBLAS_NUM_THREADS": "1", "COLUMNS": "240", "PYTHONPATH": str(root)}
     return results | {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}  # plugins: half of the start, for nothing the checks use
 
@@ -41,11 +48,15 @@ class Interpreter:
     def __init__(self, root: Path, forks: bool = hasattr(os, "fork")):
         self.root, self.forks, self.process, self.closed = root, forks, None, False
 
-    def run(self, arguments: list[str], timeout: float) -> tuple[int | None, str]:
-        """(exit status, output) of pytest; the status is None after ``timeout`` s. Raises Stopped."""
+    def run(self, arguments: list[str], timeout: float, interpreted: bool = False) -> tuple[int | None, str]:
+        """Return (exit status, output) of pytest; the status is None after ``timeout`` s. Raises Stopped.
+
+        interpreted : whether Python itself runs the loops that numba would compile
+        """
         if self.closed:
             raise Stopped
-        return self._forked(arguments, timeout) if self.forks else self._anew(arguments, timeout)
+        run = self._forked if self.forks else self._anew
+        return run(arguments, timeout, interpreted)
 
     def close(self):
         """End it, and with it the check that runs."""
@@ -60,7 +71,7 @@ class Interpreter:
         else:
             process.kill()
 
-    def _forked(self, arguments, timeout):
+    def _forked(self, arguments, timeout, interpreted):
         if self.process is None:
             self.process = subprocess.Popen(
                 [sys.executable, "-P", __file__],
@@ -73,17 +84,18 @@ class Interpreter:
                 start_new_session=True,  # an interrupt from the keyboard is for the programme alone
             )
         try:
-            print(json.dumps({"arguments": arguments, "timeout": timeout}), file=self.process.stdin, flush=True)
+            order = {"arguments": arguments, "timeout": timeout, "interpreted": interpreted}
+            print(json.dumps(order), file=self.process.stdin, flush=True)
             answer = json.loads(self.process.stdout.readline())
         except (OSError, ValueError) as error:
             raise Stopped from error
         return answer["code"], answer["output"]
 
-    def _anew(self, arguments, timeout):
+    def _anew(self, arguments, timeout, interpreted):
         self.process = process = subprocess.Popen(
             [sys.executable, "-m", "pytest", *arguments],
             cwd=self.root,
-            env=environment(self.root),
+            env=environment(self.root) | (DISABLE_JIT if interpreted else {}),
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
@@ -108,7 +120,7 @@ def serve():
     gc.freeze()
     while line := os_readline(0):
         order = json.loads(line)
-        code, output = fork(order["arguments"], order["timeout"])
+        code, output = fork(order["arguments"], order["timeout"], order["interpreted"])
         print(json.dumps({"code": code, "output": output}), flush=True)
 
 
@@ -122,12 +134,12 @@ def os_readline(handle: int) -> bytes:
     return b""
 
 
-def fork(arguments: list[str], timeout: float) -> tuple[int | None, str]:
+def fork(arguments: list[str], timeout: float, interpreted: bool) -> tuple[int | None, str]:
     """(exit status, output) of pytest in a child; the status is None where it did not end."""
     reading, writing = os.pipe()
     child = os.fork()
     if child == 0:
-        _child(arguments, writing)
+        _child(arguments, writing, interpreted)
     os.close(writing)
     with contextlib.suppress(OSError):  # the child has done it, or has ended
         os.setpgid(child, child)
@@ -151,7 +163,15 @@ def fork(arguments: list[str], timeout: float) -> tuple[int | None, str]:
     return None if late else status, output.decode("utf-8", "replace")
 
 
-def _child(arguments, writing):
+def disable_jit():
+    """Let Python run compiled loops of this process, which has imported numba, and of those that it starts."""
+    import numba
+
+    os.environ |= DISABLE_JIT
+    numba.config.reload_config()
+
+
+def _child(arguments, writing, interpreted):
     """pytest on the project, which is imported only here; does not return."""
     code = 70
     try:
@@ -161,6 +181,8 @@ def _child(arguments, writing):
         os.dup2(writing, 2)
         sys.path.insert(0, os.getcwd())
         importlib.invalidate_caches()
+        if interpreted:
+            disable_jit()
         import pytest
 
         code = int(pytest.main(arguments))

@@ -35,6 +35,7 @@ SKIPPED = ("verification/defects", "verification/suite/test_defects.py", "benchm
 
 _OPTIONS = ("-x", "--tb=no", "--no-header", "-p", "no:cacheprovider", "-p", "no:faulthandler")
 _SUMMARY = re.compile(r"^(?:FAILED|ERROR) (\S+?\.py(?:::\w+)*)(\[.*?\])?(?: - (.*))?$", re.MULTILINE)
+_LOOPS = re.compile(r"^@(compiled|njit)\b", re.MULTILINE)
 _STOPPED = (-signal.SIGTERM, -signal.SIGINT, -9)
 
 
@@ -64,11 +65,16 @@ class Result:
 
 
 # ---------------------------------------------------------------- one check
-def run_check(interpreter: Interpreter, check: str, timeout: float) -> tuple[str, float, str, str]:
-    """(outcome, seconds, test, message) of a check on a copy of the project. Raises CheckError, KeyboardInterrupt."""
+def run_check(
+    interpreter: Interpreter, check: str, timeout: float, interpreted: bool = False
+) -> tuple[str, float, str, str]:
+    """Return (outcome, seconds, test, message) of a check on a copy of the project, its loops compiled or interpreted.
+
+    Raises CheckError, KeyboardInterrupt.
+    """
     began = time.perf_counter()
     try:
-        code, output = interpreter.run([*arguments(check), *_OPTIONS], timeout)
+        code, output = interpreter.run([*arguments(check), *_OPTIONS], timeout, interpreted)
     except Stopped as stopped:
         raise KeyboardInterrupt from stopped
     seconds = time.perf_counter() - began
@@ -108,14 +114,14 @@ class Copies:
         for interpreter in self.all:
             interpreter.close()
 
-    def run(self, defect: Defect | None, check: str, timeout: float) -> Result:
-        """One check on a free copy with the defect planted, and removed again."""
+    def run(self, defect: Defect | None, check: str, timeout: float, interpreted: bool = False) -> Result:
+        """Return the result of a check on a free copy with the defect planted, and removed again."""
         interpreter = self.free.get()
         root = interpreter.root
         try:
             if defect is not None:
                 self._plant(defect, root)
-            return Result(defect.name if defect else "", check, *run_check(interpreter, check, timeout))
+            return Result(defect.name if defect else "", check, *run_check(interpreter, check, timeout, interpreted))
         finally:
             if defect is not None:
                 name = defect.fault.path
@@ -211,10 +217,12 @@ def run(
         _check_patches(copies.source, {pair[0] for pair in pairs.values() if pair[0]})
         outcome = [] if fresh else [log.results[k] for k in pairs if k in log.results]
         left = {k: pair for k, pair in pairs.items() if fresh or k not in log.results}
+        interpreted = checks_of_loops(copies.source, pairs.values())
         yield len(outcome), len(pairs), outcome
         pool = ThreadPoolExecutor(jobs)
         try:
-            futures = [pool.submit(_results, copies, *group, timeout) for group in _groups(left)]
+            groups = _groups(left, interpreted)
+            futures = [pool.submit(_results, copies, *group, timeout, interpreted) for group in groups]
             for future in as_completed(futures):
                 for k, result in future.result().items():
                     log.append(k, result)
@@ -224,6 +232,18 @@ def run(
             pool.shutdown(wait=False, cancel_futures=True)
             copies.__exit__()
             pool.shutdown(wait=True)
+
+
+def checks_of_loops(root: Path, pairs: Iterable[tuple[Defect | None, str]]) -> set[str]:
+    """Return the checks named for defects in modules with compiled loops, which are run with interpreted ones.
+
+    A defect is in the text, and such a check looks at small problems: to compile the loops anew, with each defect and
+    after it, would take several times as long. Other checks, and the tests themselves, run compiled loops.
+    """
+    named = [defect for defect, check in pairs if defect is not None and check == defect.check]
+    has_loops = {path: bool(_LOOPS.search((root / path).read_text(encoding="utf-8"))) for path in
+                 {defect.fault.path for defect in named}}  # fmt: skip
+    return {defect.check for defect in named if has_loops[defect.fault.path]}
 
 
 def _check_patches(root: Path, defects: Iterable[Defect]):
@@ -238,26 +258,28 @@ def _check_patches(root: Path, defects: Iterable[Defect]):
         raise CheckError("\n".join(sorted(wrong)))
 
 
-def _groups(left: dict) -> list[tuple[str, dict]]:
+def _groups(left: dict, interpreted: set[str]) -> list[tuple[str, dict]]:
     """(check, what it answers for): on the project as it is, the functions of one file together; else one by one.
 
-    A function that is named with several choices of its parameters is run once, with all of them.
+    A function that is named with several choices of its parameters is run once, with all of them. Those with
+    interpreted loops are together, too.
     """
     clean = {k: check for k, (defect, check) in left.items() if defect is None and "::" in check}
     functions = {k: check.split(" -k ")[0] for k, check in clean.items() if len(check.split(" -k ")[0].split()) == 1}
     several = [function for function in functions.values() if list(functions.values()).count(function) > 1]
-    together: dict[str, dict] = {}
+    together: dict[tuple, dict] = {}
     for k, pair in left.items():
         whole = k in functions and (functions[k] in several or functions[k] == clean[k])
-        together.setdefault(functions[k].split("::")[0] if whole else k, {})[k] = pair
+        name = functions[k].split("::")[0] if whole else k
+        together.setdefault((name, pair[1] in interpreted), {})[k] = pair
     joined = lambda group: " ".join(dict.fromkeys(functions.get(k, pair[1]) for k, pair in group.items()))
     return [(joined(group) if len(group) > 1 else "", group) for group in together.values()]
 
 
-def _results(copies: Copies, joined: str, group: dict, timeout: float) -> dict[str, Result]:
+def _results(copies: Copies, joined: str, group: dict, timeout: float, interpreted: set[str]) -> dict[str, Result]:
     """Key -> result of a group; one by one where not all of it is green."""
     if joined:
-        one = copies.run(None, joined, timeout)
+        one = copies.run(None, joined, timeout, all(check in interpreted for _, check in group.values()))
         if not one.red:
             return {k: Result("", check, "missed", one.seconds / len(group)) for k, (_, check) in group.items()}
-    return {k: copies.run(*pair, timeout) for k, pair in group.items()}
+    return {k: copies.run(*pair, timeout, pair[1] in interpreted) for k, pair in group.items()}

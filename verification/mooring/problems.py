@@ -17,6 +17,7 @@ from mpmath import mp
 from solvers import CableProperties, Element, Environment, Motion, Network, Node, Scene, mooring_system
 from solvers.mooring import elimination, equations
 from solvers.mooring.equations import Line
+from solvers.mooring.layout import Elimination, Layout, plan_elimination
 
 from ..cases.cables import CableCase
 from ..exact.lumped_node import Cell, Seabed, force_terms
@@ -24,6 +25,7 @@ from ..exact.moving_line import ManufacturedLine
 from ..tools.planting import ROOT, Fault
 
 EQUATIONS, ELIMINATION, STEPS = "mooring.equations", "mooring.elimination", "mooring.steps"
+LAYOUT = "mooring.layout"
 
 
 def interpreted(fault: Fault | None = None) -> ModuleType:
@@ -77,8 +79,17 @@ def hanging_mass(mass, *, EA, length, damping=0.0, position, cells=2, line_mass=
     return mooring_system(line, cells, mesh="uniform")
 
 
-# ---------------------------------------------------------------- random lines and states
+# ---------------------------------------------------------------- random lines, networks and states
 NODES = 6
+PATTERNS = {
+    "line": ((0, 1), (1, 2), (2, 3), (3, 4), (4, 5)),
+    "three arms": ((0, 1), (1, 5), (2, 3), (3, 5), (4, 5)),
+    "ring through a joint": ((0, 1), (1, 5), (2, 3), (2, 5), (3, 4), (4, 5)),
+    "two joints, two lines between": ((2, 4), (0, 4), (0, 5), (1, 4), (1, 5), (3, 5)),
+    "star with its centre first": ((0, 1), (0, 2), (0, 3), (0, 4), (0, 5)),
+}
+"""Nodes (first, last) of the cells, first < last; eliminated, the last three add one, one and all blocks there are."""
+BRANCHED = tuple(PATTERNS)[1:]
 TERMS = {
     "inertia": ("mass",),
     "added mass": ("added_mass",),
@@ -89,6 +100,8 @@ TERMS = {
     "normal drag": ("normal_drag",),
     "tangential drag": ("tangential_drag",),
     "drag in a current": ("normal_drag", "tangential_drag", "current"),
+    "drag of nodes": ("point_drag",),
+    "drag of nodes in a current": ("point_drag", "current"),
     "seabed": ("seabed_stiffness",),
     "seabed and damping": ("seabed_stiffness", "seabed_damping"),
     "seabed and friction": ("seabed_stiffness", "friction"),
@@ -100,7 +113,7 @@ TERMS["all"] = tuple(sorted({field for fields in TERMS.values() for field in fie
 
 @dataclass(frozen=True)
 class RandomState:
-    """A line of NODES nodes in n axes with its state r, v, a (N, n) and auxiliary tensions (C,), N.
+    """Cells between NODES nodes in n axes with their state r, v, a (N, n) and auxiliary tensions (C,), N.
 
     residual (N, n): what 40 digits make of it, N; size: the largest force on a node, N.
     """
@@ -113,99 +126,123 @@ class RandomState:
     residual: np.ndarray
     size: float
 
+    def order(self, *prescribed) -> Elimination:
+        """Return the Elimination of the pattern with prescribed nodes."""
+        layout = Layout((), (), (), np.arange(NODES), self.line.first, self.line.last)
+        return plan_elimination(layout, np.array(prescribed, dtype=int))
+
 
 @cache
-def random_state(name: str, n: int, seed: int = 1) -> RandomState:
-    """Return a line with the terms of that name in a state far from rest: cells taut and slack, nodes in and out."""
+def random_state(name: str, n: int, seed: int = 1, pattern: str = "line") -> RandomState:
+    """Return cells with the terms of that name in a state far from rest: cells taut and slack, nodes in and out.
+
+    pattern: one of PATTERNS.
+    """
     rng = np.random.default_rng([2026, n, seed])
-    kept = TERMS[name]
-    number = lambda size, count: size * rng.uniform(0.7, 1.3, count)
-    cells, nodes = NODES - 1, NODES
+    first, last = (np.array(part) for part in zip(*PATTERNS[pattern], strict=True))
+    cells, nodes, number = first.size, NODES, lambda size, count: size * rng.uniform(0.7, 1.3, count)
     given = {
         "EA": number(3e3, cells), "damping": number(0.4, cells), "mass": number(80.0, cells),
         "added_mass": number(60.0, cells), "point_mass": number(300.0, nodes), "load": number(500.0, (nodes, n)),
-        "seabed_stiffness": number(100.0, cells), "seabed_damping": number(60.0, cells), "friction": number(0.6, nodes),
-        "current": tuple(number(0.6, n) * [-1.0, 1.0, 0.5][-n:]), "Cdn": number(1.2, cells), "Cdt": number(0.5, cells),
+        "point_drag": number(400.0, nodes), "seabed_stiffness": number(100.0, 1), "seabed_damping": number(60.0, 1),
+        "friction": number(0.6, nodes), "current": number(0.6, n) * [-1.0, 1.0, 0.5][-n:],
+        "Cdn": number(1.2, cells), "Cdt": number(0.5, cells),
     }  # fmt: skip
-    length, d, rho = number(6.0, cells), number(0.3, cells), 1025.0
-    stretch = rng.permutation([0.8, 0.93, 1.05, 1.3, 1.6])
-    direction = rng.normal(0, 1, (cells, n))
-    direction /= np.linalg.norm(direction, axis=1)[:, None]
-    r = np.concatenate([np.zeros((1, n)), np.cumsum((length * stretch)[:, None] * direction, axis=0)])
-    v, a = rng.normal(0, 1.0, (nodes, n)), rng.normal(0, 1.0, (nodes, n))
+    kept = {"Cdn" if f == "normal_drag" else "Cdt" if f == "tangential_drag" else f for f in TERMS[name]}
+    value = {field: array if field in kept else 0 * array for field, array in given.items()}
+    d, rho, slip = number(0.3, cells), 1025.0, 0.5
+    r, v, a = _spread(first, last, n, rng), rng.normal(0, 1.0, (nodes, n)), rng.normal(0, 1.0, (nodes, n))
+    stretch = rng.permutation(np.resize([0.8, 0.93, 1.05, 1.3, 1.6], cells))
+    chord = r[last] - r[first]
+    distance = np.linalg.norm(chord, axis=1)
+    length = distance / stretch
     below, above = np.argsort(r[:, -1])[nodes // 2 - 1 : nodes // 2 + 1]
     floor = float(r[above, -1] - 0.05)  # half of the nodes in the seabed; one just above sinks, one below is pulled out
     v[above, -1], v[below, -1] = -1.2, 4 * (floor - r[below, -1]) + 0.2
-    value = {field: array if field in kept else 0 * np.array(array) for field, array in given.items()}
-    value["Cdn"], value["Cdt"] = (
-        given[x] if f"{long}_drag" in kept else 0 * given[x] for x, long in (("Cdn", "normal"), ("Cdt", "tangential"))
-    )
-    halves = np.append(length, 0.0) / 2 + np.append(0.0, length) / 2
-    k, c, slip = float(value["seabed_stiffness"][0]), float(value["seabed_damping"][0]), 0.5
-    mu = np.array(value["friction"])
+    halves = np.bincount(np.append(first, last), np.append(length, length) / 2, nodes)
+    k, c = float(value["seabed_stiffness"][0]), float(value["seabed_damping"][0])
     line = Line(
-        length, value["EA"], value["damping"], value["mass"], value["added_mass"], rho * d * value["Cdn"] / 2,
-        rho * math.pi * d * value["Cdt"] / 2, value["point_mass"], value["load"], k * halves, c * halves, mu, floor,
-        slip, tuple(float(x) for x in value["current"]),
+        first=first, last=last, length=length, EA=value["EA"], damping=value["damping"], mass=value["mass"],
+        added_mass=value["added_mass"], normal_drag=rho * d * value["Cdn"] / 2,
+        tangential_drag=rho * math.pi * d * value["Cdt"] / 2, point_mass=value["point_mass"],
+        point_drag=value["point_drag"], load=value["load"], seabed_stiffness=k * halves, seabed_damping=c * halves,
+        friction=value["friction"], floor=floor, slip_speed=slip, current=tuple(value["current"].tolist()),
     )  # fmt: skip
     of_mpmath = [
         Cell(length[i], line.EA[i], line.damping[i], line.mass[i], line.added_mass[i], 0.0, rho, d[i], value["Cdn"][i],
              value["Cdt"][i])
         for i in range(cells)
     ]  # fmt: skip
-    beyond = Cell(1e-40, 0.0)  # of no length and no mass, behind the ends
-    current = (line.current[0], 0.0, line.current[1]) if n == 2 else line.current
-    R, size = np.zeros((nodes, n)), 0.0
-    with mp.workdps(40):
-        for i in range(nodes):
-            three = [max(i - 1, 0), i, min(i + 1, nodes - 1)]
-            places, speeds = ([list(map(float, x[j])) for j in three] for x in (r, v))
-            if i == 0:
-                places[0][0] -= 1.0
-            if i == nodes - 1:
-                places[2][0] += 1.0
-            around = (of_mpmath[i - 1] if i else beyond, of_mpmath[i] if i < cells else beyond)
-            bed = Seabed(-floor, k, c, mu[i], slip)
-            forces = force_terms(around, places, speeds, list(map(float, a[i])), current=current, seabed=bed)
-            own = [line.point_mass[i] * a[i], -line.load[i]]
-            sums = [mp.fsum(parts) for parts in zip(*forces.values(), strict=True)]
-            R[i] = [float(own[0][q] + own[1][q] - sums[q]) for q in range(n)]
-            size = max(size, *(abs(float(x)) for force in (*forces.values(), *own) for x in force))
-    rate = np.sum(direction * np.diff(v, axis=0), axis=1)
+    R, size = _residual_by_mpmath(line, of_mpmath, (r, v, a), k, c)
+    rate = np.sum(chord * (v[last] - v[first]), axis=1) / distance
     T = line.EA * (stretch - 1 + line.damping * rate / length)
     return RandomState(line, r, v, a, np.maximum(T, 0.0), R, size)
 
 
+def _spread(first, last, n, rng) -> np.ndarray:
+    """Return positions (N, n), m, of nodes that a tree of cells of some 6 m reaches, one after another."""
+    r, reached = np.zeros((NODES, n)), {0}
+    both = np.append(first, last), np.append(last, first)
+    while len(reached) < NODES:
+        p, q = next((p, q) for p, q in zip(*both, strict=True) if p in reached and q not in reached)
+        step = rng.normal(0, 1, n)
+        r[q] = r[p] + rng.uniform(4.0, 8.0) * step / np.linalg.norm(step)
+        reached.add(q)
+    return r
+
+
+def _residual_by_mpmath(line, cells, state, k, c):
+    """Return R (N, n) and the largest force on a node, N: a node with one half cell at a time, whatever its end."""
+    (nodes, n), beyond = state[0].shape, Cell(1e-40, 0.0)  # of no length and no mass, on the other side of the node
+    current = (line.current[0], 0.0, line.current[1]) if n == 2 else line.current
+    r, v, a = ([list(map(float, row)) for row in part] for part in state)
+    R, size = np.zeros((nodes, n)), 0.0
+    with mp.workdps(40):
+        for i in range(nodes):
+            bed, away = Seabed(-line.floor, k, c, line.friction[i], line.slip_speed), [r[i][0] - 1.0, *r[i][1:]]
+            u = [mp.mpf(x) - mp.mpf(y) for x, y in zip(v[i], line.current, strict=True)]
+            drag = -mp.mpf(line.point_drag[i]) * mp.norm(mp.matrix(u))
+            parts = [[drag * x for x in u], [-mp.mpf(line.point_mass[i]) * x for x in a[i]], line.load[i].tolist()]
+            for cell in np.flatnonzero((line.first == i) | (line.last == i)).tolist():
+                other = int(line.first[cell] + line.last[cell] - i)
+                given = (beyond, cells[cell]), (away, r[i], r[other]), (v[i], v[i], v[other]), a[i]
+                parts += force_terms(*given, current=current, seabed=bed).values()
+            R[i] = [-float(mp.fsum(one)) for one in zip(*parts, strict=True)]
+            size = max(size, *(abs(float(x)) for part in parts for x in part))
+    return R, size
+
+
 def evaluate(module, line, r, v, a, auxiliary):
     """Return R (N, n), T (C,) and unit (C, n) of the module's residual, of the type of r."""
-    kind = np.result_type(r, v, a)
-    R, T, unit = np.empty(r.shape, kind), np.empty(len(r) - 1, kind), np.empty((len(r) - 1, r.shape[1]), kind)
+    kind, cells = np.result_type(r, v, a), line.length.size
+    R, T, unit = np.empty(r.shape, kind), np.empty(cells, kind), np.empty((cells, r.shape[1]), kind)
     module.residual(line, r.astype(kind), v.astype(kind), a.astype(kind), auxiliary, R, T, unit)
     return R, T, unit
 
 
-def tangent_blocks(module, line, r, v, a, auxiliary, weights):
-    """Return diagonal (N, n, n), right and left (C, n, n) of the module's tangents."""
-    nodes, n = r.shape
-    diagonal, right, left = np.empty((nodes, n, n)), np.empty((nodes - 1, n, n)), np.empty((nodes - 1, n, n))
+def tangent_blocks(module, line, r, v, a, auxiliary, weights, edges=None):
+    """Return diagonal (N, n, n), right and left (C or edges, n, n) of the module's tangents."""
+    (nodes, n), edges = r.shape, line.length.size if edges is None else edges
+    diagonal, right, left = np.empty((nodes, n, n)), np.empty((edges, n, n)), np.empty((edges, n, n))
     module.tangents(line, r, v, a, auxiliary, weights, diagonal, right, left)
     return diagonal, right, left
 
 
-def dense(diagonal, right, left) -> np.ndarray:
-    """Return the block-tridiagonal matrix (N n, N n): right[c] is of row c and node c + 1, left[c] of row c + 1."""
+def dense(line, diagonal, right, left) -> np.ndarray:
+    """Return the matrix (N n, N n): right[c] is of row first[c] and node last[c], left[c] of row last[c]."""
     nodes, n = diagonal.shape[:2]
     matrix = np.zeros((nodes, n, nodes, n))
     for i in range(nodes):
         matrix[i, :, i] = diagonal[i]
-        if i < nodes - 1:
-            matrix[i, :, i + 1], matrix[i + 1, :, i] = right[i], left[i]
+    for c, (i, j) in enumerate(zip(line.first, line.last, strict=True)):
+        matrix[i, :, j] += right[c]
+        matrix[j, :, i] += left[c]
     return matrix.reshape(nodes * n, nodes * n)
 
 
 def matrix(module, line, r, v, a, auxiliary, weights) -> np.ndarray:
     """Return the module's tangents as one matrix."""
-    return dense(*tangent_blocks(module, line, r, v, a, auxiliary, weights))
+    return dense(line, *tangent_blocks(module, line, r, v, a, auxiliary, weights))
 
 
 # ---------------------------------------------------------------- manufactured problems
@@ -273,7 +310,7 @@ def exact_load(made, line, t) -> np.ndarray:
     t = np.atleast_1d(t)
     y = np.stack([exact_state(made, line, one)[0].T for one in t])
     v, a = (rate(made.s, t).transpose(2, 1, 0) for rate in (line.velocity, line.acceleration))
-    taut = np.ones(made.nodes - 1)
+    taut = np.ones(made.line.length.size)
     return np.stack([evaluate(compiled, made.line, *state, taut)[0] for state in zip(y, v, a, strict=True)])
 
 
@@ -286,11 +323,12 @@ def exact_state(made, line, t):
 # ---------------------------------------------------------------- energy
 @dataclass(frozen=True)
 class Energy:
-    """Energy of a line at stored times (K,), J, and the powers that change it, W, each by its own formula.
+    """Energy of lines at stored times (K,), J, and the powers that change it, W, each by its own formula.
 
     total: kinetic with added mass, elastic, of the loads and of the seabed's springs. given: by the holders of the
-    ends; drag, damper (of the cells), seabed (its damper) and friction: taken. turning: what the energy of the added
-    mass changes by as its cell turns, for the equations leave the force of that out.
+    prescribed nodes, those on a body among them; drag, damper (of the cells), seabed (its damper) and friction: taken.
+    turning: what the energy of the added mass changes by as its cell turns, for the equations leave the force of that
+    out.
     """
 
     total: np.ndarray
@@ -312,7 +350,7 @@ def energy_of(history) -> Energy:
     line, system = history.system.line, history.system
     r, v = (part.transpose(2, 1, 0) for part in (history.y, history.ydot))
     l = line.length
-    d, opening = np.diff(r, axis=1), np.diff(v, axis=1)
+    d, opening = (part[:, line.last] - part[:, line.first] for part in (r, v))
     size = np.linalg.norm(d, axis=2)
     t = d / size[..., None]
     strain, rate = size / l - 1, (t * opening).sum(axis=2) / l
@@ -323,8 +361,8 @@ def energy_of(history) -> Energy:
     total = total + (line.point_mass / 2 * (v**2).sum(axis=2)).sum(axis=1)
     damper = ((T - np.maximum(line.EA * strain, 0.0)) * rate * l).sum(axis=1)
     drag, turning = np.zeros(len(r)), np.zeros(len(r))
-    for ends in (slice(None, -1), slice(1, None)):
-        velocity, half = v[:, ends], l / 2
+    for nodes in (line.first, line.last):
+        velocity, half = v[:, nodes], l / 2
         along = (velocity * t).sum(axis=2)
         square = (velocity**2).sum(axis=2)
         total = total + (half / 2 * (line.mass * square + line.added_mass * (square - along**2))).sum(axis=1)
@@ -336,6 +374,8 @@ def energy_of(history) -> Energy:
         force = (wet * line.normal_drag * np.linalg.norm(u_n, axis=2))[..., None] * u_n
         force += (wet * line.tangential_drag * abs(u_t) * u_t)[..., None] * t
         drag += (force * velocity).sum(axis=(1, 2))
+    u = v - np.array(line.current)
+    drag += (line.point_drag * np.linalg.norm(u, axis=2) * (u * v).sum(axis=2)).sum(axis=1)
     penetration = np.maximum(line.floor - r[..., -1], 0.0)
     normal = np.maximum(line.seabed_stiffness * penetration - line.seabed_damping * v[..., -1], 0.0) * (penetration > 0)
     total = total + (line.seabed_stiffness * penetration**2).sum(axis=1) / 2

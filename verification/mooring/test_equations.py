@@ -14,9 +14,11 @@ import pytest
 from ..reference import EPS
 from ..tools.planting import Fault, sign_faults
 from .problems import (
+    BRANCHED,
     ELIMINATION,
     EQUATIONS,
     NODES,
+    PATTERNS,
     TERMS,
     compiled,
     dense,
@@ -35,6 +37,7 @@ STEP = 1e-30
 WEIGHTS = (1.3, 0.7, 2.1)  # of the tangents in r, v and a
 AXES = pytest.mark.parametrize("n", [2, 3], ids=["planar", "spatial"])
 EACH_TERM = pytest.mark.parametrize("name", TERMS)
+EACH_PATTERN = pytest.mark.parametrize("pattern", PATTERNS)
 
 
 @cache
@@ -43,28 +46,21 @@ def as_written():
     return interpreted()
 
 
-def prescribed(*nodes):
-    """Return the mask (N,) of prescribed nodes."""
-    mask = np.zeros(NODES, bool)
-    mask[list(nodes)] = True
-    return mask
-
-
 # ---------------------------------------------------------------- measures; of a module, so that it can be a faulty one
-def residual_error(module, name, n, seed=1) -> float:
+def residual_error(module, name, n, seed=1, pattern="line") -> float:
     """Return the largest difference of R from mpmath, over the largest force on a node."""
-    state = random_state(name, n, seed)
+    state = random_state(name, n, seed, pattern)
     R, _, _ = evaluate(module, state.line, state.r, state.v, state.a, state.auxiliary)
     return abs(R - state.residual).max() / state.size
 
 
-def tension_error(module, n) -> float:
+def tension_error(module, n, pattern="line") -> float:
     """Return the largest relative error of T, unit and R, where the auxiliary tension decides and where not.
 
     A cell whose own tension is not positive keeps it as long as the auxiliary one is, and loses it with that.
     """
-    state, errors = random_state("all", n), []
-    line, d, opening = state.line, np.diff(state.r, axis=0), np.diff(state.v, axis=0)
+    state, errors = random_state("all", n, 1, pattern), []
+    line, (d, opening) = state.line, (part[state.line.last] - part[state.line.first] for part in (state.r, state.v))
     size = np.linalg.norm(d, axis=1)
     t = d / size[:, None]
     law = line.EA * (size / line.length - 1 + line.damping * np.sum(t * opening, axis=1) / line.length)
@@ -74,14 +70,16 @@ def tension_error(module, n) -> float:
         wanted = np.where(auxiliary > 0, law, np.maximum(law, 0.0))
         errors += [abs(T - wanted).max() / abs(law).max(), abs(unit - t).max()]
         lost = np.minimum(law, 0.0) * (auxiliary > 0)  # against the state of mpmath, which has no negative tension
-        pull = np.diff(np.concatenate([np.zeros((1, n)), lost[:, None] * t, np.zeros((1, n))]), axis=0)
+        pull = np.zeros_like(R)
+        np.add.at(pull, line.first, lost[:, None] * t)
+        np.add.at(pull, line.last, -lost[:, None] * t)
         errors.append(abs(R - (state.residual - pull)).max() / state.size)
     return max(errors)
 
 
-def tangent_error(module, values, name, n, seed=1) -> float:
+def tangent_error(module, values, name, n, seed=1, pattern="line") -> float:
     """Return the largest difference of the module's tangents from complex steps through the residual of ``values``."""
-    state = random_state(name, n, seed)
+    state = random_state(name, n, seed, pattern)
     line, r, v, a = state.line, state.r, state.v, state.a
     exact, (w_r, w_v, w_a) = np.zeros((r.size, r.size)), WEIGHTS
     for i in range(r.size):
@@ -94,10 +92,11 @@ def tangent_error(module, values, name, n, seed=1) -> float:
     return abs(matrix(module, line, r, v, a, state.auxiliary, WEIGHTS) - exact).max() / (size if size > 0 else 1.0)
 
 
-def mixed_tangent_error(module, n) -> float:
+def mixed_tangent_error(module, n, pattern="line") -> float:
     """Return the error of the change of the tangents as auxiliary tensions leave the law: a cell turns with them."""
-    state = random_state("all", n)
-    t = np.diff(state.r, axis=0)
+    state = random_state("all", n, 1, pattern)
+    first, last = state.line.first, state.line.last
+    t = state.r[last] - state.r[first]
     size = np.linalg.norm(t, axis=1)
     t /= size[:, None]
     taut, worst = state.auxiliary > 0, 0.0
@@ -105,7 +104,8 @@ def mixed_tangent_error(module, n) -> float:
         wanted, more = np.zeros((NODES, n, NODES, n)), np.maximum(auxiliary, 0.0) - state.auxiliary
         for c in np.flatnonzero(taut):
             block = WEIGHTS[0] * more[c] / size[c] * (np.eye(n) - np.outer(t[c], t[c]))
-            for i, j in ((c, c), (c + 1, c + 1), (c, c + 1), (c + 1, c)):
+            p, q = first[c], last[c]
+            for i, j in ((p, p), (q, q), (p, q), (q, p)):
                 wanted[i, :, j] += block if i == j else -block
         given = state.line, state.r, state.v, state.a
         change = matrix(module, *given, auxiliary, WEIGHTS) - matrix(module, *given, state.auxiliary, WEIGHTS)
@@ -113,20 +113,24 @@ def mixed_tangent_error(module, n) -> float:
     return worst
 
 
-def solution_error(module, n) -> float:
+def solution_error(module, n, pattern="line") -> float:
     """Return what a solved system leaves over, relative to sums without signs, with and without prescribed nodes."""
-    state, worst = random_state("all", n), 0.0
-    for nodes in ((), (0,), (0, NODES - 1), (NODES - 1,)):
-        blocks = tangent_blocks(module, state.line, state.r, state.v, state.a, state.auxiliary, (1.0, 5.0, 40.0))
-        whole, mask = dense(*blocks), prescribed(*nodes)
-        rows = np.repeat(mask, n)
-        whole[rows] = np.eye(len(whole))[rows]
+    state, worst = random_state("all", n, 1, pattern), 0.0
+    for nodes in ((), (0,), (0, NODES - 1), (NODES - 1,), (2, 4)):
+        order = state.order(*nodes)
+        given = state.line, state.r, state.v, state.a, state.auxiliary, (1.0, 5.0, 40.0)
+        blocks = tangent_blocks(module, *given, order.edges)
+        whole = dense(state.line, *(part.copy() for part in blocks))
+        rows = np.repeat(order.is_prescribed, n)
+        whole[rows], whole[:, rows] = 0.0, 0.0
+        whole[rows, rows] = 1.0
         x = np.random.default_rng(3).normal(0, 1, state.r.shape)
-        given = x.copy()
-        module.factorise(state.line, *blocks, mask)
-        module.solve(state.line, *blocks, x)
-        left = abs(whole @ x.ravel() - given.ravel()).max() / abs(abs(whole) @ abs(x.ravel())).max()
-        worst = max(worst, left, abs(x - given)[mask].max(initial=0.0))
+        x[order.is_prescribed] = 0.0
+        wanted = np.linalg.solve(whole, x.ravel())
+        sums = abs(abs(whole) @ abs(wanted)).max()
+        module.factorise(order, *blocks)
+        module.solve(order, *blocks, x)
+        worst = max(worst, abs(whole @ (x.ravel() - wanted)).max() / sums, abs(x[order.is_prescribed]).max(initial=0.0))
     return worst
 
 
@@ -137,12 +141,15 @@ def test_forces_are_those_of_mpmath(name, n):
     """Each term alone and all of them, at states with cells taut and slack and nodes in and above the seabed."""
     for seed in (1, 2, 3):
         assert residual_error(compiled, name, n, seed) <= ROUNDING
+    for pattern in BRANCHED:
+        assert residual_error(compiled, name, n, 1, pattern) <= ROUNDING
 
 
 @AXES
-def test_tensions_follow_the_active_set(n):
+@EACH_PATTERN
+def test_tensions_follow_the_active_set(n, pattern):
     """A cell is taut where its own or the auxiliary tension is positive; its force is what it says it is."""
-    assert tension_error(compiled, n) <= ROUNDING
+    assert tension_error(compiled, n, pattern) <= ROUNDING
 
 
 @AXES
@@ -151,18 +158,34 @@ def test_tangents_are_complex_steps(name, n):
     """The tangents in r, v and a together, each term alone and all of them."""
     for seed in (1, 2):
         assert tangent_error(compiled, as_written(), name, n, seed) <= TANGENTS
+    for pattern in BRANCHED if name in ("all", "drag of nodes in a current") else ():
+        assert tangent_error(compiled, as_written(), name, n, 1, pattern) <= TANGENTS
 
 
 @AXES
-def test_cells_turn_with_their_auxiliary_tension(n):
+@EACH_PATTERN
+def test_cells_turn_with_their_auxiliary_tension(n, pattern):
     """The lateral stiffness is that of the tension as Newton's method has it, and nothing else takes it."""
-    assert mixed_tangent_error(compiled, n) <= 1e-12
+    assert mixed_tangent_error(compiled, n, pattern) <= 1e-12
 
 
 @AXES
-def test_blocks_are_eliminated(n):
-    """The factors solve the block-tridiagonal system; a prescribed node keeps its right-hand side."""
-    assert solution_error(compiled, n) <= SOLVED
+@EACH_PATTERN
+def test_blocks_are_eliminated(n, pattern):
+    """The factors solve what numpy solves without regard to a pattern; a prescribed node stays where it is."""
+    assert solution_error(compiled, n, pattern) <= SOLVED
+
+
+@EACH_PATTERN
+def test_elimination_adds_the_blocks_that_it_must(pattern):
+    """Those between two later neighbours of a pivot, by graph theory: a path of lower nodes joins two that fill."""
+    state = random_state("all", 2, 1, pattern)
+    joined = set(PATTERNS[pattern])
+    for p in range(NODES):
+        later = sorted(q for q in range(NODES) if (p, q) in joined)
+        joined |= {(a, b) for a in later for b in later if a < b}
+    assert state.order().edges == len(joined)
+    assert {"line": 5, "three arms": 5, "star with its centre first": 15}.get(pattern, 7) == len(joined)
 
 
 @AXES
@@ -174,7 +197,7 @@ def test_the_compiled_loops_are_those_on_the_page(n):
         assert abs(one - other).max() <= 4 * EPS * abs(other).max()
     one, other = (matrix(module, *given, WEIGHTS) for module in (compiled, as_written()))
     assert abs(one - other).max() <= 4 * EPS * abs(other).max()
-    assert solution_error(as_written(), n) <= SOLVED
+    assert max(solution_error(as_written(), n, pattern) for pattern in PATTERNS) <= SOLVED
 
 
 @AXES
@@ -183,7 +206,7 @@ def test_tangents_stay_finite_where_nothing_moves(n):
     state = random_state("all", n)
     line, zeros = state.line._replace(current=(0.0,) * n), np.zeros_like(state.r)
     got = matrix(compiled, line, state.r, zeros, zeros, state.auxiliary, WEIGHTS)
-    calm = line._replace(normal_drag=0 * line.normal_drag, tangential_drag=0 * line.tangential_drag)
+    calm = line._replace(**{name: 0 * getattr(line, name) for name in ("normal_drag", "tangential_drag", "point_drag")})
     assert np.isfinite(got).all()
     assert np.array_equal(got, matrix(compiled, calm, state.r, zeros, zeros, state.auxiliary, WEIGHTS))
 
@@ -237,7 +260,10 @@ def test_a_rigid_rotation_stretches_nothing(n):
 
 
 # ---------------------------------------------------------------- planted faults
-FUNCTIONS = {EQUATIONS: ("residual", "seabed", "tangents", "seabed_tangents"), ELIMINATION: ("factorise", "solve")}
+FUNCTIONS = {
+    EQUATIONS: ("residual", "drag", "seabed", "tangents", "drag_tangents", "seabed_tangents"),
+    ELIMINATION: ("factorise", "solve"),
+}
 NAMED = [
     ("residual", "line.damping[c] * rate / l", "line.damping[c] * rate", "rate of strain over nothing"),
     ("residual", "distance / l", "l / distance", "strain of the inverse", 1),
@@ -250,7 +276,11 @@ NAMED = [
     ("residual", "np.sqrt(distance / l)", "distance / l", "drag with the stretch itself"),
     ("residual", "T[c].real <= 0 and auxiliary[c] <= 0", "T[c].real <= 0", "no active set"),
     ("residual", "T[c].real <= 0 and auxiliary[c] <= 0", "auxiliary[c] <= 0", "a cell that never catches"),
-    ("residual", "R[c + 1, k] += T[c] * unit[c, k]", "pass", "an end that pulls alone"),
+    ("residual", "R[last, k] += T[c] * unit[c, k]", "pass", "an end that pulls alone"),
+    ("residual", "last if side else first", "c + side", "halves of a cell on the nodes of a line"),
+    ("residual", "line.last[c]", "line.first[c] + 1", "a cell that ends at the next node"),
+    ("drag", "np.sqrt(square)", "square", "drag of a node with the cube of the speed"),
+    ("drag", "(v[i, k] - line.current[k]) ** 2", "v[i, k] ** 2", "drag of a node with its speed over the ground"),
     ("seabed", "penetration.real <= 0", "penetration.real <= -1e9", "a seabed that holds from above"),
     ("seabed", "normal.real <= 0", "normal.real <= -1e9", "a seabed that pulls"),
     ("seabed", "line.slip_speed**2", "line.slip_speed", "friction of another smoothing"),
@@ -260,6 +290,10 @@ NAMED = [
     ("tangents", "turning * unit[j] * across", "0.0 * across", "no turn of the rate of strain"),
     ("tangents", "ma * (unit[j] * (a[i, k] - inertia * unit[k]) + inertia * P)", "0.0 * ma", "added mass that stays"),
     ("tangents", "force * unit[k] / 2", "force * unit[k]", "the stretch of the drag doubled"),
+    ("tangents", "line.last[c]", "line.first[c] + 1", "tangents of a cell that ends at the next node"),
+    ("tangents", "diagonal[last, j, k] += G", "diagonal[c + 1, j, k] += G", "stiffness on the next node"),
+    ("tangents", "left[c, j, k] -= turn", "right[c, j, k] -= turn", "loads that turn with the wrong end"),
+    ("drag_tangents", "w_v * line.point_drag[i] * uu", "w_v * 0.0 * uu", "drag of a node that does not grow"),
     ("seabed_tangents", "line.friction[i] * by_height", "line.friction[i] * 0.0", "friction of a constant weight"),
 ]
 """(function, old, new, what[, place]) of faults that are no signs."""
@@ -267,18 +301,24 @@ NAMED = [
 
 def red_checks(module, function="") -> list[str]:
     """Return the names of the checks, those of one function or all, that a module turns red."""
-    values, tangents, elimination = ("residual", "seabed"), ("tangents", "seabed_tangents"), ("factorise", "solve")
+    values, elimination = ("residual", "drag", "seabed"), ("factorise", "solve")
+    tangents, loops = ("tangents", "drag_tangents", "seabed_tangents"), BRANCHED[2]
     red = []
     for n in (2, 3):
         checks = {
             ("forces", values): lambda: max(residual_error(module, name, n) for name in TERMS),  # noqa: B023
+            ("forces of branches", values): lambda: residual_error(module, "all", n, 1, loops),  # noqa: B023
             ("tensions", values): lambda: tension_error(module, n),  # noqa: B023
             ("tangents", tangents): lambda: max(
                 tangent_error(module, as_written(), name, n)  # noqa: B023
                 for name in ("all", "tension and damping", "added mass")
             ),
+            ("tangents of branches", tangents): lambda: tangent_error(module, as_written(), "all", n, 1, loops),  # noqa: B023
             ("turning", tangents): lambda: mixed_tangent_error(module, n),  # noqa: B023
-            ("elimination", elimination): lambda: solution_error(module, n),  # noqa: B023
+            ("elimination", elimination): lambda: max(
+                solution_error(module, n, pattern)  # noqa: B023
+                for pattern in ("line", loops)
+            ),
         }
         for (name, functions), check in checks.items():
             if function and function not in functions:

@@ -24,7 +24,7 @@ from ..defects.catalogue import CATALOGUE, FROZEN, LONG, PLANTING, WIDER, frozen
 from ..defects.defect import KINDS, Defect, arguments
 from ..defects.interpreter import Interpreter, Stopped
 from ..defects.mutants import changes, mutant, sample
-from ..defects.runner import CheckError, Copies, Log, Result, digest, key, run, run_check
+from ..defects.runner import CheckError, Copies, Log, Result, checks_of_loops, digest, key, run, run_check
 from ..defects.verdict import as_json, kept, summary, verdicts
 from ..tools.planting import Fault
 from .test_report import Page, broken_anchors, misaligned, missing_files, report, section
@@ -334,6 +334,42 @@ def test_forked_and_anew_are_one(tiny):
         with pytest.raises(Stopped):
             interpreter.run([], 1.0)
     assert answers[0] == answers[-1] == ["missed", ("caught", "test_numbers.py::test_double"), "timeout"]
+
+
+LOOPS = "from numba import njit\n\n\n@njit\ndef triple(x):\n    return 3 * x\n"
+LOOP_TESTS = """
+from solvers.loops import triple
+from solvers.numbers import double
+
+
+def test_triple():
+    assert triple(2) == 6 and not hasattr(triple, "py_func")
+
+
+def test_double():
+    assert double(3) == 6 and hasattr(triple, "py_func")
+"""
+
+
+def test_defects_in_compiled_loops_are_shown_to_checks_with_interpreted_ones(tiny, tmp_path):
+    """The check named for a mistake in a loop is run without a compiler, with the mistake and without; others with."""
+    (tiny / "solvers" / "loops.py").write_text(LOOPS)
+    (tiny / "verification" / "test_loops.py").write_text(LOOP_TESTS)
+    in_loop = Defect(
+        "sextupled", Fault("loops", "triple", "3 * x", "6 * x"), "factor", "", "test_loops.py::test_triple"
+    )
+    elsewhere = replace(TINY[0], check="test_loops.py::test_double")
+    assert checks_of_loops(
+        tiny, [(in_loop, in_loop.check), (in_loop, elsewhere.check), (elsewhere, elsewhere.check)]
+    ) == {in_loop.check}
+    results = finished(tiny, Log(tmp_path / "log"), (in_loop, elsewhere))
+    assert {r.outcome for r in results if not r.defect} == {"missed"}
+    assert {r.defect: r.outcome for r in results if r.defect} == {"sextupled": "caught", "tripled": "caught"}
+    for forks in (True, False) if hasattr(os, "fork") else (False,):
+        interpreter = Interpreter(tiny, forks)
+        outcomes = [run_check(interpreter, in_loop.check, 120.0, interpreted)[0] for interpreted in (True, False)]
+        interpreter.close()
+        assert outcomes == ["missed", "caught"]
 
 
 def test_mutants_are_changes_of_one_place():
