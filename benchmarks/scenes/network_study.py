@@ -11,7 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from solvers import ConvergenceError, mooring_system, solve_periodic, solve_time_domain
+from solvers import ConvergenceError, Status, mooring_system, solve_periodic, solve_time_domain
 from verification.registry import instants
 
 STEPPED = ((10, 30), (10, 60), (20, 60), (20, 120), (40, 120), (40, 240), (80, 240), (80, 480), (160, 480))
@@ -100,7 +100,8 @@ class Study:
             response = self.run(method, cells, other)
             row["seconds"] = time.perf_counter() - began
         except ConvergenceError as error:
-            return row | {"status": error.outcome.status.name, "sentence": str(error)}
+            status = getattr(error.outcome, "status", Status.NO_EQUILIBRIUM_FOUND)
+            return row | {"status": status.name, "sentence": str(error)}
         row |= {"status": response.status.name, "sentence": _sentence(response), "response": response}
         return row | {"wave": self.wave(response) if response.success else None}
 

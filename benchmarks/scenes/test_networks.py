@@ -143,6 +143,7 @@ def test_statistics_are_those_of_the_history(few_cells):
     cells = history.elements[2].tension[:, last]
     assert rows[2]["greatest"]["tension"] == cells.max() and rows[2]["least"]["tension"] == cells.min()
     assert rows[2]["slack"] == network_outputs.NEVER
+    assert rows[0]["uplift"] == pytest.approx(history.elements[0].anchor_force[2, last].max(), rel=SAME)
     arm = np.array([120.0, 0.0, -10.0])  # the body does not turn: from its moving reference point as at rest
     pitch = np.cross(arm, history.elements[2].fairlead_force.T)[last, 1]
     row = network_outputs.body(study, reference)[4]

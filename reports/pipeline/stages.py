@@ -112,6 +112,7 @@ ELSEWHERE = (
     "suite/test_report",
     "suite/test_report_runs",
     "suite/test_dynamics_report",
+    "suite/test_network_report",
     "suite/test_page",
     "suite/test_defects",
     "suite/test_planting",
