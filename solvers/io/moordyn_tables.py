@@ -145,7 +145,7 @@ def _section(where: str, title: str, sections) -> str | None:
 def _row(where: str, name: str, header: list[str], words: list[str]) -> Row:
     layouts = LAYOUTS[name]
     columns = layouts.get(len(words), "")
-    is_version_1 = any(column.lower().startswith("ca") for column in header[5:7])  # CaN CaAx before Cd
+    is_version_1 = any(column.lower().startswith("ca") for column in header[6:7])  # CaN CaAx before Cd
     if name == "LINE TYPES" and is_version_1 != (len(words) == 9):
         problem = f"columns {' '.join(header[5:])} and {len(words)} of them: neither {layouts[9]} nor {layouts[10]}"
         raise InputError(problem, field=name, value=" ".join(words), label=f"{where}: section {name}")

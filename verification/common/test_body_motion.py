@@ -128,6 +128,9 @@ def test_harmonic_motion_is_a_sine_with_phase_in_all_six():
     np.testing.assert_allclose(motion.rotation.displacement(TIMES), expected[3:], rtol=0, atol=1e-14)
     assert motion.period == 10.0 and motion.reference == REFERENCE
     assert BodyMotion.harmonic(0.1, (1, 0, 0, 0, 0, 0)).rotation is None
+    assert BodyMotion.harmonic(0.1, (1, 0, 0, 0, 0, 0)).reference == (0.0, 0.0, 0.0)
+    assert BodyMotion.periodic(0.1, [[0] * 6], [[0, 0, 0, 0.1, 0, 0]]).rotation is not None  # a cosine of roll alone
+    assert BodyMotion.periodic(0.1, [[0] * 6]).reference == (0.0, 0.0, 0.0)
 
 
 def test_harmonics_of_one_frequency():

@@ -124,6 +124,34 @@ def test_what_has_no_meaning_is_listed(tmp_path):
     assert len(notes) == 7
 
 
+def test_only_ratios_of_damping_are_noted(tmp_path):
+    """A damping of any size, and none, are what they are."""
+    for BA in ("0", "0.5", "1e9"):
+        notes = load_moordyn(written(tmp_path, OC3.replace("-0.8", BA))).notes
+        assert not any("critical" in note for note in notes)
+
+
+@pytest.mark.parametrize(("rho", "dry"), [("1025.0", ["point 4 is above z = 0", "point 5 is above z = 0"]), ("0", [])])
+def test_points_above_the_water_are_noted_by_number(tmp_path, rho, dry):
+    """Whichever way the file goes; without water there is no difference."""
+    text = OC3.replace("-70.0", "2.0").replace("1025.0 WtrDnsty", f"{rho} WtrDnsty")
+    network = load_moordyn(written(tmp_path, text))
+    for notes in (network.notes, write_moordyn(tmp_path / "again.txt", network)):
+        assert [note.split(",")[0] for note in notes if "above z" in note] == dry
+
+
+def test_what_follows_the_end_is_not_read(tmp_path):
+    """A title of a section that MoorDyn has not is refused; "need this line" and a bare rule end a section."""
+    for rule in ("--- need this line ---", "------------------"):
+        text = OC3.replace("----- OUTPUTS -----", f"{rule}\n9.9 g\nwhatever\n----- OUTPUTS -----")
+        assert load_moordyn(written(tmp_path, text)).environment.g == 9.81
+
+
+def test_lift_of_zero_is_none(tmp_path):
+    network = load_moordyn(written(tmp_path, OC3.replace("0.1 0.25", "0.1 0.25 0 0.08 0.18")))
+    assert network.elements == load_moordyn(written(tmp_path, OC3)).elements
+
+
 def test_a_file_of_moordyn_1_has_other_columns(tmp_path):
     """Can Cat Cdn Cdt, forces of points, UnstrLen before the ends; defaults of the options: by hand."""
     network = load_moordyn(written(tmp_path, MOORDYN_1))
@@ -201,7 +229,7 @@ REFUSED = [
     ("2 light 3", "2 lihgt 3", ":20: Type: 'lihgt' is no line type; did you mean 'light'?"),
     ("2 light 3", "1 light 3", ":20: ID: '1' must be 2: numbered 1, 2, ... in order"),
     ("2 light 3", "2 light R1A", ":20: AttachA: 'R1A' is the end of a rod, which is not supported"),
-    ("2 light 3", "2 light 9", ":20: AttachA: '9' must be a point from 1 to 5"),
+    ("2 light 3", "2 light 6", ":20: AttachA: '6' must be a point from 1 to 5"),
     ("2 light 3 4", "2 light 3 3", ":20: AttachB: '3' is both ends of the line"),
     ("452.2 10", "452.2 1.5", ":20: NumSegs: '1.5' must be a whole number >= 1"),
     ("452.2 10", "-452.2 10", ":20: L: -452.2 m must be > 0"),
@@ -320,6 +348,27 @@ def test_options_replace_what_is_written(tmp_path):
     assert len(notes) == 1 and notes[0].startswith("motion: ")
 
 
+def test_the_file_steps_half_as_long_as_a_wave_crosses_the_shortest_segment(tmp_path):
+    """And has one segment where one is asked for, no axial added mass, and a title."""
+    network = load_network(files("reference_data") / "scenes" / "networks" / "oc3_moving.toml")
+    write_moordyn(tmp_path / "lines.txt", network, cells=[1, 40, 5])
+    again = load_moordyn(tmp_path / "lines.txt")
+    step = next(note.split(" = ")[1].split(":")[0] for note in again.notes if note.startswith("option dtM"))
+    assert float(step) == pytest.approx(0.5 * 902.2 / 40 * math.sqrt(77.7066 / 384.243e6), rel=1e-14)
+    assert "NumSegs 1, 40, 5: the mesh is chosen where a line is moved" in again.notes
+    assert not any("CaAx" in note for note in again.notes)
+    assert (tmp_path / "lines.txt").read_text(encoding="ascii").splitlines()[1] == "OC3 Hywind, moving"
+
+
+@pytest.mark.parametrize("depth", [320.0, None])
+def test_a_seabed_under_lines_of_two_diameters_is_noted(tmp_path, depth):
+    """Where there is one."""
+    network = load_moordyn(written(tmp_path, OC3))
+    environment = network.environment if depth else Environment(network.environment.rho, network.environment.g)
+    notes = write_moordyn(tmp_path / "a.txt", Network(network.nodes, network.elements, environment))
+    assert any("thickest line, 0.09 m" in note for note in notes) == (depth is not None)
+
+
 def test_a_weight_that_is_rounded_is_noted(tmp_path):
     network = load_network(files("reference_data") / "scenes" / "networks" / "oc3_moving.toml")
     (note,) = (n for n in write_moordyn(tmp_path / "a.txt", change(network, w=698.09)) if "weight" in n)
@@ -339,6 +388,8 @@ OUT_OF_REACH = [
     (lambda n: replace(n, environment=replace(n.environment, current=(1.0, 0.0, 0.0))), "current: (1.0, 0.0, 0.0) m/s"),
     (lambda n: replace(n, environment=replace(n.environment, seabed_stiffness=None)), "seabed_stiffness: not given"),
     (lambda n: change(n, cable=None), "element 1: cable: MoorDyn takes its diameter (m) and mass_per_length"),
+    (lambda n: change(n, cable=CableProperties(n.elements[1].EA, 0.1, None, 1.0)), "element 1: cable: MoorDyn takes"),
+    (lambda n: change(n, cable=CableProperties(n.elements[1].EA, None, 9.0, 1.0)), "element 1: cable: MoorDyn takes"),
     (lambda n: change(n, cable=replace(n.elements[1].cable, Cdb=9.0)), "element 1: Cdb: 9 is not Cdn"),
     (lambda n: change(n, w=50.0), "element 1: w: 50 N/m is not what diameter and mass give"),
     (lambda n: change(n, friction=2.0), "friction: 0.0, 2.0: MoorDyn has one FrictionCoefficient"),

@@ -81,6 +81,13 @@ def test_rows_are_harmonics(tmp_path):
     same(load_network(path).motion, BodyMotion.harmonic(0.1, [0, 0, 0, 0, 0, 0.2], [0, 0, 0, 0, 0, math.pi / 2]))
 
 
+def test_phase_and_reference_may_be_left_out(tmp_path):
+    """Sines about the origin."""
+    motion = load_network(with_motion(tmp_path, "frequency = 0.1\namplitude = [1, 2, 3, 0.1, 0.2, 0.3]")).motion
+    same(motion, BodyMotion.harmonic(0.1, (1, 2, 3, 0.1, 0.2, 0.3)))
+    assert motion.reference == load_body_motion(NETWORKS / "drift.csv").reference == (0.0, 0.0, 0.0)
+
+
 def test_a_series_beside_the_network(tmp_path):
     """The file is looked up from the folder of the network, and turns about the reference point of the table."""
     time = np.linspace(0.0, 12.0, 40)
