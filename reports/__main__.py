@@ -1,4 +1,4 @@
-"""`python -m reports`: runs what is needed and writes one page. With scene files: a page about those lines only."""
+"""`python -m reports`: runs what is needed and writes one page. With scene or network files: a page about these."""
 
 from __future__ import annotations
 
@@ -24,7 +24,11 @@ def _parser() -> argparse.ArgumentParser:
         "own --help. Exit status 0: all is there and all tests passed; 1: something failed, and the page says what; 2: "
         "what was asked for cannot be done.",
     )
-    parser.add_argument("scenes", nargs="*", type=Path, metavar="SCENE.toml", help="a page about these lines only")
+    parser.add_argument("scenes", nargs="*", type=Path, metavar="FILE", help="a page about these only: "
+                        "scenes and networks (.toml), MAP++ (.map, .dat) and MoorDyn files (.txt, .dat)")  # fmt: skip
+    parser.add_argument(
+        "--depth", type=float, metavar="M", help="depth of the water, m, where a MAP++ file asks for it"
+    )
     parser.add_argument(
         "--quick",
         action="store_true",
@@ -101,13 +105,17 @@ def main(argv=None) -> int:
     except BusyError as error:
         print(error, file=sys.stderr)
         return 2
+    if arguments.scenes:
+        _print_networks(stages, out / "results")
     return _print_outcome(path, ended)
 
 
 def _plan(arguments, out: Path) -> tuple[list[Stage], str]:
     """Return the stages, and the file name of the page."""
     if arguments.scenes:
-        return scene_plan(arguments.scenes), f"scene-{'-'.join(path.stem for path in arguments.scenes)}.html"
+        return scene_plan(
+            arguments.scenes, arguments.depth
+        ), f"scene-{'-'.join(path.stem for path in arguments.scenes)}.html"
     return plan(arguments.quick, published.write_scenes(out / "published")), "index.html"
 
 
@@ -127,6 +135,18 @@ def _page(out: Path, name: str, stages: list[Stage], ended: list[Ended], whole: 
         site.build(out, name, stages, ended, whole)
         write_atomically(record, now)
     return out / name
+
+
+def _print_networks(stages: list[Stage], results: Path):
+    """Print the lines of every network file, and the setting to use."""
+    from .scenes.network_settings import merge_timings
+    from .scenes.network_tables import summarise
+
+    for stage in stages:
+        path = results / stage.output
+        if stage.group == "moving_networks" and path.exists():
+            for stem, report in merge_timings(json.loads(path.read_text(encoding="utf-8"))).items():
+                print(summarise(report, stem), end="\n\n")
 
 
 def _print_outcome(path: Path, ended: list[Ended]) -> int:

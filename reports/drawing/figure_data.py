@@ -94,6 +94,9 @@ def _collection(names, artist, value_label: str) -> Iterator[dict]:
     elif isinstance(artist, Path3DCollection):
         yield from _rows(names, artist, np.column_stack(artist._offsets3d), ("x", "y", "z"))
     elif isinstance(artist, Line3DCollection):
+        if values is None:  # places without a value
+            yield from _rows(names, artist, np.concatenate(artist._segments3d), ("x", "y", "z"))
+            return
         middles = np.array([np.mean(segment, axis=0) for segment in artist._segments3d])
         yield from _rows(names | coloured, artist, np.column_stack([middles, values]), ("x", "y", "z", "value"))
     elif isinstance(artist, LineCollection):

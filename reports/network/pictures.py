@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -27,7 +28,7 @@ def pictures(rows: list[dict], folder: Path) -> Group:
     """Return one picture a network, each with its own scale of tension."""
     ranges = "; ".join(f"{row['title']}: {_describe(row)}" for row in rows if not row.get("near"))
     with plt.rc_context({"figure.constrained_layout.use": False}):  # it does not know boxes in space
-        figures = [_picture(row, folder) for row in rows]
+        figures = [draw_network(row, f"networks_{row['name']}", folder) for row in rows]
     colours = "Colour is the tension, each picture in a scale of its own; the axes have one scale unless z is enlarged."
     return Group(f"{colours} {ranges}.", figures)
 
@@ -43,11 +44,14 @@ def _tensions(row: dict) -> tuple[float, float]:
     return float(tension.min()), float(tension.max())
 
 
-def _picture(row: dict, folder: Path) -> Figure:
+def draw_network(row: dict, name: str, folder: Path, draw_more: Callable | None = None) -> Figure:
+    """Return a picture in space, without constrained layout; draw_more(axes) adds to it."""
     figure = plt.figure(figsize=SIZE)
     axes = figure.add_axes((-0.1, 0.13, 1.16, 0.79), projection="3d")  # its edge would cut lines
     lines = _lines(axes, row, _tensions(row)[1])
     size = _box(axes, row)
+    if draw_more is not None:
+        draw_more(axes)
     handles = _nodes(axes, row["nodes"])
     if row["seabed"] is not None:
         handles.append(_seabed(axes, row["seabed"]))
@@ -72,7 +76,7 @@ def _picture(row: dict, folder: Path) -> Figure:
     bar.set_label("tension, kN", labelpad=1)
     kinds = ", ".join(f"{len(_of(row['nodes'], kind))} {kind}" for kind in KINDS)
     alt = f"{row['title']} in space: {_describe(row)}; nodes: {kinds}."
-    return style.save(figure, folder, f"networks_{row['name']}", row["title"], alt)
+    return style.save(figure, folder, name, row["title"], alt)
 
 
 def _lines(axes, row: dict, top: float):

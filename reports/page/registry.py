@@ -15,12 +15,13 @@ from ..network.section import NETWORKS
 from ..papers.errata import ERRATA
 from ..papers.published import PUBLISHED
 from ..papers.section import ITEMS
+from ..scenes.networks import MOVING_NETWORKS
 from ..scenes.section import SCENES
 from ..stability.section import STABILITY
 
 SECTIONS = (
     CLAIMS, REGIMES, DEFECTS,
-    WORK_PRECISION, NETWORKS, MOORING, DYNAMICS, HARMONIC, SCENES,
+    WORK_PRECISION, NETWORKS, MOORING, DYNAMICS, HARMONIC, SCENES, MOVING_NETWORKS,
     ITEMS, ERRATA, PUBLISHED,
     STABILITY,
     OTHER_CODES,
@@ -28,5 +29,5 @@ SECTIONS = (
 )  # fmt: skip
 """Of the whole report; the sections of one part stand together, in the order of the parts."""
 
-SCENE_SECTIONS = (SCENES, MACHINE)
-"""Of the page about somebody's own lines."""
+SCENE_SECTIONS = (SCENES, MOVING_NETWORKS, MACHINE)
+"""Of the page about somebody's own lines and networks."""

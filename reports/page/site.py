@@ -71,8 +71,15 @@ def _render(results: Results, contents: list[tuple[Section, Content]], whole: bo
         questions=PARTS,
         parts=parts,
         answers=answer_questions(contents),
-        titles=[scene["data"]["name"] for _, content in contents for scene in content.context.get("scenes", ())],
+        titles=[shown["data"]["name"] for key in ("scenes", "networks") for shown in _shown(contents, key)],
+        has_scenes=bool(_shown(contents, "scenes")),
     )
+
+
+def _shown(contents, key: str) -> list[dict]:
+    """Return what the sections show under a key of their templates: files, each with its data."""
+    return [shown for section, content in contents if section.template.startswith("scenes/")
+            for shown in content.context.get(key) or ()]  # fmt: skip
 
 
 def _environment() -> Environment:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib.resources import files
@@ -14,6 +15,8 @@ from .sources import ROOT, program
 SCENES = Path(str(files("reference_data") / "scenes"))
 MOVING_SCENE = SCENES / "dynamics" / "taut_polyester_current.toml"
 """The example that moves: out of its plane, in a current, unlike the cases of the HB paper; it takes longest of all."""
+NETWORKS = tuple(SCENES / "networks" / f"{name}_moving.toml" for name in ("oc3", "three_bridles", "chain_wire_chain"))
+"""The networks that move: one line a node, joints in a body's yaw, a joint on the seabed."""
 TESTS = Path(str(files("verification")))
 PYTEST = ("pytest",) if is_repository() else ("pytest", *INSTALLED_PYTEST)
 JUNIT = ("-p", "no:benchmark", "--junitxml={part}")
@@ -109,6 +112,7 @@ ELSEWHERE = (
     "suite/test_report",
     "suite/test_report_runs",
     "suite/test_dynamics_report",
+    "suite/test_network_report",
     "suite/test_page",
     "suite/test_defects",
     "suite/test_planting",
@@ -251,7 +255,7 @@ def _defects() -> Stage:
     )
 
 
-SCENE_SECONDS = {"published": 1, "scenes": 2, "moving_scene": 9}
+SCENE_SECONDS = {"published": 1, "scenes": 2, "moving_scene": 9, "moving_network": 12}
 
 
 def scene_stage(path: Path, group: str = "scenes") -> Stage:
@@ -278,8 +282,39 @@ def scene_stage(path: Path, group: str = "scenes") -> Stage:
     )
 
 
+def _moving_networks() -> Iterator[Stage]:
+    """Yield two stages: what is no timing beside other work, then the timings."""
+    module = "benchmarks.scenes.networks"
+    names = tuple(str(path.resolve()) for path in NETWORKS)
+    for kind, name, title, seconds in (("untimed", "moving_networks_untimed", "networks in motion", 15),
+                                       ("timed", "moving_networks", "networks in motion, timings", 8)):  # fmt: skip
+        arguments = (module, *names, "--out", "{results}", "--compact", "--kind", kind)
+        yield Stage(name, "moving_networks", title, arguments, f"{name}.json", (program(module),), names,
+                    timed=kind == "timed", seconds=seconds)  # fmt: skip
+
+
+def is_network(path: Path) -> bool:
+    """Return whether a file describes a network: one of MAP++ or MoorDyn, or a TOML file with elements."""
+    return path.suffix.lower() != ".toml" or "[[elements]]" in path.read_text(encoding="utf-8", errors="replace")
+
+
+def _series_of(path: Path) -> tuple[str, ...]:
+    """Return the CSV file that a network file takes its motion from, if it is there."""
+    named = re.search(r'^file\s*=\s*"([^"]+)"', path.read_text(encoding="utf-8", errors="replace"), re.MULTILINE)
+    return (str((path.parent / named[1]).resolve()),) if named and (path.parent / named[1]).is_file() else ()
+
+
+def network_stage(path: Path, depth: float | None = None) -> Stage:
+    """Return the stage of one network file, named after its stem; depth in m, where a MAP++ file asks for it."""
+    module, where = "benchmarks.scenes.networks", str(path.resolve())
+    arguments = (module, where, "--out", "{results}", *(() if depth is None else ("--depth", f"{depth:g}")))
+    return Stage(f"network_{path.stem}", "moving_networks", f"network {path.stem}", arguments,
+                 f"network_{path.stem}.json", (program(module),), (where, *_series_of(path)),
+                 timed=True, seconds=SCENE_SECONDS["moving_network"])  # fmt: skip
+
+
 # ---------------------------------------------------------------- the whole
-SLOW = ("work_precision", "defects", "benchmarks", "speed", "moving_scene")
+SLOW = ("work_precision", "defects", "benchmarks", "speed", "moving_scene", "moving_networks")
 """Groups left out by --quick; results of an earlier whole run are still shown."""
 
 GROUPS = (
@@ -294,6 +329,7 @@ GROUPS = (
     "defects",
     "scenes",
     "moving_scene",
+    "moving_networks",
     "published",
 )
 
@@ -313,10 +349,11 @@ def plan(quick: bool, published: list[Path]) -> list[Stage]:
         _defects(),
         *(scene_stage(path) for path in sorted(SCENES.glob("*.toml"))),
         scene_stage(MOVING_SCENE, "moving_scene"),
+        *_moving_networks(),
         *(scene_stage(path, "published") for path in published),
     ]  # fmt: skip
 
 
-def scene_plan(paths: list[Path]) -> list[Stage]:
-    """Return the stages of a page about somebody's own lines."""
-    return [_machine(), *(scene_stage(path) for path in paths)]
+def scene_plan(paths: list[Path], depth: float | None = None) -> list[Stage]:
+    """Return the stages of a page about somebody's own lines and networks."""
+    return [_machine(), *(network_stage(path, depth) if is_network(path) else scene_stage(path) for path in paths)]
