@@ -10,6 +10,7 @@ import numpy as np
 
 from ..common.outcome import Status
 from ..common.properties import MAX_STRAIN
+from .equations import residual, tangents
 from .history import MooringHistory
 from .prescribed_motion import displace_points
 from .statics import solve_rest
@@ -182,5 +183,19 @@ def _initial_state(system, start):
     y, ydot = start
     ydot = np.zeros_like(y) if ydot is None else ydot
     r, v = np.ascontiguousarray(y.T), np.ascontiguousarray(ydot.T)
-    a = system.acceleration(r, v)
+    a = balancing_acceleration(system, r, v)
     return r, v, a, a.copy(), a.copy()
+
+
+def balancing_acceleration(system, r, v) -> np.ndarray:
+    """Return the accelerations (N, n) in m/s^2 that balance positions and velocities (N, n) at t = 0."""
+    (nodes, n), cells = r.shape, system.line.length.size
+    R, T, unit, zeros = np.empty_like(r), np.empty(cells), np.empty((cells, n)), np.zeros_like(r)
+    mass, right, left = np.empty((nodes, n, n)), np.empty((cells, n, n)), np.empty((cells, n, n))
+    no_tension = np.zeros(cells)
+    residual(system.line, r, v, zeros, no_tension, R, T, unit)
+    R -= system.source_at(np.zeros(1)).sum(axis=0)  # of none the sum is zero
+    tangents(system.line, r, v, zeros, no_tension, (0.0, 0.0, 1.0), mass, right, left)
+    a = np.linalg.solve(mass, -R[..., None])[..., 0]
+    a[system.prescribed_nodes] = system.path(np.zeros(1))[0, 2]
+    return a

@@ -277,8 +277,17 @@ DEFECTS = (
         "mooring/test_order.py::test_order_in_dt_of_each_scheme",
     ),
     Defect(
+        "coarser lines that keep the first nodes",
+        Fault("mooring.coarsening", "common_nodes", "nodes[_every_second(s)]", "nodes[: coarse_nodes.size]"),
+        "index",
+        "the nodes that a coarser line has are taken from one end of the fine one",
+        "mooring/test_layout.py::test_coarser_lines_keep_every_second_node",
+    ),
+    Defect(
         "a start without its load",
-        Fault("mooring.system", "MooringSystem.acceleration", "R -= self.source_at(np.zeros(1)).sum(axis=0)", "pass"),
+        Fault(
+            "mooring.time_domain", "balancing_acceleration", "R -= system.source_at(np.zeros(1)).sum(axis=0)", "pass"
+        ),
         "term",
         "the acceleration at the start does not know the load of a manufactured solution",
         _IN_DT,
