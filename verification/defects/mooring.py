@@ -513,6 +513,13 @@ DEFECTS = (
         "mooring/test_network.py::test_a_network_is_taken_apart_where_nodes_are_prescribed",
     ),
     Defect(
+        "the first part speaks for all",
+        Fault("mooring.components", "integrate_components", "not history.success", "history.steps < shortest.steps"),
+        "regime",
+        "a part that is torn, which takes all steps, does not fail the network",
+        "mooring/test_network.py::test_a_torn_line_is_named_in_whatever_part_it_is",
+    ),
+    Defect(
         "starts of parts in their own order",
         Fault("mooring.components", "integrate_components", "y[:, part.nodes]", "y[:, : part.nodes.size]"),
         "index",
