@@ -102,6 +102,7 @@ def test_second_order_is_extrapolated_and_first_order_is_not():
     waves = {order: [truth * (1 + 0.1 * h**order) for h in (1.0, 0.5, 0.25)] for order in (1, 2)}
     wave, uncertainty, extrapolated = extrapolate(waves[2])
     assert extrapolated and error_of(wave, truth) < 1e-14 and uncertainty == pytest.approx(0.1 / 16, rel=1e-12)
+    assert not extrapolate([truth * (1 + e) for e in (0.1, 0.01, 0.0)])[2]  # too fast for an order
     wave, uncertainty, extrapolated = extrapolate(waves[1])
     assert not extrapolated and wave is waves[1][2] and uncertainty == pytest.approx(0.025 / 1.025, rel=1e-12)
 
