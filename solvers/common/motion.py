@@ -74,11 +74,6 @@ class Motion:
         """Number K of harmonics of the frequency."""
         return len(self.sine)
 
-    @property
-    def is_planar(self) -> bool:
-        """Whether the motion stays in the x, z plane."""
-        return not (self.sine[:, 1].any() or self.cosine[:, 1].any())
-
     def directions(self) -> np.ndarray:
         """Return unit vectors that span the motion, (k, 3)."""
         return spanning_vectors(np.concatenate([self.sine, self.cosine]))

@@ -39,17 +39,14 @@ class Environment:
         if self.depth is not None:
             object.__setattr__(self, "depth", positive_number("depth", self.depth, "m"))
         object.__setattr__(self, "current", vector("current", self.current, "m/s"))
-        if self.seabed_stiffness is not None:
-            stiffness = non_negative_number("seabed_stiffness", self.seabed_stiffness, "N/m^2")
-            if self.depth is None:
-                problem = f"{stiffness:g} N/m^2 takes a seabed, and depth (m) is not given"
-                raise InputError(problem, field="seabed_stiffness", value=stiffness, unit="N/m^2")
-            object.__setattr__(self, "seabed_stiffness", stiffness)
-        damping = non_negative_number("seabed_damping", self.seabed_damping, "N s/m^2")
-        if damping and self.depth is None:
-            problem = f"{damping:g} N s/m^2 takes a seabed, and depth (m) is not given"
-            raise InputError(problem, field="seabed_damping", value=damping, unit="N s/m^2")
-        object.__setattr__(self, "seabed_damping", damping)
+        for name, unit, without in (("seabed_stiffness", "N/m^2", None), ("seabed_damping", "N s/m^2", 0.0)):
+            if getattr(self, name) is None and without is None:
+                continue
+            value = non_negative_number(name, getattr(self, name), unit)
+            if value != without and self.depth is None:
+                problem = f"{value:g} {unit} takes a seabed, and depth (m) is not given"
+                raise InputError(problem, field=name, value=value, unit=unit)
+            object.__setattr__(self, name, value)
 
 
 _COEFFICIENTS = {  # field -> unit

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .diagnostics import relative_change
 from .outcome import InputError
 from .validation import real_array
 
@@ -47,6 +48,9 @@ class Response:
         at: Any
         rate_at: Any
 
+    repeat: Any = None  # solves for another system with the same settings, or None
+    correction: float | None = None  # mean |dz| of a deferred correction
+
     def field(self, name: str) -> np.ndarray:
         """Return one of ``system.fields`` at stored times, (N, K): u, v, w in m/s, phi, theta in rad, z in m."""
         return self.y[self.system.fields.index(name)]
@@ -60,6 +64,16 @@ class Response:
     def r(self) -> np.ndarray:
         """Positions of the nodes at the stored times, (3, N, K), m."""
         return self.system.positions(self.y)
+
+    @cached_property
+    def mesh_error(self) -> float | None:
+        """Rms change of the fairlead tension that half as many nodes make, over its range; None where that fails.
+
+        About three times the error of the mesh where the response is smooth. Solved for when first asked, unless a
+        history began at a given state; None after a deferred correction, whose size tells it.
+        """
+        coarser = self.system.coarser() if self.correction is None and self.repeat is not None else None
+        return None if coarser is None else relative_change(self, self.repeat(coarser[0]))
 
     @property
     def fairlead_force(self) -> np.ndarray:

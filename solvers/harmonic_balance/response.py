@@ -49,16 +49,6 @@ class PeriodicResponse(Response, Outcome):
     correction: float | None = None
     repeat: Callable | None = field(repr=False, default=None, compare=False)
 
-    @cached_property
-    def mesh_error(self) -> float | None:
-        """Rms change of the fairlead tension that half as many nodes make, over its range; None where that fails.
-
-        About three times the error of the mesh where the response is smooth. Solved for when first asked; None after a
-        deferred correction, whose size tells it.
-        """
-        coarser = self.system.coarser() if self.correction is None and self.repeat is not None else None
-        return None if coarser is None else diagnostics.relative_change(self, self.repeat(coarser[0]))  # type: ignore[misc]
-
     @property
     def time(self) -> np.ndarray:
         """Sample times, (Nt,), s."""

@@ -85,11 +85,6 @@ def solve_periodic(
         response = system.merge_responses(each)  # type: ignore[attr-defined]
         failed = [part.system.model.name for part, one in zip(parts, each, strict=True) if not one.success]
         return response.or_raise(f"{harmonics} harmonics; {'; '.join(failed)}") if throw else response
-    Nh = _count("harmonics", harmonics)
-    nu = _count("subharmonic", subharmonic)
-    Nt = max(4 * Nh, 8) if samples is None else _count("samples", samples)
-    if Nt < 2 * Nh + 1:
-        raise InputError(f"{Nt} must be at least 2 harmonics + 1 = {2 * Nh + 1}", field="samples", value=Nt)
     tolerance = positive_number("tolerance", tolerance, "(mean change of a coefficient)")
     one_of("globalisation", globalisation, _NEWTON)
     one_of("linear_solver", linear_solver, ("direct", "iterative"))
@@ -100,10 +95,7 @@ def solve_periodic(
     if deferred_correction and finer is None:
         problem = "this chain has no rows of higher order"
         raise InputError(problem, field="deferred_correction", value=deferred_correction)
-    if system.period is None:
-        problem = "the chain has no periodic driving, and its periodic response takes one"
-        raise InputError(problem, field="motion", value=system.motion)
-    basis = Basis(Nh, Nt, 2 * math.pi / (nu * system.period), bool(mean))
+    basis, nu = _basis(system, harmonics, samples, subharmonic, mean)
     newton, iterative = _NEWTON[globalisation], linear_solver == "iterative"
     if globalisation == "damped":
         newton = getattr(system, "newton", newton)  # a line of nodes and elements takes full steps first
@@ -120,15 +112,28 @@ def solve_periodic(
             solution = solve_with_continuation(system, basis, z, tolerance, newton, None, iterative)
         response = _response(system, nu, coarse_iterations, solution, finer, tolerance)
     again = partial(
-        solve_periodic, harmonics=Nh, samples=Nt, subharmonic=nu, mean=mean, tolerance=tolerance, throw=False,
-        globalisation=globalisation, linear_solver=linear_solver, multilevel=multilevel, symmetry=symmetry)  # fmt: skip
+        solve_periodic, harmonics=basis.harmonics, samples=basis.samples, subharmonic=nu, mean=mean,
+        tolerance=tolerance, throw=False, globalisation=globalisation, linear_solver=linear_solver,
+        multilevel=multilevel, symmetry=symmetry)  # fmt: skip
     response = replace(response, repeat=again)
-    given = f"{Nh} harmonics, {Nt} samples, amplitude reached: {solution.amplitude:.4g}"
+    given = f"{basis.harmonics} harmonics, {basis.samples} samples, amplitude reached: {solution.amplitude:.4g}"
     if response.event is not None:
         t, node = response.event
         name_node = getattr(system, "name_node", lambda node: f"node {node + 1} of {system.nodes}")
         given += f"; a state is invalid at t = {t:.4g} s, {name_node(node)}"
     return response.or_raise(given) if throw else response
+
+
+def _basis(system, harmonics, samples, subharmonic, mean) -> tuple[Basis, int]:
+    """Return the Fourier functions of the response and nu."""
+    Nh, nu = (whole_number(n, v, 1, MAX_COUNT) for n, v in (("harmonics", harmonics), ("subharmonic", subharmonic)))
+    Nt = max(4 * Nh, 8) if samples is None else whole_number("samples", samples, 1, MAX_COUNT)
+    if Nt < 2 * Nh + 1:
+        raise InputError(f"{Nt} must be at least 2 harmonics + 1 = {2 * Nh + 1}", field="samples", value=Nt)
+    if system.period is None:
+        problem = "the chain has no periodic driving, and its periodic response takes one"
+        raise InputError(problem, field="motion", value=system.motion)
+    return Basis(Nh, Nt, 2 * math.pi / (nu * system.period), bool(mean)), nu
 
 
 def _response(system, nu, coarse_iterations, solution, finer, tolerance) -> PeriodicResponse:
@@ -190,14 +195,6 @@ def _start_of(part, start):
     if start is None or not hasattr(start, "z"):
         return start if start is None or np.ndim(start) != 3 else np.asarray(start)[:, part.nodes]
     return replace(start, system=part.system, z=start.z[:, part.nodes])
-
-
-def _count(name, value) -> int:
-    """Return a whole number from 1 to MAX_COUNT."""
-    value = whole_number(name, value, 1)
-    if value > MAX_COUNT:
-        raise InputError(f"{value!r} must be at most {MAX_COUNT}", field=name, value=value)
-    return value
 
 
 def _start_coefficients(system, basis, start) -> np.ndarray:

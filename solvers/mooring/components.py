@@ -134,13 +134,12 @@ def merge_responses(system, responses):
 
 def merge_states(system, states):
     """Return the MooringState of a network from those of its components."""
-    worst = min(states, key=lambda state: state.success)
-    y, forces = np.empty((len(system.axes), system.nodes)), np.zeros((3, system.nodes))
-    tension = np.empty(system.line.length.size)
+    worst, y = min(states, key=lambda state: state.success), np.empty((len(system.axes), system.nodes))
     for part, state in zip(system.components, states, strict=True):
-        y[:, part.nodes], tension[part.cells] = state.y, state.tension
-        forces[:, part.nodes] += state.forces  # a prescribed node holds the lines of several
+        y[:, part.nodes] = state.y
+    still = np.zeros((*y.shape, 1))
+    forces, tension = system.forces(y[..., None], still, still)  # a point that holds several parts bears its load once
     norm, iterations = max(state.residual_norm for state in states), sum(state.iterations for state in states)
     status = Status.SUCCESS if worst.success else worst.status
-    return replace(worst, system=system, y=y, tension=tension, forces=forces, status=status, iterations=iterations,
-                   residual_norm=norm)  # fmt: skip
+    return replace(worst, system=system, y=y, tension=tension[..., 0], forces=forces[..., 0], status=status,
+                   iterations=iterations, residual_norm=norm)  # fmt: skip

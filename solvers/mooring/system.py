@@ -29,6 +29,7 @@ from .prescribed_motion import move_points, ramp_motion
 from .statics import MooringState, solve_rest
 from .time_domain import integrate_line
 
+IN_SEABED = 1e-3  # of the depth, by which a point that rests on a soft seabed may be pressed into it
 MIN_NODES = 4  # of a coarser line
 PERIODS_TO_START = 3  # of the motion, whose last one a periodic response starts from
 SLIP_SPEED = 0.01  # m/s, at which the regularised friction reaches 0.7 of Coulomb's
@@ -196,8 +197,13 @@ class MooringSystem:
         return None
 
     def invalid(self, y) -> tuple[Status, int] | None:
-        """Return a status and a node where a line is stretched beyond ``MAX_STRAIN`` in states (n, N, *S); or None."""
+        """Return a status and a node where states (n, N, *S) stretch a line beyond ``MAX_STRAIN``, or None.
+
+        None, too, where the line at rest is stretched so far.
+        """
         line = self.line
+        if (self.rest.tension > MAX_STRAIN * line.EA).any():  # soft springs, whose EA means what it says
+            return None
         chord = np.sqrt(((y[:, line.last] - y[:, line.first]) ** 2).sum(axis=0))
         strain = (chord.reshape(line.length.size, -1).max(axis=1) / line.length) - 1
         return (Status.OVERSTRETCHED, int(line.last[strain.argmax()])) if strain.max() > MAX_STRAIN else None
@@ -261,7 +267,7 @@ class MooringSystem:
     def _require_above_seabed(self, t, z):
         """Raise InputError where the motion takes a point (S, M) below the seabed that is above it at rest."""
         floor = self.line.floor
-        below = (z < floor) & (self.moved_points[:, 2] >= floor)
+        below = (z < floor - IN_SEABED * abs(floor)) & (self.moved_points[:, 2] >= floor)
         if below.any():
             k, i = np.argwhere(below)[0].tolist()
             problem = (

@@ -47,9 +47,8 @@ def natural_modes(system: ChainSystem, count: int = 6, near: float = 0.0) -> Mod
     [0.112, 0.163]
     """
     system = as_system(system)
-    n_f, nodes = len(system.fields), system.nodes
     pencil = system.pencil() if hasattr(system, "pencil") else _ChainPencil(system)
-    size = pencil.size
+    size, nodes = pencil.size, system.nodes
     count = whole_number("count", count, 1, unit="modes")
     if 2 * count > size:  # eigenvalues come in pairs
         problem = f"{count} modes asked, a chain of {nodes} nodes has at most {size // 2}"
@@ -62,30 +61,9 @@ def natural_modes(system: ChainSystem, count: int = 6, near: float = 0.0) -> Mod
             raise InputError(problem, field="near", value=near, unit="Hz")
         near *= near > lowest / _FAR  # the modes nearest to a number far below all are the lowest
 
-    def nearest(sigma, k):
-        """Return the oscillations among the k or more eigenvalues nearest to sigma, and their vectors."""
-        step = pencil.inverse(sigma)
-        if step is None:
-            raise ConvergenceError(f"the shift {sigma:g} rad/s meets an eigenvalue: give another ``near``")
-        if k >= size - 1:
-            mu, vectors = np.linalg.eig(np.column_stack([step(column) for column in np.eye(size)]))
-        else:
-            operator = LinearOperator((size, size), matvec=step, dtype=type(sigma))
-            start = step(np.random.default_rng(0).normal(size=size).astype(type(sigma)))
-            try:
-                mu, vectors = eigs(operator, k=k, v0=start, tol=_ACCURACY, ncv=min(size, 3 * k + 20))
-            except ArpackNoConvergence as error:
-                reached = f"{len(error.eigenvalues)} of {k} eigenvalues near {near:g} Hz"
-                raise ConvergenceError(f"{Status.NOT_CONVERGED.value} (given {reached})") from None
-        with np.errstate(divide="ignore", invalid="ignore"):
-            eigenvalues = sigma - 1 / mu
-        good = np.isfinite(eigenvalues) & (eigenvalues.imag > _RIGID * abs(sigma))
-        order = np.argsort(abs(eigenvalues[good] - 1j * sigma.imag))
-        return eigenvalues[good][order], vectors[:, good][:, order]
-
-    k, sigma = 2 * count + 2 * n_f, 2j * math.pi * near if near else 1.0
+    k, sigma = 2 * count + 2 * len(system.fields), 2j * math.pi * near if near else 1.0
     while True:
-        eigenvalues, vectors = nearest(sigma, min(k, size))
+        eigenvalues, vectors = _oscillations_near(pencil, sigma, min(k, size))
         if not near and eigenvalues.size and not 1 / _FAR < abs(eigenvalues[0]) / sigma < _FAR:
             sigma = float(abs(eigenvalues[0]))
             continue
@@ -100,6 +78,29 @@ def natural_modes(system: ChainSystem, count: int = 6, near: float = 0.0) -> Mod
     eigenvalues, shapes = eigenvalues[chosen], pencil.shapes(vectors[:, chosen])
     omega = abs(eigenvalues)
     return Modes(omega / (2 * math.pi), -eigenvalues.real / omega, shapes)
+
+
+def _oscillations_near(pencil, sigma, k):
+    """Return the oscillations among the k or more eigenvalues nearest to sigma in rad/s, and their vectors."""
+    size = pencil.size
+    step = pencil.inverse(sigma)
+    if step is None:
+        raise ConvergenceError(f"the shift {sigma:g} rad/s meets an eigenvalue: give another ``near``")
+    if k >= size - 1:
+        mu, vectors = np.linalg.eig(np.column_stack([step(column) for column in np.eye(size)]))
+    else:
+        operator = LinearOperator((size, size), matvec=step, dtype=type(sigma))
+        start = step(np.random.default_rng(0).normal(size=size).astype(type(sigma)))
+        try:
+            mu, vectors = eigs(operator, k=k, v0=start, tol=_ACCURACY, ncv=min(size, 3 * k + 20))
+        except ArpackNoConvergence as error:
+            reached = f"{len(error.eigenvalues)} of {k} eigenvalues near {sigma.imag / (2 * math.pi):g} Hz"
+            raise ConvergenceError(f"{Status.NOT_CONVERGED.value} (given {reached})") from None
+    with np.errstate(divide="ignore", invalid="ignore"):
+        eigenvalues = sigma - 1 / mu
+    good = np.isfinite(eigenvalues) & (eigenvalues.imag > _RIGID * abs(sigma))
+    order = np.argsort(abs(eigenvalues[good] - 1j * sigma.imag))
+    return eigenvalues[good][order], vectors[:, good][:, order]
 
 
 class _ChainPencil:

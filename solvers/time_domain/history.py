@@ -43,16 +43,6 @@ class TimeHistory(Response, Outcome):
     failed_ramp: float | None = None
     repeat: Callable | None = field(repr=False, default=None, compare=False)
 
-    @cached_property
-    def mesh_error(self) -> float | None:
-        """Rms change of the fairlead tension that half as many nodes make, over its range; None where that fails.
-
-        About three times the error of the mesh where the response is smooth. Integrated when first asked for, unless
-        the history began at a given state.
-        """
-        coarser = self.system.coarser() if self.repeat is not None else None
-        return None if coarser is None else diagnostics.relative_change(self, self.repeat(coarser[0]))  # type: ignore[misc]
-
     @property
     def last_period(self) -> tuple[float, float]:
         """Start of the last whole period that is stored, and the period, s. Raises InputError without one."""

@@ -85,13 +85,7 @@ def solve_time_domain(
     is_line = hasattr(system, "integrate")  # of nodes and elements, with steps of its own
     tolerance = (LINE_TOLERANCE if is_line else TOLERANCE) if tolerance is None else tolerance
     end = _duration(system, periods, duration)
-    dt, tolerance = positive_number("dt", dt, "s"), positive_number("tolerance", tolerance, "(mean change of a state)")
-    if dt > end:
-        problem = f"{dt:g} s must not exceed the duration (or periods), {end:g} s"
-        raise InputError(problem, field="dt", value=dt, unit="s")
-    if end / MAX_STEPS > dt:
-        problem = f"{dt:g} s makes more than {MAX_STEPS:g} steps of the duration (or periods), {end:g} s"
-        raise InputError(problem, field="dt", value=dt, unit="s")
+    dt, tolerance = _step_within(dt, end), positive_number("tolerance", tolerance, "(mean change of a state)")
     if step_tolerance is not None:
         step_tolerance = positive_number("step_tolerance", step_tolerance, "(dimensionless)")
     every = whole_number("every", every, 1, unit="steps")
@@ -132,13 +126,16 @@ def solve_time_domain(
     early = history.event is not None and first_ramp > 0 and history.event[0] <= 2 * system.period  # type: ignore[operator]
     reaches_full_motion = early and end >= 2 * system.period  # type: ignore[operator]  # a period of it, after the ramp
     if ramp is None and reaches_full_motion and not allow_invalid:
-        longer = integrate(system.period)
-        tried += f", then {system.period:g} s"
-        if longer.success:
-            history = replace(longer, failed_ramp=first_ramp)
+        history, tried = _with_longer_ramp(integrate, history, first_ramp), f"{tried}, then {system.period:g} s"
     if not throw or (allow_invalid and history.status is not Status.STEP_FAILED):
         return history
     return history.or_raise(_given(history, dt, tried))
+
+
+def _with_longer_ramp(integrate, history, first_ramp) -> TimeHistory:
+    """Return the history integrated again with a ramp of one period, or as it is where that fails too."""
+    longer = integrate(history.system.period)
+    return replace(longer, failed_ramp=first_ramp) if longer.success else history
 
 
 def _given(history, dt, ramps) -> str:
@@ -222,6 +219,18 @@ def _duration(system, periods, duration) -> float:
     if system.period is None:
         raise InputError("the motion has no period; give duration (s)", field="periods", value=periods)
     return periods * system.period
+
+
+def _step_within(dt, end) -> float:
+    """Return a step in s that fits into the duration, and not too often."""
+    dt = positive_number("dt", dt, "s")
+    if dt > end:
+        problem = f"{dt:g} s must not exceed the duration (or periods), {end:g} s"
+        raise InputError(problem, field="dt", value=dt, unit="s")
+    if end / MAX_STEPS > dt:
+        problem = f"{dt:g} s makes more than {MAX_STEPS:g} steps of the duration (or periods), {end:g} s"
+        raise InputError(problem, field="dt", value=dt, unit="s")
+    return dt
 
 
 def _first_ramp(system, ramp, start) -> float:

@@ -130,14 +130,14 @@ def main_of_mutants(arguments, options) -> int:
     """Exit status 0: enough of every module's mutants are killed; 1: the output says where not; 2: a red test."""
     try:
         log = Log(arguments.out / "mutants.jsonl")
-        *_, (_, _, found) = progress(campaign.run(arguments.catalogue, log, **options))
+        *_, (_, _, results) = progress(campaign.run(arguments.catalogue, log, **options))
     except KeyboardInterrupt:
         print("\ninterrupted; finished results are kept and the next run goes on from there", file=sys.stderr)
         return 130
     except CheckError as error:
         print(f"\n{error}", file=sys.stderr)
         return 2
-    rows = campaign.scores(arguments.catalogue, found, campaign.judgements())
+    rows = campaign.scores(arguments.catalogue, results, campaign.judgements())
     tell_scores(rows)
     return 0 if all(row.rate >= campaign.LEAST for row in rows) else 1
 

@@ -165,10 +165,8 @@ def fork(arguments: list[str], timeout: float, interpreted: bool) -> tuple[int |
 
 def disable_jit():
     """Let Python run compiled loops of this process, which has imported numba, and of those that it starts."""
-    import numba
-
     os.environ |= DISABLE_JIT
-    numba.config.reload_config()
+    sys.modules["numba"].config.reload_config()
 
 
 def _child(arguments, writing, interpreted):

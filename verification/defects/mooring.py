@@ -11,6 +11,7 @@ _IN_DT = "mooring/test_order.py::test_order_in_dt"
 _ARRAYS = "mooring/test_model.py::test_arrays_of_a_line_of_two_materials"
 _NETWORKS = "mooring/test_statics.py::test_lines_of_several_materials_rest_as_their_network"
 _INTEGRATOR = "mooring/test_network.py::test_random_networks_move_as_another_program_has_them"
+_IMPEDANCE = "mooring/test_network.py::test_impedance_is_that_of_linear_motions"
 _BODY = "mooring/test_network.py::test_points_of_a_body_have_its_motion"
 _MANUFACTURED = "mooring/test_periodic.py::test_a_motion_of_two_harmonics_comes_out"
 
@@ -235,10 +236,10 @@ DEFECTS = (
     ),
     # ------------------------------------------------------------ steps
     Defect(
-        "velocity at the end of the step",
-        Fault("mooring.steps", "integrate", "(1 - alpha_f) * v1[i, k] + alpha_f * v[i, k]", "v1[i, k]"),
+        "accelerations of one kind",
+        Fault("mooring.steps", "integrate", "alpha_f * acceleration[i, k]", "alpha_f * a[i, k]"),
         "order",
-        "drag and damping are taken at the end of the step, positions between",
+        "the acceleration that balanced the forces of the step before is taken for the algorithmic one",
         _IN_DT,
     ),
     Defect(
@@ -270,7 +271,7 @@ DEFECTS = (
     # ------------------------------------------------------------ time_domain
     Defect(
         "a scheme of first order",
-        Fault("mooring.time_domain", "_scheme", "0.5 - alpha_m + alpha_f", "0.5 + alpha_m - alpha_f"),
+        Fault("mooring.steps", "newmark_parameters", "0.5 - alpha_m + alpha_f", "0.5 + alpha_m - alpha_f"),
         "order",
         "gamma has the signs of another convention",
         "mooring/test_order.py::test_order_in_dt_of_each_scheme",
@@ -290,10 +291,12 @@ DEFECTS = (
         "mooring/test_slack.py::test_states_are_kept_at_their_times",
     ),
     Defect(
-        "a load at the end of the step",
-        Fault("mooring.time_domain", "_Run._integrate", "(1 - self.scheme[1]) * h", "h"),
+        "a load at the beginning of the step",
+        Fault(
+            "mooring.time_domain", "_Run._integrate", "self.system.source_at(t[1:])", "self.system.source_at(t[:-1])"
+        ),
         "order",
-        "the source is taken at the end of the step",
+        "the source is taken where the step begins, the forces where it ends",
         _IN_DT,
     ),
     # ------------------------------------------------------------ model, mesh, system
@@ -410,8 +413,8 @@ DEFECTS = (
         Fault(
             "mooring.system",
             "MooringSystem.path",
-            "np.tensordot(self.axes, part, 1)",
-            "(k < 2) * np.tensordot(self.axes, part, 1)",
+            "self.axes @ of_point",
+            "(k < 2) * self.axes @ of_point",
         ),
         "term",
         "the force on the vessel misses the inertia of the last half cell",
@@ -475,13 +478,63 @@ DEFECTS = (
         "extrapolated the wrong way",
         Fault(
             "mooring.harmonic",
-            "MooringResponse.end_forces",
-            "forces + (forces - self.coarse.end_forces(t)) / 3",
-            "forces - (forces - self.coarse.end_forces(t)) / 3",
+            "MooringResponse.end_force_at",
+            "force + (force - self.coarse.end_force_at(t, end, element)) / 3",
+            "force - (force - self.coarse.end_force_at(t, end, element)) / 3",
         ),
         "sign",
         "the error of the cells is added once more",
         "mooring/test_periodic.py::test_end_forces_are_extrapolated",
+    ),
+    # ------------------------------------------------------------ components, impedance, outputs of a body
+    Defect(
+        "parts apart at joints",
+        Fault(
+            "mooring.components", "split_system", 'model.points[p].kind == "free"', 'model.points[p].kind == "coupled"'
+        ),
+        "regime",
+        "lines that meet at a free point are parted there, and those on a body are not",
+        "mooring/test_network.py::test_a_network_is_taken_apart_where_nodes_are_prescribed",
+    ),
+    Defect(
+        "equilibria of parts in their own order",
+        Fault("mooring.components", "merge_states", "y[:, part.nodes] = state.y", "y[:, : part.nodes.size] = state.y"),
+        "index",
+        "every part rests where the first one does",
+        "mooring/test_network.py::test_a_network_is_taken_apart_where_nodes_are_prescribed",
+    ),
+    Defect(
+        "starts of parts in their own order",
+        Fault("mooring.components", "integrate_components", "y[:, part.nodes]", "y[:, : part.nodes.size]"),
+        "index",
+        "every part starts with the first nodes of the network",
+        "mooring/test_network.py::test_a_network_is_taken_apart_where_nodes_are_prescribed",
+    ),
+    Defect(
+        "moments without the force at rest",
+        Fault("mooring.impedance", "mooring_impedance", "Z[k, 3:, 3:] -= _cross(F) @ _cross(arm)", "pass"),
+        "term",
+        "a body that turns carries the points where the lines pull, and with them the moment of the tension at rest",
+        f"{_IMPEDANCE}",
+    ),
+    Defect(
+        "impedance of another harmonic motion",
+        Fault("mooring.impedance", "mooring_impedance", "1j * w * C", "-1j * w * C"),
+        "sign",
+        "damping feeds the motion",
+        f"{_IMPEDANCE}",
+    ),
+    Defect(
+        "a moment about the reference point at rest",
+        Fault(
+            "mooring.prescribed_motion",
+            "reference_point",
+            "np.array(motion.reference)[:, None] + motion.pose(t)[0]",
+            "np.array(motion.reference)[:, None] + 0 * motion.pose(t)[0]",
+        ),
+        "term",
+        "the arms of the moment count from where the reference point was, not from where it is",
+        "mooring/test_network.py::test_forces_on_the_body_are_those_of_another_program",
     ),
     # ------------------------------------------------------------ history, diagnostics
     Defect(
@@ -505,7 +558,7 @@ DEFECTS = (
     ),
     Defect(
         "settled before it is",
-        Fault("mooring.diagnostics", "check_history", "time[-1] < 2 * period", "time[-1] < 200 * period"),
+        Fault("mooring.diagnostics", "_check_periodicity", "end < 2 * period", "end < 200 * period"),
         "tolerance",
         "a motion that has not settled is taken for periodic",
         "mooring/test_periodic.py::test_a_bad_history_warns",

@@ -558,8 +558,8 @@ def test_a_symmetry_may_be_missed_by_a_rounding(k2, symmetric):
 # ---------------------------------------------------------------- refusals and failures
 GOOD = duffing(0.8, 0.3)
 BAD = {
-    "harmonics: 0 must be a whole number >= 1": {"harmonics": 0},
-    "harmonics: 100001 must be at most 100000": {"harmonics": 100001},
+    "harmonics: 0 must be a whole number from 1 to 100000": {"harmonics": 0},
+    "harmonics: 100001 must be a whole number from 1 to 100000": {"harmonics": 100001},
     "harmonics: -3 must": {"harmonics": -3},
     "harmonics: 2.5 must": {"harmonics": 2.5},
     "harmonics: True must": {"harmonics": True},

@@ -7,16 +7,19 @@ of verification/exact/random_networks.
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from functools import cache
 from importlib.resources import files
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
 from solvers import Network, mooring_system, solve_network, solve_periodic, solve_time_domain
 from solvers.common.body_motion import BodyMotion
 from solvers.io import load_network
+from solvers.mooring.impedance import harmonic_impedance, mooring_impedance, mooring_stiffness
 from solvers.numerics.modes import natural_modes
 
 from ..cases import networks as cases
@@ -27,6 +30,14 @@ from ..exact.rigid_motion import RigidMotion
 from ..tools.orders import assert_order, extrapolated
 from .networks import case_network, exact_system, section, with_line_far_away
 from .problems import energy_gap, energy_of
+
+
+@pytest.fixture(autouse=True)
+def no_limit_of_strain(monkeypatch):
+    """The networks of other programs are so soft that an explicit integrator can follow them: beyond 0.3 of strain."""
+    for module in ("system", "time_domain"):
+        monkeypatch.setattr(f"solvers.mooring.{module}.MAX_STRAIN", math.inf)
+
 
 SCENES = files("reference_data") / "scenes" / "networks"
 
@@ -48,8 +59,8 @@ ON_SEABED = {
     **{name: (lambda name=name: scene(name)) for name in ("oc3_three_lines", "chain_wire_chain", "three_bridles")},
 }
 CELLS = (40, 80, 160)
-EXTRAPOLATED = 2e-7  # of the largest force, or of the longest line; measured 5.2e-8 of the bridle
-OVER_A_FLOOR = 2e-4  # likewise on 160 cells: the touchdown falls within a cell, w/k is 1 to 2 mm; measured 9.6e-5
+EXTRAPOLATED = 1e-7  # of the largest force, or of the longest line; measured 5.2e-8 of the bridle
+OVER_A_FLOOR = 1.3e-4  # likewise on 160 cells: the touchdown falls within a cell, w/k is 1 to 2 mm; measured 6.6e-5
 
 
 def errors_at_rest(network, cells):
@@ -113,7 +124,7 @@ def as_rigid(network):
 
 # ---------------------------------------------------------------- a line in pieces
 SURGING = BodyMotion.harmonic(0.1, (2.0, 0.5, 1.0, 0.0, 0.0, 0.0), (0.0, 0.4, 1.0, 0.0, 0.0, 0.0))
-CUT = 1e-9  # of the tension and the length: the cells are equal but for rounding of arc lengths; measured 2e-13
+CUT = 1e-11  # of the tension and the length: the cells are equal but for rounding of arc lengths; measured 5e-13
 
 
 @cache
@@ -152,8 +163,7 @@ def test_a_line_cut_by_joints_is_the_line():
 
 
 # ---------------------------------------------------------------- symmetries
-ALIKE = 1e-8  # of the largest tension: Newton's method ends at 1e-10 of it and less; measured 5e-11
-QUIET = {"rtol": ALIKE}
+ALIKE = 1e-11  # of the largest tension, and the length: Newton's method ends at rounding; measured 8e-14
 CHANGED = {0: "clump with three lines", 2: "bridle", 4: "crossing", 3: "on a seabed"}
 PERIODIC = (2, 4)  # of these, those that settle into a periodic motion without slack or contact
 
@@ -247,7 +257,7 @@ MOTIONS = {
     "all six": (2.0, 1.0, 1.0, 0.02, 0.02, 0.05),
 }
 HARMONICS, STEPS = 20, 400  # of a period of 20 s
-TWO_METHODS = 4e-4  # |u| u has harmonics without end, of which those above the 20th are left out; measured 2.3e-4
+TWO_METHODS = 4e-4  # |u| u has harmonics without end, of which those above the 20th are left out; measured 2.6e-4
 
 
 @pytest.mark.parametrize("motion", MOTIONS)
@@ -271,6 +281,23 @@ def test_harmonic_balance_and_time_integration_agree(name, motion, deep):
     assert abs(extrapolated((2.0, 1.0), tables) - balance).max() <= TWO_METHODS * size
 
 
+OVER_A_SEABED = 0.014  # of the range: nodes that touch down one by one excite more than nine harmonics; 0.0068
+
+
+@pytest.mark.parametrize("motion", ["surge", "all six"])
+@pytest.mark.parametrize("name", ["oc3_three_lines", "three_bridles"])
+def test_both_methods_agree_over_a_seabed(name, motion):
+    """Force and moment on the body, of lines that lift off and touch down, over the last of five periods."""
+    body = BodyMotion.harmonic(0.05, MOTIONS[motion], (0.0, 0.3, 0.6, 0.9, 1.2, 1.5), (0.0, 0.0, -60.0))
+    made = mooring_system(scene(name, 3e3), 30, motion=body)
+    response, history = solve_periodic(made, harmonics=9), solve_time_domain(made, dt=20.0 / STEPS, periods=5)
+    lies = history.r[2] < made.line.floor
+    assert (lies.any(axis=1) & ~lies.all(axis=1)).any() and (history.tension > 0).all()
+    for balance, steps in ((response.body_force, history.body_force), (response.body_moment, history.body_moment)):
+        last = CubicSpline(history.time[-STEPS - 1 :] - 80.0, steps[:, -STEPS - 1 :], axis=1)(response.time)
+        assert abs(balance - last).max() <= OVER_A_SEABED * np.ptp(balance, axis=1).max()
+
+
 # ---------------------------------------------------------------- energy
 @pytest.mark.parametrize("seed", [2, 4, 5])
 def test_energy_of_a_network_closes(seed):
@@ -279,7 +306,7 @@ def test_energy_of_a_network_closes(seed):
     histories = [solve_time_domain(made, dt=dt, duration=5.0, tolerance=1e-9, rho_inf=0.5) for dt in dts]
     energy = energy_of(histories[-1])
     assert energy.drag.any() and energy.damper.any() and np.ptp(energy.given) > 0
-    assert_order(dts, [energy_gap(history) for history in histories], 2, ceiling=2e-4, what=str(seed))
+    assert_order(dts, [energy_gap(history) for history in histories], 2, ceiling=4e-6, what=str(seed))
 
 
 # ---------------------------------------------------------------- frequencies
@@ -334,7 +361,7 @@ def test_modes_of_a_network_are_those_of_its_matrices(seed):
 
 
 # ---------------------------------------------------------------- the explicit integrator
-AS_FAR = 1e-7  # m, of motions of a metre or two: what two steps extrapolated leave, and the events of contact
+AS_FAR = 1e-7  # m, of motions of a metre or two, where two steps are extrapolated; measured 6e-8, over 2 s 5e-9
 
 
 @pytest.mark.parametrize("seed", range(10))
@@ -356,6 +383,89 @@ def test_random_networks_move_as_another_program_has_them(seed, deep):
     assert_order([1 / count for count in counts], errors, 2, ceiling=1e-4, what=f"seed {seed}")
     assert abs(extrapolated([1 / count for count in counts], places) - exact.position).max() <= AS_FAR
     assert abs(exact.position - exact.position[0]).max() > 0.2
+
+
+FORCES = 1e-8  # of the largest, where two steps are extrapolated; measured 2.4e-9
+
+
+@pytest.mark.parametrize("seed", [2, 4])
+def test_forces_on_the_body_are_those_of_another_program(seed):
+    """Force and moment on the body, about its moved reference point, and forces at the ends of each line alone."""
+    case, exact = random_network(seed), random_history(seed, duration=1.0, samples=6)
+    made, tables = exact_system(case.network), []
+    start = made.coordinates(case.position), made.rates(case.velocity)
+    for count in (1000, 2000):
+        history = solve_time_domain(made.system, dt=1.0 / count, duration=1.0, start=start, rho_inf=1.0,
+                                    tolerance=1e-11, every=count // 5)  # fmt: skip
+        ends = [[element.anchor_force.T, element.fairlead_force.T] for element in history.elements]
+        tables.append([history.body_force.T, history.body_moment.T, np.moveaxis(np.array(ends), 2, 0)])
+    lines = len(case.network.lines.ends)
+    wanted = [exact.body_force, exact.body_moment, exact.end_force]
+    for *got, true in zip(*tables, wanted, strict=True):
+        got = extrapolated((2.0, 1.0), [table[:, :lines] if table.ndim == 4 else table for table in got])
+        assert abs(got - true).max() <= FORCES * abs(true).max()
+
+
+def test_impedance_is_that_of_linear_motions():
+    """Z of the body's six degrees of freedom at three frequencies, by small motions of another program's matrices."""
+    network = random_network(4).network
+    network = replace(network, current=(0.0, 0.0, 0.0))
+    made = exact_system(network)
+    exact = linear_network.linearise(network, made.in_exact_order(made.system.rest.r))
+    reference, frequencies = network.motion.reference, np.array([0.0, 0.08, 0.4])
+    Z = mooring_impedance(made.system, frequencies, reference)
+    at = made.system.rest.forces[:, made.nodes[moving_network.Mesh(network).coupled]].T
+    arms = network.nodes.position[[4, 5]] - reference
+    for k, omega in enumerate(2 * np.pi * frequencies):
+        for j in range(6):
+            unit = np.eye(6)[j]
+            _, _, forces = exact.response(omega, exact.held_by_body(unit, np.zeros(6)))
+            moved = np.cross(unit[3:], arms)
+            forces = forces[exact.mesh.coupled]
+            moment = (np.cross(arms, forces) + np.cross(moved, at)).sum(axis=0)
+            wanted = np.concatenate([forces.sum(axis=0), moment])
+            assert abs(Z[k, :, j] + wanted).max() <= 1e-9 * abs(Z[k]).max()
+    assert np.allclose(mooring_stiffness(made.system, reference), Z[0].real, rtol=1e-12)
+
+
+def test_impedance_of_small_motions_is_that_of_finite_ones():
+    """Below all natural frequencies the difference is the drag's, which falls with the amplitude: 3e-3 at 1 mm."""
+    network = replace(random_network(4).network, current=(0.0, 0.0, 0.0))
+    made, reference = exact_system(network).system, network.motion.reference
+    linear = mooring_impedance(made, 0.05, reference)
+    finite = [harmonic_impedance(made, 0.05, [a] * 3 + [a / 20] * 3, reference) for a in (2e-3, 1e-3)]
+    errors = [abs(Z - linear).max(axis=0) / abs(linear).max(axis=0) for Z in finite]
+    assert (errors[1] <= 5e-3).all() and abs(errors[1] / errors[0] - 0.5).max() <= 0.01
+
+
+PARTS = 1e-10  # of the largest tension: each part ends Newton's method by itself, at as much; measured 1.4e-11
+
+
+def test_a_network_is_taken_apart_where_nodes_are_prescribed():
+    """Nine lines in three parts that a body joins: rest, motion and balance are those of all of them at once.
+
+    Two parts end at each point of the body, which carries a mass and a force.
+    """
+    case, motion = cases.bridle_system(), BodyMotion.harmonic(0.05, MOTIONS["all six"], reference=(0.0, 0.0, -60.0))
+    loaded = [replace(n, mass=2e3, force=(100.0, 0.0, 50.0)) if n.kind == "coupled" else n for n in case.nodes]
+    network = case_network(replace(case, nodes=loaded, environment=replace(case.environment, depth=None)))
+    made, whole = (mooring_system(network, 6, motion=motion, mesh="uniform") for _ in range(2))
+    whole.__dict__["components"] = ()
+    assert len(made.components) == 3 and not whole.components
+    assert sorted(cell for part in made.components for cell in part.cells) == list(range(made.line.length.size))
+
+    def assert_alike(one, other):
+        size = other.tension.max()
+        assert abs(one.tension - other.tension).max() <= PARTS * size
+        assert abs(one.forces - other.forces).max() <= PARTS * size
+        assert abs(one.r - other.r).max() <= PARTS * made.length
+
+    assert_alike(made.rest, whole.rest)
+    start = whole.rest.y + 1e-4 * np.sin(np.arange(whole.rest.y.size)).reshape(whole.rest.y.shape), None
+    start[0][:, made.prescribed_nodes] = made.path(np.zeros(1))[0, 0].T
+    for options in ({"periods": 1}, {"duration": 2.0, "start": start, "rho_inf": 0.8}):
+        assert_alike(*(solve_time_domain(one, dt=0.1, tolerance=1e-10, **options) for one in (made, whole)))
+    assert_alike(*(solve_periodic(one, harmonics=4) for one in (made, whole)))
 
 
 # ---------------------------------------------------------------- a manufactured bridle

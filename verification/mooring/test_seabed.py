@@ -38,10 +38,10 @@ BOUNCES = {
 def test_a_mass_bounces_on_the_seabed(name):
     """On the last node of a line that is as soft as nothing: stiffness and damping are those of its half cell."""
     exact, within = BOUNCES[name]
-    share = 5.0  # m, of two cells of ten
+    share = 6.25  # m, of two cells of twelve and a half
     bed = Environment(0.0, depth=exact.depth, seabed_stiffness=exact.stiffness / share,
                       seabed_damping=exact.damping / share)  # fmt: skip
-    made = hanging_mass(exact.mass, EA=1e-3, length=20.0, position=exact.position, environment=bed)
+    made = hanging_mass(exact.mass, EA=1e-3, length=25.0, position=exact.position, environment=bed)
     y, ydot = np.zeros((2, 2, 3))
     y[1], ydot[1] = (value * np.array([1.0, 0.5, 0.0]) for value in (exact.position, exact.velocity))
     history = solve_time_domain(made, dt=1.25e-4, duration=4.0, start=(y, ydot), tolerance=1e-9)
@@ -57,17 +57,22 @@ SPEED, OMEGA = 0.5, 0.5  # m/s, rad/s
 
 
 def dragged(friction, slip_speed, direction=(1.0, 0.0)):
-    """Return the system of a stiff line on the seabed whose end moves to and fro, along it or across."""
+    """Return the system of a stiff line on the seabed whose end moves to and fro, along it or across.
+
+    The seabed is as much higher than given as the line sinks in, so that its ends are borne as the rest is.
+    """
     cable, pull = CableProperties(1e11, 0.1, 120.0, WEIGHT), 4 * LENGTH * WEIGHT * max(friction, 0.1)
     bed = Environment(0.0, depth=30.0, seabed_stiffness=WEIGHT / SINK)
     nodes = [Node("free", (0.0, 0.0, -30.0), force=(-pull, 0.0, 0.0)), Node("coupled", (LENGTH, 0.0, -30.0))]
     network = Network(nodes, [Element(WEIGHT, cable.EA, LENGTH, (0, 1), friction, cable=cable)], bed)
     x, y = (SPEED / OMEGA * part for part in direction)
     motion = FunctionMotion(
-        lambda t: (x * np.sin(OMEGA * t), y * np.sin(OMEGA * t), -SINK),
+        lambda t: (x * np.sin(OMEGA * t), y * np.sin(OMEGA * t), 0.0),
         lambda t: (x * OMEGA * np.cos(OMEGA * t), y * OMEGA * np.cos(OMEGA * t), 0.0),
     )
-    return mooring_system(network, 8, mesh="uniform", motion=motion, slip_speed=slip_speed)
+    made = mooring_system(network, 8, mesh="uniform", motion=motion, slip_speed=slip_speed)
+    made.line = made.line._replace(floor=made.line.floor + SINK)
+    return made
 
 
 @pytest.mark.parametrize("slip_speed", [0.02, 0.2, 1.0])
@@ -116,9 +121,9 @@ STORED = LYING.submerged_weight * 0.5 * LYING.length * 2 / np.pi  # J, of the li
 
 def test_a_dropped_line_loses_no_energy():
     """In vacuo, without dampers, on springs of the seabed and with the trapezoid in time: all of it stays."""
-    energy = energy_of(dropped(0.0, 5e-4, rho_inf=1.0))
+    energy = energy_of(dropped(0.0, 2.5e-4, rho_inf=1.0))
     assert not (energy.drag.any() or energy.damper.any() or energy.seabed.any() or energy.friction.any())
-    assert abs(energy.total - energy.total[0]).max() <= 1.5e-3 * STORED  # measured 7.6e-4
+    assert abs(energy.total - energy.total[0]).max() <= 6e-4 * STORED  # measured 2.9e-4, 1.7e-3 with twice the step
 
 
 def test_a_dropped_line_loses_energy_to_the_damper_of_the_seabed():
