@@ -19,6 +19,7 @@ from .steps import integrate, newmark_parameters
 MOST_HALVINGS = 10  # of one step
 STEPS_AT_ONCE = 256  # between two calls of ``progress``
 RHO_INF = 0.5  # spectral radius at infinite frequency while all cells are taut
+POSITION_SCALE = 0.01  # of the length: a position may err by so much less than a tension, each over its scale
 ROUNDINGS = 4  # of a position as far away as the line is long, below which no Newton step is asked to fall
 LEAST_CHANGE = 1e-3  # of the greatest tension at rest: smaller changes are not resolved any further
 _LEAST_DISPLACEMENT = 1e-6  # of the length, which the error of a step refers to while less has moved
@@ -87,7 +88,7 @@ class _Run:
         greatest, length = float(self.rest.max()) or 1.0, system.length
         stiffest = float((system.line.EA / system.line.length).max())
         rounding = ROUNDINGS * np.finfo(float).eps * (1 + stiffest * length / greatest)  # of a position, in a tension
-        self.scale = np.array([greatest, length, LEAST_CHANGE, rounding])
+        self.scale = np.array([greatest, POSITION_SCALE * length, LEAST_CHANGE, rounding])
         self.iterations = self.factorisations = self.cut = self.worst = self.halvings = 0
         self.error = self.largest_displacement = 0.0
 
@@ -167,7 +168,9 @@ class _Run:
         """Return the largest local error of some steps, h^2 |beta - 1/6| |change of a|, over displacements."""
         change = np.diff(np.concatenate([first[None], record[2]]), axis=0)
         displacement = float(abs(record[0] - self.system.rest.y.T).max())
-        self.largest_displacement = max(self.largest_displacement, displacement, _LEAST_DISPLACEMENT * self.scale[1])
+        self.largest_displacement = max(
+            self.largest_displacement, displacement, _LEAST_DISPLACEMENT * self.system.length
+        )
         return h * h * abs(self.scheme[2] - 1 / 6) * float(abs(change).max()) / self.largest_displacement
 
 
