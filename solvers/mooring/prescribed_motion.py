@@ -19,10 +19,13 @@ def displace_points(motion, points, t) -> np.ndarray:
 
 
 def move_points(motion, points, t) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return displacement, velocity and acceleration of points (M, 3) in m at times t (S,) in s, (3, M, S) each."""
+    """Return displacement, velocity and acceleration of points (M, 3) in m at times t (S,) in s, (3, M, S) each.
+
+    (3, 1, S) where the motion displaces all points equally.
+    """
     if isinstance(motion, BodyMotion):
         return motion.trajectory(points, t)
-    r, v, a = (np.repeat(part[:, None], len(points), axis=1) for part in trajectory(motion, t))
+    r, v, a = (part[:, None] for part in trajectory(motion, t))
     return r, v, a
 
 

@@ -239,8 +239,11 @@ class MooringSystem:
         path[:, 0] = self._prescribed_positions
         if self.motion is not None:
             for k, part in enumerate(move_points(self.motion, self.moved_points, t)):
-                for moved, of_point in zip(self._moved, part.swapaxes(0, 1), strict=True):
-                    path[:, k, moved] += (self.axes @ of_point).T
+                if part.shape[1] == 1:  # all points alike
+                    path[:, k, self._moved] += (self.axes @ part[:, 0]).T[:, None]
+                else:
+                    for moved, of_point in zip(self._moved, part.swapaxes(0, 1), strict=True):
+                        path[:, k, moved] += (self.axes @ of_point).T
             require_above_seabed(self.model, self.moved_points, t, path[:, 0, self._moved, -1])
         return path
 

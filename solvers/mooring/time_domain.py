@@ -40,7 +40,7 @@ def integrate_line(
     settings = {"dt": dt, "count": count, "rho_inf": rho_inf, "tolerance": tolerance, "step_tolerance": step_tolerance}
     settings |= {"ramp": ramp, "start": start, "every": every}
     moved = system.ramped(ramp) if ramp else system
-    run = _Run(moved, rho_inf, tolerance, step_tolerance, _initial_state(moved, start))
+    run = _Run(moved, rho_inf, tolerance, step_tolerance, _initial_state(moved, start, moves_at_once=not ramp))
     kept = count // every
     record = tuple(np.empty((kept + 1 + (count % every > 0), *run.state[0].shape)) for _ in range(3))
     for part, first in zip(record, run.state, strict=False):
@@ -174,11 +174,11 @@ class _Run:
         return h * h * abs(self.scheme[2] - 1 / 6) * float(abs(change).max()) / self.largest_displacement
 
 
-def _initial_state(system, start):
+def _initial_state(system, start, moves_at_once):
     """Return r, v, r'', a and the a before, (N, n) each: at rest, or as given with the r'' that balances it."""
     if start is None:
         state, v = system.rest, np.zeros((system.nodes, len(system.axes)))
-        if system.motion is not None:
+        if system.motion is not None and moves_at_once:  # a motion that is ramped starts from rest
             if (displacement := displace_points(system.motion, system.moved_points, 0.0).T).any():
                 state = solve_rest(system, displacement)
             v[system.prescribed_nodes] = system.path(np.zeros(1))[0, 1]
