@@ -93,8 +93,11 @@ class MoorDyn(Adapter):
                 moordyn.Close(system)
         return np.linalg.norm(force, axis=1)
 
-    def moving_network(self, network, motion, time, cells):
-        """The forces on the coupled nodes at the start and at the end of each coupling step, (P, 3, K), N."""
+    def moving_network(self, network, motion, time, cells, damping_ratio=-DAMPING):
+        """The forces on the coupled nodes at the start and at the end of each coupling step, (P, 3, K), N.
+
+        damping_ratio: of the critical damping of a segment, what lines without internal damping get.
+        """
         if any(element.friction for element in network.elements):
             raise NotImplementedError("this adapter describes a seabed without friction")
         coupled = [i for i, node in enumerate(network.nodes) if node.kind == "coupled"]
@@ -107,7 +110,7 @@ class MoorDyn(Adapter):
         positions = positions - [0.0, 0.0, down]
         forces = np.empty((len(coupled), 3, len(time)))
         lowered = let_down(network, down)
-        with _system(lowered, cells, {"tScheme": "RK2", "TmaxIC": 0}, -DAMPING, positions[0]) as (system, every):
+        with _system(lowered, cells, {"tScheme": "RK2", "TmaxIC": 0}, damping_ratio, positions[0]) as (system, every):
             points = [every[i] for i in coupled]
             forces[..., 0] = [moordyn.GetPointForce(point) for point in points]
             for k in range(len(time) - 1):
