@@ -14,6 +14,7 @@ import os
 import tempfile
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import lru_cache
 from importlib import metadata
 from pathlib import Path
 
@@ -119,10 +120,14 @@ class MoorDyn(Adapter):
                 forces[..., k + 1] = [moordyn.GetPointForce(point) for point in points]
         return forces
 
+    def forces_at_rest(self, network, cells, seconds=600.0):
+        """As the function of this name: where motions start, and no solver of networks at rest."""
+        return forces_at_rest(network, cells, seconds)
 
-def forces_at_rest(network, cells) -> np.ndarray:
+
+def forces_at_rest(network, cells, seconds=600.0) -> np.ndarray:
     """The forces at all points, (n, 3), N, after a dynamic relaxation from our equilibrium; all nodes below z = 0."""
-    relaxation = {"ICgenDynamic": 1, "CdScaleIC": 50.0, "TmaxIC": 600.0, "threshIC": 1e-13, "dtIC": 2.0}
+    relaxation = {"ICgenDynamic": 1, "CdScaleIC": 50.0, "TmaxIC": seconds, "threshIC": 1e-13, "dtIC": 2.0}
     coupled = np.array([node.r for node in network.nodes if node.kind == "coupled"])
     with _system(let_down(network, 0.0), cells, relaxation, 0.5, coupled) as (_, points):
         return np.array([moordyn.GetPointForce(point) for point in points])
@@ -160,12 +165,18 @@ def _started(file, coupled, count: int):
 
 def let_down(network, down: float):
     """The network so many m lower, with its seabed; free nodes where they are at rest, from where MoorDyn starts."""
-    places = solve_network(network).r - [0.0, 0.0, down]
+    places = _places_at_rest(network) - [0.0, 0.0, down]
     nodes = [replace(node, r=tuple(r)) for node, r in zip(network.nodes, places.tolist(), strict=True)]
     environment = network.environment
     if environment.depth is not None:
         environment = replace(environment, depth=environment.depth + down)
     return type(network)(nodes, network.elements, environment)
+
+
+@lru_cache(maxsize=8)
+def _places_at_rest(network):
+    """Kept, so that the equilibrium that MoorDyn is given is in no timing of a second call."""
+    return solve_network(network).r
 
 
 def describe(scene, segments: int, down: float) -> str:
