@@ -74,30 +74,24 @@ def verdicts(data: dict):
 def _agreement(data, folder, tables) -> dict | None:
     if not data["rows"]:
         return None
-    shares = (
-        "rms",
-        "error",
-        "uncertainty",
-        "rms_of_half",
-        "by_segments",
-        "by_steps",
-        "by_damping",
-        "same_cells",
-        "explained",
-    )
+    shares = ("rms", "error", "uncertainty", "rms_of_half", "by_segments", "by_steps", "by_damping", "same_cells",
+              "explained")  # fmt: skip
     (rough, _), (fine, _) = data["rows"][0]["at_rest"]
     rows = [row | {key: 100 * row[key] for key in shares} | _at_rest(row) | {"range": row["range"] / 1e3}
             for row in data["rows"]]  # fmt: skip
-    columns = {"title": "system", "lines": "lines", "segments": "segments", "range": "range, kN", "tension": "kN",
-               "rest_half": f"MoorDyn {rough}, %", "rest": f"MoorDyn {fine}, %", "rms": "rms", "error": "greatest",
-               "rms_of_half": "half the segments", "same_cells": "on its segments", "explained": "explained",
-               "by_segments": "half the segments", "by_steps": "half the coupling steps",
-               "by_damping": "twice the damping", "uncertainty": "this core"}  # fmt: skip
-    groups = (("", 4), ("at rest, by segments", 3), ("difference, % of the range", 5), ("what changes by, %", 4))
-    formats = dict.fromkeys(shares, two_digits) | {"range": _whole, "tension": _whole, "rest": _signed,
-                                                   "rest_half": _signed}  # fmt: skip
+    formats = dict.fromkeys(shares, two_digits)
+    formats |= {"range": _whole, "tension": _whole, "rest": _signed, "rest_half": _signed}
+    columns = {"title": "system", "lines": "lines", "range": "range, kN", "tension": "at rest, kN",
+               "rest_half": f"{rough} segments, %", "rest": f"{fine} segments, %", "rms": "rms, %",
+               "error": "greatest, %", "explained": "explained, %"}  # fmt: skip
+    groups = (("", 4), ("MoorDyn at rest", 2), ("MoorDyn in motion", 3))
+    causes = {"title": "system", "segments": "segments", "by_segments": "segments", "by_steps": "coupling steps",
+              "by_damping": "damping", "uncertainty": "this core", "rms_of_half": "half the segments",
+              "same_cells": "this core on its segments"}  # fmt: skip
+    of_causes = (("", 2), ("rms change by, %", 4), ("rms difference, %", 2))
     title = "Four systems beside MoorDyn"
     return {"table": _table(tables, "agreement", title, rows, columns, formats=formats, groups=groups),
+            "causes": _table(tables, "causes", "What explains it", rows, causes, formats=formats, groups=of_causes),
             "text": explain(data["rows"])}  # fmt: skip
 
 
@@ -108,25 +102,23 @@ def _at_rest(row) -> dict:
 
 
 def explain(rows) -> str:
-    """Return what the differences are and what explains them, each system by what MoorDyn changes by most."""
-    words = {"by_segments": "its segments", "by_steps": "its coupling steps", "by_damping": "its internal damping"}
+    """Return how far MoorDyn is in each system, and by what the difference is explained."""
+    words = {"by_segments": "the segments", "by_steps": "the coupling steps", "by_damping": "the internal damping"}
     sentences = []
     for row in rows:
         most = max(words, key=row.get)
+        verb = "matters" if most == "by_damping" else "matter"
         sentences.append(
-            f"{_beginning(row['title'])}: {_percent(row['rms'])}, {times(row['rms_of_half'] / row['rms'])} as much "
-            f"with half the segments; {_percent(row['explained'])} is explained, most of all MoorDyn depends on "
-            f"{words[most]} ({_percent(row[most])}), and this core on the same segments is "
-            f"{_percent(row['same_cells'])} from it"
+            f"{_beginning(row['title'])}: {_percent(row['rms'])}, of which refining explains up to "
+            f"{_percent(row['explained'])}; {words[most]} {verb} most."
         )
     return (
         "Rms difference of the fairlead tensions over the last period, the largest of the fairleads, over the range. "
-        + ". ".join(sentences)
-        + ". Explained: a third of what half the segments change, as an error of second order leaves, what half the "
-        "coupling steps change, half of what twice the internal damping changes, and the uncertainty of this core. "
-        "The damping is a tenth of critical in each segment, which MoorDyn's RK2 needs and which falls with the "
-        "segment; it and the steps are changed with half the segments. The tension at rest is of the first fairlead, "
-        "exact here and relaxed in MoorDyn."
+        f"{' '.join(sentences)} Explained: a third of what half the segments change, as an error of second order "
+        "leaves, what half the coupling steps change, half of what twice the internal damping changes, and the "
+        "uncertainty of this core. MoorDyn's RK2 needs that damping, a tenth of critical in each segment, which falls "
+        "with the segment; it and the steps are changed with half the segments. The tension at rest is of the first "
+        "fairlead, exact here and relaxed in MoorDyn."
     )
 
 
@@ -167,6 +159,14 @@ def _setting(row) -> str:
     return " + ".join(str(n) for n in row["size"]) if isinstance(row["size"], list) else str(row["size"])
 
 
+def _balance(data, folder, tables) -> str:
+    solved = [row for row in data["rows"] if row["status"] == "SUCCESS"]
+    failed = [f"{row['cells']} cells and {row['harmonics']} harmonics" for row in data["rows"] if row not in solved]
+    tried = plural(len(data["rows"]), "setting")
+    text = f"Harmonic balance has a response of the nine lines at {len(solved)} of {tried}"
+    return f"{text}, none on {', '.join(failed)}." if failed else f"{text}."
+
+
 def _growth(data, folder, tables) -> FigureWithTable:
     rows = [row | {"memory": row["memory"] / 1e6} for row in data["rows"]]
     columns = {"lines": "lines", "nodes": "nodes", "seconds": "run time", "memory": "memory, MB"}
@@ -184,7 +184,7 @@ def _damping(data, folder, tables) -> FigureWithTable:
     return FigureWithTable(network_figures.damping(data, folder), table)
 
 
-PARTS = {"agreement": _agreement, "work": _work, "growth": _growth, "damping": _damping}
+PARTS = {"agreement": _agreement, "work": _work, "balance": _balance, "growth": _growth, "damping": _damping}
 """Part of mooring_networks.json -> what the template takes of it."""
 
 MOORING_NETWORKS = Section(

@@ -29,6 +29,11 @@ def work(quick: bool, folder: Path):
     yield from work_precision.work(quick, folder)
 
 
+def balance(quick: bool, folder: Path):
+    """Where harmonic balance has a response of the nine lines."""
+    yield {"rows": work_precision.balance(quick)}
+
+
 def growth(quick: bool, folder: Path):
     """Time and memory by lines."""
     yield from scaling.growth(quick)
@@ -42,6 +47,7 @@ def damping(quick: bool, folder: Path):
 PARTS = {
     "references": references,
     "agreement": systems_beside_moordyn,
+    "balance": balance,
     "work": work,
     "growth": growth,
     "damping": damping,

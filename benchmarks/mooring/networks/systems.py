@@ -72,7 +72,7 @@ def chain_polyester_chain() -> NamedNetwork:
     parts = [(chain, 150.0), (rope, 2190.0), (chain, 60.0)]
     inner = ((1750.0, -1580.0), (75.0, -60.0))  # m: radius and height of the joints, from where rest is sought
     network = radial_lines(AZIMUTHS, (1850.0, 35.0), (-1600.0, -20.0), parts, environment, inner)
-    return rename(network, "taut chain, polyester, chain, three lines", motion(16.0, (3, 1, 1.5, 0.02, 0.03, 0.02)))
+    return rename(network, "taut polyester between chains, three lines", motion(16.0, (3, 1, 1.5, 0.02, 0.03, 0.02)))
 
 
 def farm(lines: int) -> NamedNetwork:
