@@ -30,6 +30,9 @@ def _parser() -> argparse.ArgumentParser:
         "--depth", type=float, metavar="M", help="depth of the water, m, where a MAP++ file asks for it"
     )
     parser.add_argument(
+        "--motion", type=Path, metavar="FILE.csv", help="motion of the body of the network files: a series"
+    )
+    parser.add_argument(
         "--quick",
         action="store_true",
         help="less than two minutes: fewer random lines and tests, without the sweep of the tolerance, "
@@ -60,7 +63,7 @@ def _check_arguments(parser: argparse.ArgumentParser, argv) -> argparse.Namespac
             parser.error(f"{name} stands among the stages: put scene files before --only")
         if name not in GROUPS:
             parser.error(f"unknown stage {name!r}; the stages are {', '.join(GROUPS)}")
-    for path in arguments.scenes:
+    for path in filter(None, (*arguments.scenes, arguments.motion)):
         if not path.is_file():
             parser.error(f"{path}: there is no such scene file")
     if trouble := external_solvers.set_files(arguments.solver):
@@ -106,16 +109,16 @@ def main(argv=None) -> int:
         print(error, file=sys.stderr)
         return 2
     if arguments.scenes:
-        _print_networks(stages, out / "results")
+        failed = {end.stage.name for end in ended if end.state == "failed"}
+        _print_networks([stage for stage in stages if stage.name not in failed], out / "results")
     return _print_outcome(path, ended)
 
 
 def _plan(arguments, out: Path) -> tuple[list[Stage], str]:
     """Return the stages, and the file name of the page."""
     if arguments.scenes:
-        return scene_plan(
-            arguments.scenes, arguments.depth
-        ), f"scene-{'-'.join(path.stem for path in arguments.scenes)}.html"
+        stages = scene_plan(arguments.scenes, arguments.depth, arguments.motion)
+        return stages, f"scene-{'-'.join(path.stem for path in arguments.scenes)}.html"
     return plan(arguments.quick, published.write_scenes(out / "published")), "index.html"
 
 

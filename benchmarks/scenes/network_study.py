@@ -24,7 +24,7 @@ MOST_FAILURES = 2  # of harmonic balance: each takes seconds, and finer meshes f
 LEVELS = (40, 120), (80, 240), (160, 480)
 """(cells, steps in a period) of the reference: both doubled from one to the next."""
 PERIODS, REFERENCE_PERIODS = 6, 10  # of a time history, whose last one is compared
-SECOND_ORDER = 3.0  # least ratio of successive changes that are extrapolated; four where the order is two
+SECOND_ORDER = 3.0, 5.0  # ratios of successive changes that are extrapolated: four where the order is two
 SERIES_STEPS = 120  # least steps of the duration of a motion that is no periodic one
 SERIES_UNIT = 60  # of these steps stand for a period in the tables of settings
 COUNT = 1000  # times at which tensions are compared, of a period; of a series at least
@@ -190,7 +190,8 @@ class Study:
 def extrapolate(waves) -> tuple[np.ndarray, float, bool]:
     """Return (wave, uncertainty, whether extrapolated) of two or three waves (lines, S), each finer than the last."""
     changes = [error_of(before, after) for before, after in pairwise(waves)]
-    if len(waves) < 3 or changes[0] < SECOND_ORDER * changes[1]:
+    low, high = SECOND_ORDER
+    if len(waves) < 3 or not low * changes[1] <= changes[0] <= high * changes[1]:
         return waves[-1], changes[-1], False
     wave = waves[2] + (waves[2] - waves[1]) / 3
     return wave, error_of(waves[2], wave), True

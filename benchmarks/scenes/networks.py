@@ -12,7 +12,6 @@ from pathlib import Path
 import numpy as np
 
 from solvers import ConvergenceError, InputError, mooring_system, solve_network
-from solvers.io import load_moordyn, load_network, read_map_file
 from solvers.numerics.threads import one_blas_thread
 
 from ..cable.work_precision import least_seconds
@@ -20,6 +19,7 @@ from ..network.pictures import drawn
 from ..run import console, results
 from . import network_outputs as outputs
 from . import network_peers as peers_beside
+from .network_files import line_names, load, node_names
 from .network_study import PERIODS, REFERENCE_PERIODS, STEPPED, Study, error_of
 
 BAD_FILE = 2  # exit status
@@ -29,25 +29,8 @@ STATIC_CELLS, COMPACT_STATIC_CELLS = (10, 20, 40, 80), (20, 40)
 SLACK_SHARE = 0.1  # of the pretension: a smaller tension is called nearly slack
 WORTH = 0.1  # of the tolerance, from which an unsteady response is mentioned
 UPLIFT_ANGLE = 1.0  # degrees, from which uplift of an anchor is mentioned
-MAP_SECTION = "LINE DICTIONARY"  # by which a MAP++ file is known: .dat is its suffix in OpenFAST and one of MoorDyn's
 TIMINGS = "timings"
 """Key of the file of timings: stem -> rows of method, cells, steps or harmonics, and seconds."""
-
-
-def load(path: Path, depth: float | None = None):
-    """Return the network of a file and sentences on what the file says without meaning here.
-
-    depth: of the water in m, which a MAP++ file may leave to its reader. Raises InputError naming file and place of
-    what is wrong.
-    """
-    if path.suffix.lower() == ".toml":
-        network = load_network(path)
-    elif MAP_SECTION in path.read_text(encoding="utf-8", errors="replace").upper():
-        network = read_map_file(path, depth=depth)
-        return network, tuple(f"Not used: {text}." for text in network.ignored)
-    else:
-        network = load_moordyn(path)
-    return network, network.notes
 
 
 def statics(network, compact: bool) -> dict:
@@ -168,25 +151,12 @@ def _coupled_names(network) -> list[str]:
     return [name for name, node in zip(node_names(network), network.nodes, strict=True) if node.kind == "coupled"]
 
 
-def node_names(network) -> list[str]:
-    """Return the names of the nodes, their numbers where the file gives none."""
-    return list(getattr(network, "node_names", ())) or [str(i) for i in range(1, len(network.nodes) + 1)]
-
-
 def _picture(network) -> dict:
     """Return what a picture shows: see ``benchmarks.network.pictures.drawn``; each node with its name."""
     picture = drawn(network)
     for node, name in zip(picture["nodes"], node_names(network), strict=True):
         node["name"] = name
     return picture
-
-
-def line_names(network) -> list[str]:
-    """Return a name for each line: those of the nodes at its ends, its number where the nodes have none."""
-    names = getattr(network, "node_names", ())
-    if not names:
-        return [f"line {i}" for i in range(1, len(network.elements) + 1)]
-    return [f"{names[a]} \N{EN DASH} {names[b]}" for a, b in (element.ends for element in network.elements)]
 
 
 def _stiffness_at_rest(network):
@@ -276,7 +246,7 @@ def _run(arguments, networks: dict) -> dict:
     def work():
         for stem, (path, network, notes) in networks.items():
             for value in study(path, network, notes, compact):
-                file[stem] = value
+                file[stem] = value and value | {"series": arguments.motion and arguments.motion.name}
                 yield None
 
     total = sum(steps(network, compact) for _, network, _ in networks.values())
@@ -292,9 +262,12 @@ def main(argv=None) -> int:
     parser.add_argument("--compact", action="store_true", help="fewer settings: a section of the whole report")
     parser.add_argument("--kind", choices=("timed", "untimed"), help="timings only, or all else, in files of their own")
     parser.add_argument("--depth", type=float, metavar="M", help="depth of the water in m, where a MAP++ file asks")
+    parser.add_argument(
+        "--motion", type=Path, metavar="FILE.csv", help="motion of the body, in place of the file's own"
+    )
     arguments = parser.parse_args(argv)
     try:
-        networks = {path.stem: (path, *load(path, arguments.depth)) for path in arguments.files}
+        networks = {path.stem: (path, *load(path, arguments.depth, arguments.motion)) for path in arguments.files}
         file = _run(arguments, networks)
     except InputError as error:
         print(error, file=sys.stderr)

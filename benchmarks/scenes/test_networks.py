@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from benchmarks.scenes import network_outputs, network_study, networks
+from benchmarks.scenes.network_files import line_names, load
 from benchmarks.scenes.network_study import Study, error_of, extrapolate
 from solvers import (
     BodyMotion,
@@ -23,8 +25,10 @@ from solvers import (
     mooring_system,
     solve_time_domain,
 )
+from solvers.io import load_network, write_moordyn
 from solvers.io.network_scene import NamedNetwork
 
+NETWORKS = Path(str(files("reference_data") / "scenes" / "networks"))
 ROPE = CableProperties(EA=2e7, diameter=0.12, mass_per_length=25.0, Cdn=1.2, Cdt=0.05, Ca=1.0)
 CHAIN = CableProperties(EA=1e8, diameter=0.08, mass_per_length=80.0, Cdn=2.0, Cdt=0.1, Ca=1.0)
 SURGE = BodyMotion.harmonic(0.1, (1.0, 0.0, 0.5, 0.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0, 0.0, 0.0))
@@ -98,6 +102,7 @@ def test_second_order_is_extrapolated_and_first_order_is_not():
     waves = {order: [truth * (1 + 0.1 * h**order) for h in (1.0, 0.5, 0.25)] for order in (1, 2)}
     wave, uncertainty, extrapolated = extrapolate(waves[2])
     assert extrapolated and error_of(wave, truth) < 1e-14 and uncertainty == pytest.approx(0.1 / 16, rel=1e-12)
+    assert not extrapolate([truth * (1 + e) for e in (0.1, 0.01, 0.0)])[2]  # too fast for an order
     wave, uncertainty, extrapolated = extrapolate(waves[1])
     assert not extrapolated and wave is waves[1][2] and uncertainty == pytest.approx(0.025 / 1.025, rel=1e-12)
 
@@ -166,6 +171,22 @@ def test_a_slack_line_is_said_to_be(few_cells, monkeypatch):
     slack = [row["slack"] for row in report["motion"]]
     assert any(0 < part["share"] < 1 and part["start"] is not None for part in slack)
     assert any("goes slack" in text for text in report["warnings"])
+
+
+# ---------------------------------------------------------------- files
+def test_files_of_other_codes_are_the_same_network(tmp_path):
+    """A MoorDyn file by either suffix, and a MAP++ file: the lines, notes on what is not used, a series as motion."""
+    network = load_network(NETWORKS / "oc3_moving.toml")
+    write_moordyn(tmp_path / "spar.dat", network)
+    read, notes = load(tmp_path / "spar.dat", series=NETWORKS / "drift.csv")
+    assert any("NumSegs" in note for note in notes) and read.motion.period is None
+    assert read.motion.displacement([[0.0, 0.0, 0.0]], 60.0)[0, 0] == pytest.approx(4.0)
+    flagged, flags = load(NETWORKS.parent / "oc3_hywind.map", depth=320.0)
+    assert flags and all(note.startswith("Not used: ") for note in flags) and len(line_names(flagged)) == 3
+    wanted = networks.statics(network, True)["exact"]
+    for other in (read, flagged):
+        assert networks.statics(other, True)["exact"] == pytest.approx(wanted, rel=1e-3)  # of a rounded weight
+    assert line_names(network)[0] == "anchor 1 \N{EN DASH} fairlead 1"
 
 
 # ---------------------------------------------------------------- series and failures

@@ -305,13 +305,27 @@ def _series_of(path: Path) -> tuple[str, ...]:
     return (str((path.parent / named[1]).resolve()),) if named and (path.parent / named[1]).is_file() else ()
 
 
-def network_stage(path: Path, depth: float | None = None) -> Stage:
-    """Return the stage of one network file, named after its stem; depth in m, where a MAP++ file asks for it."""
+def network_stage(path: Path, depth: float | None = None, series: Path | None = None) -> Stage:
+    """Return the stage of one network file, named after its stem; depth in m, where a MAP++ file asks for it.
+
+    series: a CSV file with the motion of the body, in place of the file's own.
+    """
     module, where = "benchmarks.scenes.networks", str(path.resolve())
-    arguments = (module, where, "--out", "{results}", *(() if depth is None else ("--depth", f"{depth:g}")))
-    return Stage(f"network_{path.stem}", "moving_networks", f"network {path.stem}", arguments,
-                 f"network_{path.stem}.json", (program(module),), (where, *_series_of(path)),
-                 timed=True, seconds=SCENE_SECONDS["moving_network"])  # fmt: skip
+    moved = () if series is None else (str(series.resolve()),)
+    arguments = (module, where, "--out", "{results}", *(("--motion", *moved) if moved else ()))
+    arguments += () if depth is None else ("--depth", f"{depth:g}")
+    name, sources = f"network_{path.stem}", (where, *_series_of(path), *moved)
+    return Stage(
+        name,
+        "moving_networks",
+        f"network {path.stem}",
+        arguments,
+        f"{name}.json",
+        (program(module),),
+        sources,
+        timed=True,
+        seconds=SCENE_SECONDS["moving_network"],
+    )
 
 
 # ---------------------------------------------------------------- the whole
@@ -355,6 +369,9 @@ def plan(quick: bool, published: list[Path]) -> list[Stage]:
     ]  # fmt: skip
 
 
-def scene_plan(paths: list[Path], depth: float | None = None) -> list[Stage]:
+def scene_plan(paths: list[Path], depth: float | None = None, series: Path | None = None) -> list[Stage]:
     """Return the stages of a page about somebody's own lines and networks."""
-    return [_machine(), *(network_stage(path, depth) if is_network(path) else scene_stage(path) for path in paths)]
+    return [
+        _machine(),
+        *(network_stage(path, depth, series) if is_network(path) else scene_stage(path) for path in paths),
+    ]

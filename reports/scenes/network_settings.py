@@ -111,9 +111,13 @@ def python_to_paste(report: dict) -> str | None:
     duration = f"periods={report['periods']}" if report["period"] else f"duration={report['duration']:.6g}"
     name, how = ("solve_periodic", f"harmonics={best['harmonics']}") if balanced else (
         "solve_time_domain", f"dt={best['dt']:.6g}, {duration}")  # fmt: skip
+    reader = "load_network" if report["file"].endswith(".toml") else "load_moordyn"
+    series = report.get("series")
+    motion = f', motion=load_body_motion("{series}")' if series else ""
+    readers = f"load_body_motion, {reader}" if series else reader
     return (
-        f"from solvers import mooring_system, {name}\nfrom solvers.io import load_network\n\n"
-        f'system = mooring_system(load_network("{report["file"]}"), cells={best["cells"]})\n'
+        f"from solvers import mooring_system, {name}\nfrom solvers.io import {readers}\n\n"
+        f'system = mooring_system({reader}("{report["file"]}"), cells={best["cells"]}{motion})\n'
         f"result = {name}(system, {how})\n"
         "largest = [abs(line.fairlead_tension(line.time)).max() for line in result.elements]  # N\n"
         "force, moment = result.body_force, result.body_moment  # (3, K), N and N m"

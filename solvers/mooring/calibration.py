@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..common.outcome import InputError
+from .mesh import FAIRLEAD_POSITIONS
 from .prescribed_motion import displace_points
 
 SMALL_CHANGE = 0.1  # of the tension at rest: quasi-static change over the motion below which lines are calibrated
@@ -48,3 +50,22 @@ def calibrate_line(system):
     ratio = line.length / length  # keeps what stands at the nodes
     changed = {name: getattr(line, name) * ratio for name in ("mass", "added_mass", "normal_drag", "tangential_drag")}
     return line._replace(length=length, load=np.ascontiguousarray((system.axes @ load).T), **changed)
+
+
+def is_to_be_calibrated(given, model, motion) -> bool:
+    """Return whether a MooringModel in a motion is calibrated: as given, or for "auto" where that helps.
+
+    Raises InputError for anything but True, False and "auto", and for True where it cannot be done.
+    """
+    if not (isinstance(given, (bool, np.bool_)) or given == "auto"):
+        raise InputError(f"{given!r} must be 'auto', True or False", field="calibrate", value=given)
+    if model.environment.depth is not None or not model.is_line:
+        if given is not False and given != "auto":
+            problem = "over a seabed that would fix where the line lies" if model.is_line else "it takes a single line"
+            raise InputError(f"True, and {problem}", field="calibrate", value=given)
+        return False
+    if given != "auto":
+        return bool(given)
+    if getattr(motion, "period", None) is None:
+        return False
+    return estimate_tension_change(model, motion, FAIRLEAD_POSITIONS) < SMALL_CHANGE

@@ -97,14 +97,14 @@ def integrate_components(system, build_history, *, start=None, progress=None, **
         for part, history in zip(parts, histories, strict=True):
             whole[:, part.nodes] = getattr(history, name).T[: time.size]
         series.append(whole.T)
-    event = shortest.event
-    if event is not None:
-        event = event[0], int(parts[histories.index(shortest)].nodes[event[1]])
+    failed = [(history, part) for history, part in zip(histories, parts, strict=True) if not history.success]
+    first, part = min(failed, key=lambda pair: pair[0].event[0], default=(shortest, None))
+    event = None if part is None else (first.event[0], int(part.nodes[first.event[1]]))
     damped = [history.damped_from for history in histories if history.damped_from is not None]
     counts = (sum(getattr(history, name) for history in histories) for name in ("iterations", "factorisations"))
     error, cut = max(history.residual_norm for history in histories), sum(history.cut for history in histories)
     return build_history(
-        time, *series, shortest.status, *counts, error, steps, cut, min(damped, default=None), settings["ramp"], event,
+        time, *series, first.status, *counts, error, steps, cut, min(damped, default=None), settings["ramp"], event,
         {"start": start, **settings})  # fmt: skip
 
 

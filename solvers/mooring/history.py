@@ -12,6 +12,7 @@ from scipy.interpolate import PchipInterpolator
 from ..common.outcome import ConvergenceError, InputError, Outcome, Status
 from ..common.response import Response, last_period, within_history
 from . import diagnostics
+from .coarsening import common_nodes
 from .diagnostics import largest_change
 from .prescribed_motion import reference_point
 
@@ -201,7 +202,7 @@ class MooringHistory(MooringOutputs, Outcome):
             return None
         settings = dict(self.settings)
         if settings["start"] is not None:
-            kept = self.system.nodes_of_coarser(coarser[0])
+            kept = common_nodes(coarser[0].layout, self.system.layout)
             settings["start"] = [part if part is None else part[:, kept] for part in settings["start"]]
         try:
             return largest_change(self, coarser[0].integrate(**settings))

@@ -128,7 +128,7 @@ class MooringModel:
     def _sinkage(self, layout, points) -> np.ndarray:
         """Return how far points (P, 3) on the seabed sink under their weight and that of half a cell each way, m."""
         environment, weight, length = self.environment, np.zeros(len(points)), np.zeros(len(points))
-        if not environment.seabed_stiffness:
+        if environment.depth is None or not environment.seabed_stiffness:
             return weight
         for i, point in enumerate(self.points):
             weight[i] = environment.g * (point.mass - environment.rho * point.volume) - point.force[2]

@@ -78,9 +78,10 @@ class MooringState(Outcome):
 def solve_rest(system, displacement=(0.0, 0.0, 0.0), throw=True) -> MooringState:
     """Return the equilibrium of a MooringSystem, its moved points displaced by (3,) or (M, 3) in m.
 
-    Newton's method with the tensions of the cells as unknowns of their own beside the positions; where it fails, the
-    current grows and the seabed stiffens in steps. Raises ConvergenceError where no equilibrium is found
-    (``throw=False``: a state whose status says so).
+    Newton's method with the tensions of the cells as unknowns of their own beside the positions. Where it fails from
+    the catenaries, soft lines over a soft seabed in still water, whose energy has one minimum, settle first; stiffness
+    and current then grow in steps. Raises ConvergenceError where no equilibrium is found (``throw=False``: a state
+    whose status says so).
     """
     if system.components:
         displaced = np.broadcast_to(displacement, system.moved_points.shape)
@@ -92,26 +93,12 @@ def solve_rest(system, displacement=(0.0, 0.0, 0.0), throw=True) -> MooringState
         return state.or_raise("; ".join(failed)) if throw else state
     catenaries = system.model.at_rest(system.layout, displacement)
     start = np.ascontiguousarray(system.to_axes(catenaries.r).T)
-    tension = catenaries.tension
-    x, steps, converged = _Statics(system, 1.0, tension).newton(start)
+    search = _Search(system, catenaries.tension)
+    x, steps, converged = search.newton(1.0, start)
     reached, iterations = float(converged), len(steps)
     if not converged:
-
-        def solve(load_factor, x):
-            nonlocal tension
-            statics, descents = _Statics(system, load_factor, tension), []
-            result, steps, converged = statics.newton(x)
-            if not converged:
-                result, descents = statics.lower_energy(x)
-                tension = statics.evaluate(result)[1]
-                result, steps, converged = _Statics(system, load_factor, tension).newton(result)
-            if converged:
-                tension = statics.evaluate(result)[1]
-            return result, [*descents, *steps], converged
-
-        soft, descents = _Statics(system, 0.0, tension).lower_energy(start)
-        tension = _Statics(system, 0.0, tension).evaluate(soft)[1]
-        x, reached, more, steps = continue_in_load(solve, soft, min_step=MIN_LOAD_STEP)
+        soft, descents = search.descend(0.0, start)
+        x, reached, more, steps = continue_in_load(search.solve, soft, min_step=MIN_LOAD_STEP)
         iterations += len(descents) + more
     R, T, _ = _Statics(system, 1.0, np.zeros(system.line.length.size)).evaluate(x)
     forces = system.axes.T @ -R.T
@@ -132,6 +119,37 @@ def _solve_component(system, displacement):
     if state.success:
         vars(system)["rest"] = state  # where the cached property keeps it
     return state
+
+
+class _Search:
+    """The solves of a continuation: each begins with the tensions (C,) in N that the one before ended with."""
+
+    def __init__(self, system, tension):
+        self.system, self.tension = system, tension
+
+    def newton(self, load_factor, x):
+        """Return (x, steps, converged) of Newton's method at a load factor."""
+        statics = _Statics(self.system, load_factor, self.tension)
+        result, steps, converged = statics.newton(x)
+        if converged:
+            self.tension = statics.evaluate(result)[1]
+        return result, steps, converged
+
+    def descend(self, load_factor, x):
+        """Return (x, steps) near the least energy at a load factor."""
+        statics = _Statics(self.system, load_factor, self.tension)
+        x, steps = statics.lower_energy(x)
+        self.tension = statics.evaluate(x)[1]
+        return x, steps
+
+    def solve(self, load_factor, x):
+        """Return (x, steps, converged) at a load factor: of Newton's method, or of both in turn where it fails."""
+        result, steps, converged = self.newton(load_factor, x)
+        if converged:
+            return result, steps, converged
+        result, descents = self.descend(load_factor, x)
+        result, steps, converged = self.newton(load_factor, result)
+        return result, [*descents, *steps], converged
 
 
 class _Statics:

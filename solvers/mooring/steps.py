@@ -29,6 +29,29 @@ def newmark_parameters(rho_inf) -> tuple[float, float, float, float]:
     return alpha_m, alpha_f, (1 - alpha_m + alpha_f) ** 2 / 4, 0.5 - alpha_m + alpha_f
 
 
+@compiled
+def seabed_after_step(line, i, depth, step, by_v):
+    """Return about what the force of the seabed on node i in N changes by with a step in r, and by_v times it in v."""
+    n, slip = step.shape[1], 0.0
+    for k in range(n - 1):
+        slip = max(slip, by_v * abs(step[i, k]))
+    normal = (line.seabed_stiffness[i] + by_v * line.seabed_damping[i]) * abs(step[i, n - 1])
+    return normal + line.friction[i] * line.seabed_stiffness[i] * depth * min(1.0, slip / line.slip_speed)
+
+
+@compiled
+def law_after_step(line, c, r, v, step, by_v):
+    """Return the tension in N that the law gives to cell c once r less ``step`` and v less by_v times it are taken."""
+    square, opening, first, last = 0.0, 0.0, line.first[c], line.last[c]
+    for k in range(r.shape[1]):
+        change = step[last, k] - step[first, k]
+        d = r[last, k] - r[first, k] - change
+        square += d * d
+        opening += d * (v[last, k] - v[first, k] - by_v * change)
+    distance = np.sqrt(square)
+    return line.EA[c] * (distance / line.length[c] - 1 + line.damping[c] * opening / (distance * line.length[c]))
+
+
 @compiled(calls=(equations, elimination))
 def integrate(
     line, order, driven, path, source, h, scheme, scale, tolerance, rest, state, auxiliary, record, every, stop
@@ -95,8 +118,11 @@ def integrate(
                 solve(order, diagonal, right, left, R)
                 error = 0.0
                 for i in range(nodes):
+                    depth = line.floor - min(r1[i, n - 1], r1[i, n - 1] - R[i, n - 1])
+                    if depth > 0:
+                        error = max(error, seabed_after_step(line, i, depth, R, by_v) / scale[0])
                     for k in range(n):
-                        error = max(error, abs(R[i, k]) / scale[1])
+                        error = max(error, abs(R[i, k]) / scale[1] * max(1.0, scale[2]))
                         if not abs(R[i, k]) < np.inf:
                             error = np.inf
                 for c in range(cells):
@@ -108,6 +134,8 @@ def integrate(
                         error = max(error, abs(change) / scale[0], -(T[c] + change) / scale[0])
                         auxiliary[c] = T[c] + change
                     else:
+                        law = law_after_step(line, c, r1, v1, R, by_v)
+                        error = max(error, law / scale[0])  # of a cell that the step stretches
                         auxiliary[c] = 0.0
                 solved = error <= max(tolerance * scale[2], scale[3])
                 part = 1.0 if solved or iteration < FULL_STEPS else 0.5  # cells that turn taut and slack by turns

@@ -7,30 +7,26 @@ from dataclasses import replace
 from functools import cached_property, partial
 
 import numpy as np
-from scipy.interpolate import make_interp_spline
 
-from ..common.body_motion import BodyMotion
 from ..common.outcome import InputError, Status
 from ..common.properties import MAX_STRAIN
 from ..common.types import as_system
 from ..common.validation import positive_number
 from ..network.model import Network
 from .assembly import assemble_line, evaluate_forces, find_axes, take_end_cell
-from .calibration import SMALL_CHANGE, calibrate_line, estimate_tension_change
+from .calibration import calibrate_line, is_to_be_calibrated
+from .coarsening import coarsen, prolong, share_loads
 from .components import Component, integrate_components, merge_responses, split_system
-from .equations import residual, tangents
 from .harmonic import MooringHarmonics, MooringResponse, full_then_damped_newton, solve_extrapolated, start_from_time
 from .history import MooringHistory
 from .layout import number_nodes, plan_elimination
-from .mesh import FAIRLEAD_POSITIONS, build_mesh
+from .mesh import build_mesh
 from .model import build_model
 from .modes import LinePencil
-from .prescribed_motion import move_points, ramp_motion
+from .prescribed_motion import move_points, ramp_motion, require_above_seabed, require_motion
 from .statics import MooringState, solve_rest
 from .time_domain import integrate_line
 
-IN_SEABED = 1e-3  # of the depth, by which a point that rests on a soft seabed may be pressed into it
-MIN_NODES = 4  # of a coarser line
 PERIODS_TO_START = 3  # of the motion, whose last one a periodic response starts from
 SLIP_SPEED = 0.01  # m/s, at which the regularised friction reaches 0.7 of Coulomb's
 
@@ -69,15 +65,12 @@ def mooring_system(
     """
     model = build_model(scene)
     motion = getattr(scene, "motion", None) if motion is None else motion
-    if motion is not None and not (callable(getattr(motion, "velocity", None)) or isinstance(motion, BodyMotion)):
-        problem = f"{motion!r} is no BodyMotion, Motion, SampledMotion or FunctionMotion"
-        raise InputError(problem, field="motion", value=motion)
-    if motion is not None and not model.moved:
-        raise InputError("it moves coupled points, and none is there", field="motion", value=motion)
+    if motion is not None:
+        require_motion(motion, model)
     axes = find_axes(model, fields, motion)
     layout = number_nodes(model, build_mesh(model, cells, mesh, motion))
     slip_speed = positive_number("slip_speed", slip_speed, "m/s")
-    calibrated = _calibrates(calibrate, model, motion)
+    calibrated = is_to_be_calibrated(calibrate, model, motion)
     return MooringSystem(model, layout, axes, motion, slip_speed, source, calibrated=calibrated)
 
 
@@ -110,10 +103,8 @@ class MooringSystem:
         """Unstretched arc lengths (N,) of the nodes of a line, m; those of a network are ``layout.s``."""
         if not self.model.is_line:
             raise InputError("the elements of a network have one each, layout.s", field="s")
-        parts, starts = self.layout.s, np.cumsum([0.0, *(segment.length for segment in self.model.segments)])
-        return np.concatenate(
-            [parts[0], *(start + part[1:] for start, part in zip(starts[1:], parts[1:], strict=False))]
-        )
+        starts = np.cumsum([0.0, *(segment.length for segment in self.model.segments)])
+        return np.concatenate([[0.0], *(start + s[1:] for start, s in zip(starts, self.layout.s, strict=False))])
 
     # ------------------------------------------------------------ the same line, changed
     def with_motion(self, motion) -> MooringSystem:
@@ -214,43 +205,32 @@ class MooringSystem:
 
     def coarser(self):
         """Return the lines on every second node, and cubic splines between its nodes; None where one has too few."""
-        fine = self.layout
-        if any(s.size + 1 < 2 * MIN_NODES for s in fine.s):
+        layout = coarsen(self.model, self.layout)
+        if layout is None:
             return None
-        layout = number_nodes(self.model, [s[_every_second(s)] for s in fine.s])
-        source, share = self.source, _shares(layout, fine)
+        source, share = self.source, share_loads(layout, self.layout)
         coarse = MooringSystem(
             self.model, layout, self.axes, self.motion, self.line.slip_speed,
             source and (lambda t: share @ source(t)), self.period, self.calibrated)  # fmt: skip
+        return coarse, partial(prolong, layout, self.layout)
 
-        def prolong(z):
-            result = np.empty((z.shape[0], fine.size, *z.shape[2:]))
-            for s, nodes, coarse_s, coarse_nodes in zip(fine.s, fine.nodes, layout.s, layout.nodes, strict=True):
-                result[:, nodes] = make_interp_spline(coarse_s, z[:, coarse_nodes], axis=1)(s)
-            return result
-
-        return coarse, prolong
-
-    def nodes_of_coarser(self, coarse) -> np.ndarray:
-        """Return which nodes of these lines those (N',) of their ``coarser`` ones are."""
-        kept = np.empty(coarse.nodes, dtype=int)
-        for coarse_nodes, s, nodes in zip(coarse.layout.nodes, self.layout.s, self.layout.nodes, strict=True):
-            kept[coarse_nodes] = nodes[_every_second(s)]
-        return kept
-
-    @cached_property
-    def _prescribed_positions(self):
-        return self.to_axes(np.array([self.model.points[i].r for i in self._prescribed_points]).T).T
+    # ------------------------------------------------------------ the points that are prescribed
+    def _mean_positions(self, points) -> np.ndarray:
+        return np.array([self.model.points[i].r for i in points]).reshape(-1, 3)
 
     @cached_property
     def moved_points(self) -> np.ndarray:
         """Mean positions (M, 3) of the coupled points, m."""
-        return np.array([self.model.points[i].r for i in self.model.moved]).reshape(-1, 3)
+        return self._mean_positions(self.model.moved)
 
     @property
     def coupled_nodes(self) -> np.ndarray:
         """Nodes (M,) at the coupled points."""
         return self.layout.points[self.model.moved]
+
+    @cached_property
+    def _prescribed_positions(self):
+        return self.to_axes(self._mean_positions(self._prescribed_points).T).T
 
     def path(self, t) -> np.ndarray:
         """Return position, velocity and acceleration of the prescribed nodes at times t (S,), (S, 3, P, n)."""
@@ -259,21 +239,13 @@ class MooringSystem:
         path[:, 0] = self._prescribed_positions
         if self.motion is not None:
             for k, part in enumerate(move_points(self.motion, self.moved_points, t)):
-                for moved, of_point in zip(self._moved, part.swapaxes(0, 1), strict=True):
-                    path[:, k, moved] += (self.axes @ of_point).T
-            self._require_above_seabed(t, path[:, 0, self._moved, -1])
+                if part.shape[1] == 1:  # all points alike
+                    path[:, k, self._moved] += (self.axes @ part[:, 0]).T[:, None]
+                else:
+                    for moved, of_point in zip(self._moved, part.swapaxes(0, 1), strict=True):
+                        path[:, k, moved] += (self.axes @ of_point).T
+            require_above_seabed(self.model, self.moved_points, t, path[:, 0, self._moved, -1])
         return path
-
-    def _require_above_seabed(self, t, z):
-        """Raise InputError where the motion takes a point (S, M) below the seabed that is above it at rest."""
-        floor = self.line.floor
-        below = (z < floor - IN_SEABED * abs(floor)) & (self.moved_points[:, 2] >= floor)
-        if below.any():
-            k, i = np.argwhere(below)[0].tolist()
-            problem = (
-                f"takes node {self.model.moved[i] + 1} to z = {z[k, i]:g} m at t = {t[k]:g} s, below the seabed at"
-            )
-            raise InputError(f"{problem} {floor:g} m", field="motion", unit="m")
 
     def name_node(self, node) -> str:
         """Return what a message calls a node: its number along a line, or its element and arc length."""
@@ -310,19 +282,6 @@ class MooringSystem:
     def _end_cells(self) -> dict:
         return {}
 
-    def acceleration(self, r, v) -> np.ndarray:
-        """Return the accelerations (N, n) in m/s^2 that balance positions and velocities (N, n) at t = 0."""
-        (nodes, n), cells = r.shape, self.line.length.size
-        R, T, unit, zeros = np.empty_like(r), np.empty(cells), np.empty((cells, n)), np.zeros_like(r)
-        mass, right, left = np.empty((nodes, n, n)), np.empty((cells, n, n)), np.empty((cells, n, n))
-        no_tension = np.zeros(cells)
-        residual(self.line, r, v, zeros, no_tension, R, T, unit)
-        R -= self.source_at(np.zeros(1)).sum(axis=0)  # of none the sum is zero
-        tangents(self.line, r, v, zeros, no_tension, (0.0, 0.0, 1.0), mass, right, left)
-        a = np.linalg.solve(mass, -R[..., None])[..., 0]
-        a[self.prescribed_nodes] = self.path(np.zeros(1))[0, 2]
-        return a
-
     def source_at(self, t) -> np.ndarray:
         """Return the loads (S, N, n) in N that a source adds at times t (S,), or an empty array without one."""
         n = len(self.axes)
@@ -336,33 +295,6 @@ class MooringSystem:
     def positions(self, y) -> np.ndarray:
         """Return positions (3, N, *S) in the public frame of coordinates (n, N, *S), m."""
         return np.tensordot(self.axes.T, y, 1) + self.origin.reshape(3, *(1,) * (np.ndim(y) - 1))
-
-
-def _every_second(s) -> np.ndarray:
-    return np.append(np.arange(s.size - 1)[::2], s.size - 1)
-
-
-def _shares(coarse, fine) -> np.ndarray:
-    """Return the part (N', N) of a load on a node of a Layout that each node of a coarser one takes."""
-    share = np.zeros((coarse.size, fine.size))
-    for coarse_s, coarse_nodes, s, nodes in zip(coarse.s, coarse.nodes, fine.s, fine.nodes, strict=True):
-        share[np.ix_(coarse_nodes, nodes)] = [np.interp(s, coarse_s, unit) for unit in np.eye(coarse_s.size)]
-    return share
-
-
-def _calibrates(given, model, motion) -> bool:
-    if not (isinstance(given, (bool, np.bool_)) or given == "auto"):
-        raise InputError(f"{given!r} must be 'auto', True or False", field="calibrate", value=given)
-    if model.environment.depth is not None or not model.is_line:
-        if given is not False and given != "auto":
-            problem = "over a seabed that would fix where the line lies" if model.is_line else "it takes a single line"
-            raise InputError(f"True, and {problem}", field="calibrate", value=given)
-        return False
-    if given != "auto":
-        return bool(given)
-    if getattr(motion, "period", None) is None:
-        return False
-    return estimate_tension_change(model, motion, FAIRLEAD_POSITIONS) < SMALL_CHANGE
 
 
 as_system.register(Network, mooring_system)

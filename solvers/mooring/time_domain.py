@@ -10,6 +10,7 @@ import numpy as np
 
 from ..common.outcome import Status
 from ..common.properties import MAX_STRAIN
+from .equations import residual, tangents
 from .history import MooringHistory
 from .prescribed_motion import displace_points
 from .statics import solve_rest
@@ -18,6 +19,7 @@ from .steps import integrate, newmark_parameters
 MOST_HALVINGS = 10  # of one step
 STEPS_AT_ONCE = 256  # between two calls of ``progress``
 RHO_INF = 0.5  # spectral radius at infinite frequency while all cells are taut
+POSITION_SCALE = 0.01  # of the length: a position may err by so much less than a tension, each over its scale
 ROUNDINGS = 4  # of a position as far away as the line is long, below which no Newton step is asked to fall
 LEAST_CHANGE = 1e-3  # of the greatest tension at rest: smaller changes are not resolved any further
 _LEAST_DISPLACEMENT = 1e-6  # of the length, which the error of a step refers to while less has moved
@@ -38,7 +40,7 @@ def integrate_line(
     settings = {"dt": dt, "count": count, "rho_inf": rho_inf, "tolerance": tolerance, "step_tolerance": step_tolerance}
     settings |= {"ramp": ramp, "start": start, "every": every}
     moved = system.ramped(ramp) if ramp else system
-    run = _Run(moved, rho_inf, tolerance, step_tolerance, _initial_state(moved, start))
+    run = _Run(moved, rho_inf, tolerance, step_tolerance, _initial_state(moved, start, moves_at_once=not ramp))
     kept = count // every
     record = tuple(np.empty((kept + 1 + (count % every > 0), *run.state[0].shape)) for _ in range(3))
     for part, first in zip(record, run.state, strict=False):
@@ -86,7 +88,7 @@ class _Run:
         greatest, length = float(self.rest.max()) or 1.0, system.length
         stiffest = float((system.line.EA / system.line.length).max())
         rounding = ROUNDINGS * np.finfo(float).eps * (1 + stiffest * length / greatest)  # of a position, in a tension
-        self.scale = np.array([greatest, length, LEAST_CHANGE, rounding])
+        self.scale = np.array([greatest, POSITION_SCALE * length, LEAST_CHANGE, rounding])
         self.iterations = self.factorisations = self.cut = self.worst = self.halvings = 0
         self.error = self.largest_displacement = 0.0
 
@@ -166,15 +168,17 @@ class _Run:
         """Return the largest local error of some steps, h^2 |beta - 1/6| |change of a|, over displacements."""
         change = np.diff(np.concatenate([first[None], record[2]]), axis=0)
         displacement = float(abs(record[0] - self.system.rest.y.T).max())
-        self.largest_displacement = max(self.largest_displacement, displacement, _LEAST_DISPLACEMENT * self.scale[1])
+        self.largest_displacement = max(
+            self.largest_displacement, displacement, _LEAST_DISPLACEMENT * self.system.length
+        )
         return h * h * abs(self.scheme[2] - 1 / 6) * float(abs(change).max()) / self.largest_displacement
 
 
-def _initial_state(system, start):
+def _initial_state(system, start, moves_at_once):
     """Return r, v, r'', a and the a before, (N, n) each: at rest, or as given with the r'' that balances it."""
     if start is None:
         state, v = system.rest, np.zeros((system.nodes, len(system.axes)))
-        if system.motion is not None:
+        if system.motion is not None and moves_at_once:  # a motion that is ramped starts from rest
             if (displacement := displace_points(system.motion, system.moved_points, 0.0).T).any():
                 state = solve_rest(system, displacement)
             v[system.prescribed_nodes] = system.path(np.zeros(1))[0, 1]
@@ -182,5 +186,19 @@ def _initial_state(system, start):
     y, ydot = start
     ydot = np.zeros_like(y) if ydot is None else ydot
     r, v = np.ascontiguousarray(y.T), np.ascontiguousarray(ydot.T)
-    a = system.acceleration(r, v)
+    a = balancing_acceleration(system, r, v)
     return r, v, a, a.copy(), a.copy()
+
+
+def balancing_acceleration(system, r, v) -> np.ndarray:
+    """Return the accelerations (N, n) in m/s^2 that balance positions and velocities (N, n) at t = 0."""
+    (nodes, n), cells = r.shape, system.line.length.size
+    R, T, unit, zeros = np.empty_like(r), np.empty(cells), np.empty((cells, n)), np.zeros_like(r)
+    mass, right, left = np.empty((nodes, n, n)), np.empty((cells, n, n)), np.empty((cells, n, n))
+    no_tension = np.zeros(cells)
+    residual(system.line, r, v, zeros, no_tension, R, T, unit)
+    R -= system.source_at(np.zeros(1)).sum(axis=0)  # of none the sum is zero
+    tangents(system.line, r, v, zeros, no_tension, (0.0, 0.0, 1.0), mass, right, left)
+    a = np.linalg.solve(mass, -R[..., None])[..., 0]
+    a[system.prescribed_nodes] = system.path(np.zeros(1))[0, 2]
+    return a

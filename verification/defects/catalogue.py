@@ -141,7 +141,7 @@ _FILES = {
         ),
         _LINE,
     ),
-    **dict.fromkeys(("mooring.layout", "mooring.elimination"), _LAYOUT),
+    **dict.fromkeys(("mooring.layout", "mooring.elimination", "mooring.coarsening"), _LAYOUT),
     **dict.fromkeys(("mooring.components", "mooring.impedance"), ("mooring/test_network.py",)),
     "mooring.prescribed_motion": ("mooring/test_model.py", "mooring/test_network.py", "mooring/test_time_domain.py"),
     "mooring.mesh": ("mooring/test_model.py", "mooring/test_statics.py", "mooring/test_periodic.py"),

@@ -9,6 +9,7 @@ import pytest
 
 from solvers import mooring_system
 from solvers.mooring import elimination
+from solvers.mooring.coarsening import common_nodes
 from solvers.mooring.harmonic import _BlockFactors
 
 from ..cases import networks as cases
@@ -125,7 +126,7 @@ def test_coarser_lines_keep_every_second_node(name):
     """Nodes of the coarser lines are where they say, and a cubic motion along each element comes back."""
     made = system(name, [8 + e % 3 for e in range(len(network(name).elements))])
     coarse, prolong = made.coarser()
-    kept, (fine, few) = made.nodes_of_coarser(coarse), (made.layout, coarse.layout)
+    kept, (fine, few) = common_nodes(coarse.layout, made.layout), (made.layout, coarse.layout)
     assert np.array_equal(kept[few.points], fine.points)
     for e in range(len(fine.s)):
         places = [fine.nodes[e].tolist().index(kept[i]) for i in few.nodes[e]]

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from solvers import Network, mooring_system, solve_network, solve_periodic, solve_time_domain
+from solvers import Motion, Network, Node, mooring_system, solve_network, solve_periodic, solve_time_domain
 from solvers.common.body_motion import BodyMotion
 from solvers.io import load_network
 from solvers.mooring.impedance import harmonic_impedance, mooring_impedance, mooring_stiffness
@@ -218,7 +218,8 @@ def test_lines_in_a_ring_are_equal_under_yaw(lines):
     """Around a body that turns about the axis of a ring, and heaves, all lines have the same tensions."""
     motion = RigidMotion((0.0, 0.0, 5.0), 0.9, (0.0, 0.0, 0.8, 0.0, 0.0, 0.1), (0.0, 0.0, 0.4, 0.0, 0.0, 1.0))
     system = ring(lines, motion)
-    results = solve_time_domain(system.system, dt=0.05, duration=10.0), solve_periodic(system.system, harmonics=4)
+    history = solve_time_domain(system.system, dt=0.05, duration=10.0, tolerance=1e-10)  # each ends by itself
+    results = history, solve_periodic(system.system, harmonics=4)
     for result in results:
         tension = system.tensions(result).reshape(result.time.size, lines, -1)
         assert network_symmetry.spread_error(tension.swapaxes(0, 1)) <= ALIKE
@@ -479,6 +480,80 @@ def test_the_equilibrium_of_the_parts_is_solved_for_once(monkeypatch):
     monkeypatch.setattr("solvers.mooring.statics._Statics.newton", refuse)
     assert solve_time_domain(made, dt=0.5, periods=1).success
     assert solve_periodic(made, harmonics=3).success
+
+
+def two_lines(motion, **options):
+    """Return the system of two lines to a point of a body, and the same one not taken apart."""
+    network = case_network(cases.two_line(depth=None))
+    nodes = [*network.nodes[:2], Node("coupled", (-26.0, 0.0, -65.0))]
+    network = Network(nodes, network.elements, network.environment)
+    made, whole = (mooring_system(network_, 8, motion=motion, **options) for network_ in [with_third_line(network)] * 2)
+    whole.__dict__["components"] = ()
+    return made, whole
+
+
+def with_third_line(network):
+    """Return a network of two lines with one more, so that it is no line."""
+    third = replace(network.elements[0], L=860.0, ends=(3, 2))
+    nodes = [*network.nodes, Node("fixed", (0.0, 700.0, -350.0))]
+    return Network(nodes, [*network.elements, third], network.environment)
+
+
+def test_a_torn_line_is_named_in_whatever_part_it_is(monkeypatch):
+    """The time when a line is first stretched beyond 30 % is that of the whole network, the node one of that line."""
+    for module in ("system", "time_domain"):
+        monkeypatch.setattr(f"solvers.mooring.{module}.MAX_STRAIN", 0.3)
+    made, whole = two_lines(BodyMotion.harmonic(0.02, (0.0, -500.0, 0.0, 0.0, 0.0, 0.0)))
+    settings = {"dt": 0.1, "duration": 20.0, "ramp": 0.0, "throw": False}
+    one, other = (solve_time_domain(system, **settings) for system in (made, whole))
+    assert len(made.components) == 3 and not one.success and one.status == other.status
+    assert one.event[0] == other.event[0] and {one.event[1], other.event[1]} <= set(made.layout.nodes[1].tolist())
+
+
+def test_parts_report_the_time_that_all_have_reached():
+    """Never more than the slowest, ascending, and the whole duration in the end."""
+    made, _ = two_lines(BodyMotion.harmonic(0.05, (1.0, 0.0, 0.0, 0.0, 0.0, 0.0)))
+    reported = []
+    solve_time_domain(made, dt=0.01, duration=10.0, progress=reported.append)
+    assert reported == sorted(reported) and len(reported) > 1 and reported[-1] == pytest.approx(10.0)
+
+
+def test_forces_of_parts_are_extrapolated_as_those_of_the_whole():
+    """From two meshes, of each element, whichever part it is in."""
+    made, whole = two_lines(BodyMotion.harmonic(0.05, (2.0, 1.0, 0.5, 0.0, 0.0, 0.0)))
+    both = [solve_periodic(system, harmonics=3, deferred_correction=True) for system in (made, whole)]
+    t = np.linspace(0.0, 20.0, 7)
+    for e in range(3):
+        one, other = (response.elements[e].fairlead_tension(t) for response in both)
+        assert abs(one - other).max() <= PARTS * other.max()
+        plain = np.linalg.norm(both[0].system.end_force(*rates_at(both[0], t), -1, e), axis=1)
+        assert abs(one - plain).max() > 1e-6 * other.max()
+
+
+def rates_at(response, t):
+    """Return y, ydot and yddot of a response at times."""
+    return response.at(t), response.rate_at(t), response.acceleration_at(t)
+
+
+def test_points_of_a_body_without_rotation_move_alike():
+    """A motion of all coupled points is that of a body which does not turn: path, tensions, force and moment."""
+    amplitude = (1.0, 0.5, 0.3)
+    given = Motion.harmonic(0.05, amplitude), BodyMotion.harmonic(0.05, (*amplitude, 0.0, 0.0, 0.0))
+    made = [mooring_system(scene("three_bridles", None), 4, motion=motion) for motion in given]
+    one, other = (solve_time_domain(system, dt=0.1, duration=5.0) for system in made)
+    for name in ("tension", "body_force", "body_moment"):
+        size = abs(getattr(other, name)).max()
+        assert abs(getattr(one, name) - getattr(other, name)).max() <= ALIKE * size
+
+
+def test_a_body_turns_about_the_origin_unless_told():
+    """Stiffness and impedance of small and finite motions have the origin as their reference point by default."""
+    network = replace(random_network(2).network, current=(0.0, 0.0, 0.0))
+    made, origin = exact_system(network).system, (0.0, 0.0, 0.0)
+    assert np.array_equal(mooring_stiffness(made), mooring_stiffness(made, origin))
+    assert np.array_equal(mooring_impedance(made, 0.1), mooring_impedance(made, 0.1, origin))
+    finite = [harmonic_impedance(made, 0.05, [0, 0, 0, 0, 1e-3, 0], *at, harmonics=2) for at in ((), (origin,))]
+    assert np.array_equal(finite[0][:, 4], finite[1][:, 4]) and np.isnan(finite[0][:, 3]).all()
 
 
 # ---------------------------------------------------------------- a manufactured bridle

@@ -243,7 +243,7 @@ def test_steps_are_those_of_the_formula(rho_inf, step):
 
 # ---------------------------------------------------------------- planted faults
 COARSE = (0.1, 0.05)
-MOST_ITERATIONS = 4.3  # of a step to 1e-10; measured 4.15
+MOST_ITERATIONS = 4.8  # of a step to 1e-10; measured 4.6
 MOST_FACTORISATIONS = 0.25  # of a step; measured 0.15
 
 
@@ -292,6 +292,7 @@ UNSEEN = {
     "of the tension of a slack cell": ("R[c", "T[c]", "(-(nodes)) - 1", "rest[c]", "by_v * line.damping"),
     "of a place in the record": ("step + 1", "step + (-(1))"),
     "after fifteen iterations": ("auxiliary[:] = T",),
+    "of how far the seabed is from converged": ("min(r1[i, n - 1]", "r1[i, n - 1] - R[i, n - 1]", "r1[i, n - 1]"),
 }
 """Signs that runs of a taut line, all of whose steps succeed, do not show: parts of their faults, by reason."""
 

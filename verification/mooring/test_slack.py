@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from solvers import solve_time_domain
+from solvers import CableProperties, Element, Environment, Motion, Network, Node, mooring_system, solve_time_domain
 
 from ..cases.cables import OC3
 from ..exact.elastic_bounce import ElasticBounce
@@ -136,3 +136,28 @@ def test_states_are_kept_at_their_times(every):
 def test_slack_alone_takes_no_step_again():
     """Where the steps succeed, the change to the damped scheme is none of those that are cut."""
     assert bounce("undamped", 1e-3).cut == 0
+
+
+# ---------------------------------------------------------------- what steps leave
+LEFT = {  # unstretched length over chord, surge in m, seabed stiffness in N/m^2; what may be left, over the tension
+    "a stiff line in the water": (1.1, 4.0, None, 1e-5),  # measured 7e-7; 5e-3 where slack cells may stretch
+    "a stiff line over a seabed": (1.1, 4.0, 1e5, 1e-3),  # measured 2.4e-4; 6e-3 where contact does not count
+    "a stiff line that lies slack": (1.2, 6.0, 1e5, 0.01),  # measured 1.7e-3; 4 where positions may err with tensions
+}
+
+
+@pytest.mark.parametrize("name", LEFT)
+def test_steps_of_slack_lines_end_in_balance(name):
+    """At free nodes no force is left when a step of a stiff line that goes slack ends, with the default tolerance."""
+    slackness, surge, stiffness, most = LEFT[name]
+    cable = CableProperties(1e10, 0.1, 60.0, 400.0, Cdn=1.2, Ca=1.0)
+    bed = {} if stiffness is None else {"depth": 60.0, "seabed_stiffness": stiffness}
+    nodes = [Node("fixed", (0.0, 0.0, -60.0)), Node("coupled", (200.0, 0.0, -12.0))]
+    length = float(np.hypot(200.0, 48.0)) * slackness
+    network = Network(nodes, [Element(400.0, cable.EA, length, (0, 1), 0.3, cable=cable)], Environment(1025.0, **bed))
+    motion = Motion.harmonic(1 / 8, (surge, 0.0, surge / 2))
+    made = mooring_system(network, 5, motion=motion, calibrate=False)
+    history = solve_time_domain(made, dt=0.2, periods=2)
+    assert history.slack
+    left = np.linalg.norm(history.forces[:, 1:-1, 1:], axis=0).max()
+    assert left <= most * history.tension.max()

@@ -207,6 +207,30 @@ def test_lines_that_hardly_move_are_calibrated():
     assert not system(OC3_SEABED, 20, motion=small).calibrated
 
 
+# ---------------------------------------------------------------- far from the catenaries
+LIMP = {  # weight N/m, EA N, length, anchor, fairlead, seabed stiffness N/m^2, current m/s
+    "hangs limp": (22.7, 1.2e9, 152.0, (130.6, -35.5, -34.1), (13.8, -3.8, -1.9), 1.8e5, (0.0, 0.0, 0.0)),
+    "lies slack": (27.8, 8.3e8, 1065.0, (864.2, 31.6, -226.9), (11.1, 0.4, -84.4), 2.2e5, (0.0, 0.0, 0.0)),
+    "lies slack and heavy": (505.8, 5.2e9, 522.5, (59.5, 425.3, -139.5), (2.7, 19.3, -47.7), 1.1e4, (0.0, 0.0, 0.0)),
+    "flies in a current": (5.5, 6.7e7, 270.0, (-152.6, 193.6, -126.4), (-4.0, 10.0, -22.2), 2.2e4, (-0.8, 0.97, 0.0)),
+}
+
+
+@pytest.mark.parametrize("name", LIMP)
+def test_limp_lines_and_lines_in_strong_currents_rest(name):
+    """Lines that no catenary is near to have an equilibrium: in balance at each node, and carried as a whole."""
+    weight, EA, length, anchor, fairlead, stiffness, current = LIMP[name]
+    cable = CableProperties(EA, 0.03, weight / 8, weight, Cdn=1.2)
+    water = Environment(1025.0, depth=-anchor[2], seabed_stiffness=stiffness, current=current)
+    nodes = [Node("fixed", anchor), Node("coupled", fairlead)]
+    network = Network(nodes, [Element(weight, EA, length, (0, 1), cable=cable)], water)
+    state = solve_static(mooring_system(network, 12, fields="spatial"))
+    assert state.residual_norm <= UNBALANCED * weight * length
+    line, depth = state.system.line, np.maximum(-water.depth - state.r[2], 0.0)
+    carried = (state.forces[2, [0, -1]]).sum() + weight * length - line.seabed_stiffness @ depth
+    assert abs(carried) <= UNBALANCED * weight * length or any(current)  # which lifts the line
+
+
 # ---------------------------------------------------------------- frequencies
 def modes(made):
     """Return frequencies (k,), Hz, ascending, and shapes (N, n, k) of an undamped line at rest, from its tangents."""

@@ -1,0 +1,49 @@
+"""Network files of any format as networks, with a motion of their own or of another file, and names for their parts."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from solvers.io import load_body_motion, load_moordyn, load_network, read_map_file
+from solvers.io.network_scene import NamedNetwork
+
+MAP_SECTION = "LINE DICTIONARY"  # by which a MAP++ file is known: .dat is its suffix in OpenFAST and one of MoorDyn's
+
+
+def load(path: Path, depth: float | None = None, series: Path | None = None):
+    """Return the network of a file and sentences on what the file says without meaning here.
+
+    depth: of the water in m, which a MAP++ file may leave to its reader; series: a CSV file with the motion of the
+    body, in place of the file's own. Raises InputError naming file and place of what is wrong.
+    """
+    network, notes = _read_network(path, depth)
+    if series is None:
+        return network, notes
+    names, motion = getattr(network, "node_names", ()), load_body_motion(series)
+    moved = NamedNetwork(network.nodes, network.elements, network.environment, name=getattr(network, "name", ""),
+                         description=getattr(network, "description", ""), node_names=names, motion=motion)  # fmt: skip
+    return moved, notes
+
+
+def _read_network(path: Path, depth: float | None):
+    if path.suffix.lower() == ".toml":
+        network = load_network(path)
+    elif MAP_SECTION in path.read_text(encoding="utf-8", errors="replace").upper():
+        network = read_map_file(path, depth=depth)
+        return network, tuple(f"Not used: {text}." for text in network.ignored)
+    else:
+        network = load_moordyn(path)
+    return network, network.notes
+
+
+def node_names(network) -> list[str]:
+    """Return the names of the nodes, their numbers where the file gives none."""
+    return list(getattr(network, "node_names", ())) or [str(i) for i in range(1, len(network.nodes) + 1)]
+
+
+def line_names(network) -> list[str]:
+    """Return a name for each line: those of the nodes at its ends, its number where the nodes have none."""
+    names = getattr(network, "node_names", ())
+    if not names:
+        return [f"line {i}" for i in range(1, len(network.elements) + 1)]
+    return [f"{names[a]} \N{EN DASH} {names[b]}" for a, b in (element.ends for element in network.elements)]
