@@ -14,6 +14,7 @@ import os
 import tempfile
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import lru_cache
 from importlib import metadata
 from pathlib import Path
 
@@ -93,8 +94,11 @@ class MoorDyn(Adapter):
                 moordyn.Close(system)
         return np.linalg.norm(force, axis=1)
 
-    def moving_network(self, network, motion, time, cells):
-        """The forces on the coupled nodes at the start and at the end of each coupling step, (P, 3, K), N."""
+    def moving_network(self, network, motion, time, cells, damping_ratio=-DAMPING):
+        """The forces on the coupled nodes at the start and at the end of each coupling step, (P, 3, K), N.
+
+        damping_ratio: of the critical damping of a segment, what lines without internal damping get.
+        """
         if any(element.friction for element in network.elements):
             raise NotImplementedError("this adapter describes a seabed without friction")
         coupled = [i for i, node in enumerate(network.nodes) if node.kind == "coupled"]
@@ -107,7 +111,7 @@ class MoorDyn(Adapter):
         positions = positions - [0.0, 0.0, down]
         forces = np.empty((len(coupled), 3, len(time)))
         lowered = let_down(network, down)
-        with _system(lowered, cells, {"tScheme": "RK2", "TmaxIC": 0}, -DAMPING, positions[0]) as (system, every):
+        with _system(lowered, cells, {"tScheme": "RK2", "TmaxIC": 0}, damping_ratio, positions[0]) as (system, every):
             points = [every[i] for i in coupled]
             forces[..., 0] = [moordyn.GetPointForce(point) for point in points]
             for k in range(len(time) - 1):
@@ -116,10 +120,14 @@ class MoorDyn(Adapter):
                 forces[..., k + 1] = [moordyn.GetPointForce(point) for point in points]
         return forces
 
+    def forces_at_rest(self, network, cells, seconds=600.0):
+        """As the function of this name: where motions start, and no solver of networks at rest."""
+        return forces_at_rest(network, cells, seconds)
 
-def forces_at_rest(network, cells) -> np.ndarray:
+
+def forces_at_rest(network, cells, seconds=600.0) -> np.ndarray:
     """The forces at all points, (n, 3), N, after a dynamic relaxation from our equilibrium; all nodes below z = 0."""
-    relaxation = {"ICgenDynamic": 1, "CdScaleIC": 50.0, "TmaxIC": 600.0, "threshIC": 1e-13, "dtIC": 2.0}
+    relaxation = {"ICgenDynamic": 1, "CdScaleIC": 50.0, "TmaxIC": seconds, "threshIC": 1e-13, "dtIC": 2.0}
     coupled = np.array([node.r for node in network.nodes if node.kind == "coupled"])
     with _system(let_down(network, 0.0), cells, relaxation, 0.5, coupled) as (_, points):
         return np.array([moordyn.GetPointForce(point) for point in points])
@@ -157,12 +165,18 @@ def _started(file, coupled, count: int):
 
 def let_down(network, down: float):
     """The network so many m lower, with its seabed; free nodes where they are at rest, from where MoorDyn starts."""
-    places = solve_network(network).r - [0.0, 0.0, down]
+    places = _places_at_rest(network) - [0.0, 0.0, down]
     nodes = [replace(node, r=tuple(r)) for node, r in zip(network.nodes, places.tolist(), strict=True)]
     environment = network.environment
     if environment.depth is not None:
         environment = replace(environment, depth=environment.depth + down)
     return type(network)(nodes, network.elements, environment)
+
+
+@lru_cache(maxsize=8)
+def _places_at_rest(network):
+    """Kept, so that the equilibrium that MoorDyn is given is in no timing of a second call."""
+    return solve_network(network).r
 
 
 def describe(scene, segments: int, down: float) -> str:

@@ -31,3 +31,5 @@ OWN = tuple(METHODS)[:4]
 
 save = partial(style.save_in_section, "mooring")
 """Write a figure as style.save does, under the names that all figures of this section have."""
+save_network = partial(style.save_in_section, "mooring_networks")
+"""As ``save``, of the section on moving networks."""

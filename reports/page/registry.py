@@ -10,6 +10,7 @@ from ..evidence.defects import DEFECTS
 from ..evidence.machine import MACHINE
 from ..evidence.other_codes import OTHER_CODES
 from ..harmonic_balance.section import HARMONIC
+from ..mooring.networks import MOORING_NETWORKS
 from ..mooring.section import MOORING
 from ..network.section import NETWORKS
 from ..papers.errata import ERRATA
@@ -21,7 +22,7 @@ from ..stability.section import STABILITY
 
 SECTIONS = (
     CLAIMS, REGIMES, DEFECTS,
-    WORK_PRECISION, NETWORKS, MOORING, DYNAMICS, HARMONIC, SCENES, MOVING_NETWORKS,
+    WORK_PRECISION, NETWORKS, MOORING, MOORING_NETWORKS, DYNAMICS, HARMONIC, SCENES, MOVING_NETWORKS,
     ITEMS, ERRATA, PUBLISHED,
     STABILITY,
     OTHER_CODES,

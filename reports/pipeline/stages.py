@@ -217,6 +217,7 @@ MOVING = {
     "dynamics": ("moving cable", "benchmarks.cable.measure", (21, 6), (10, 4)),
     "harmonic_balance": ("harmonic balance", "benchmarks.harmonic_balance.measure", (24, 10), (60, 10)),
     "mooring": ("moving line", "benchmarks.mooring.measure", (90, 12), (25, 8)),
+    "mooring_networks": ("moving networks", "benchmarks.mooring.networks.measure", (26, 11), (18, 5)),
 }
 """Group -> title, program, expected seconds of the whole and of the quick run: of what is not timed, and what is."""
 

@@ -85,7 +85,7 @@ def solve_rest(system, displacement=(0.0, 0.0, 0.0), throw=True) -> MooringState
     """
     if system.components:
         displaced = np.broadcast_to(displacement, system.moved_points.shape)
-        states = [solve_rest(part.system, displaced[part.moved], throw=False) for part in system.components]
+        states = [_solve_component(part.system, displaced[part.moved]) for part in system.components]
         state = merge_states(system, states)
         failed = [
             part.system.model.name for part, one in zip(system.components, states, strict=True) if not one.success
@@ -107,6 +107,18 @@ def solve_rest(system, displacement=(0.0, 0.0, 0.0), throw=True) -> MooringState
     norm = float(abs(free).max(initial=0.0))
     state = MooringState(system, x.T.copy(), np.maximum(T, 0.0), forces, status, iterations, norm, tuple(steps))
     return state.or_raise(system.model.name) if throw else state
+
+
+def _solve_component(system, displacement):
+    """Return the equilibrium of a part of a network; undisplaced it is solved for once, as that of a whole network."""
+    if np.any(displacement):
+        return solve_rest(system, displacement, throw=False)
+    if "rest" in vars(system):
+        return system.rest
+    state = solve_rest(system, throw=False)
+    if state.success:
+        vars(system)["rest"] = state  # where the cached property keeps it
+    return state
 
 
 class _Search:

@@ -495,6 +495,19 @@ def test_a_network_is_taken_apart_where_nodes_are_prescribed():
     assert_alike(*(solve_periodic(one, harmonics=4) for one in (made, whole)))
 
 
+def test_the_equilibrium_of_the_parts_is_solved_for_once(monkeypatch):
+    """A history and a response of lines that are at rest already ask for no equilibrium again."""
+    made = mooring_system(load_network(files("reference_data") / "scenes" / "networks" / "oc3_moving.toml"), 8)
+    assert len(made.components) == 3 and made.rest.success
+
+    def refuse(*arguments):
+        raise AssertionError("an equilibrium is solved for")
+
+    monkeypatch.setattr("solvers.mooring.statics._Statics.newton", refuse)
+    assert solve_time_domain(made, dt=0.5, periods=1).success
+    assert solve_periodic(made, harmonics=3).success
+
+
 def two_lines(motion, **options):
     """Return the system of two lines to a point of a body, and the same one not taken apart."""
     network = case_network(cases.two_line(depth=None))

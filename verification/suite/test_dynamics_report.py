@@ -12,8 +12,9 @@ import pytest
 
 from .test_report import ROOT, Page, broken_anchors, missing_files, report, undescribed
 
-TIME, BALANCE, LINE = "cable", "harmonic_balance", "mooring"
-FILES = {TIME: "dynamics.json", BALANCE: "harmonic_balance.json", LINE: "mooring.json"}
+TIME, BALANCE, LINE, NETWORKS = "cable", "harmonic_balance", "mooring", "mooring.networks"
+FILES = {TIME: "dynamics.json", BALANCE: "harmonic_balance.json", LINE: "mooring.json",
+         NETWORKS: "mooring_networks.json"}  # fmt: skip
 CHEAP = {TIME: ("profile",), BALANCE: ("fields", "oscillators")}
 
 
@@ -147,3 +148,29 @@ def test_report_calls_a_validation_that_is_missed_not_reached(line):
     assert "mean size 23.4 %, greatest 34.5 %" in text and "45.6 %, 45.6 %, 45.6 % at the fairlead" in text
     for label in ("off the laboratory", "off OrcaFlex", "time of the box scheme"):
         assert re.search(f"{label} . not reached", text), label
+
+
+# ---------------------------------------------------------------- moving networks
+def test_report_shows_how_networks_grow_and_what_they_are_beside_moordyn(tmp_path):
+    """The growth as measured; a difference from MoorDyn and a ratio, planted, turn words and verdicts."""
+    result = measure(NETWORKS, tmp_path / "results", "--parts", "growth")
+    row = {"title": "a spar", "lines": 3, "segments": 20, "range": 1e5, "pretension": 9e5, "rms": 0.0123, "error": 0.03,
+           "explained": 0.0119, "uncertainty": 1e-3, "rms_of_half": 0.03, "by_segments": 0.02, "by_steps": 0.001,
+           "by_damping": 0.002, "same_cells": 0.001, "at_rest": [[10, 0.004], [20, -0.001]]}  # fmt: skip
+    point = {"method": "in time", "size": 20, "other": 50, "periods": 2, "seconds": 0.01, "rms": 0.005, "error": 0.01,
+             "status": "SUCCESS", "case": "bridles"}  # fmt: skip
+    ratio = {"size": [20, 1, 1], "other": 400, "rms": 0.009, "seconds": 0.08, "ours": 0.01, "ratio": 8.0}
+    result["agreement"] = {"rows": [row]}
+    result["work"] = {"title": "nine lines", "points": [point], "wanted": [1e-3, 1e-2], "uncertainty": 1e-4,
+                      "references_apart": 0.0015, "tolerance": 0.01, "ratios": [ratio], "coarse_ratios": [],
+                      "coarse": 0.05}  # fmt: skip
+    (tmp_path / "results" / FILES[NETWORKS]).write_text(json.dumps(result), encoding="utf-8")
+    shown = page(tmp_path)
+    text = words(shown)
+    assert undescribed(shown) == [] and missing_files(shown, tmp_path) == [] and broken_anchors(shown) == []
+    assert f"lines to the power {result['growth']['exponents']['seconds']:.2f} in time" in text
+    assert "A spar: 1.2 %, of which refining explains up to 1.2 %; the segments matter most" in text
+    assert "MoorDyn takes 8.0 times as long as this core" in text and "20 + 1 + 1" in text
+    for label in ("off MoorDyn, moving networks", "time of MoorDyn, moving network"):
+        assert re.search(f"{label} . not reached", text), label
+    assert "exponent of the growth with lines" in text and "Light damping" not in text

@@ -1,0 +1,122 @@
+"""Four systems by MoorDyn and by this core, both refined: how far their fairlead tensions differ, and why.
+
+MoorDyn's run is repeated with half the segments, that one with half the coupling steps and with twice the internal
+damping, and this core runs on as many uniform cells as MoorDyn: what each changes is what it can explain.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+
+from solvers import mooring_system
+from solvers.network.solve import solve_network
+
+from ... import peers
+from . import systems
+
+PERIODS, OUR_PERIODS = 4, 6  # the last one is compared
+REFERENCE, QUICK_REFERENCE = (160, 800), (80, 400)
+"""(cells, steps in a period) of this core, beside half of both."""
+SEGMENTS = {"oc3": 80, "oc4": 160, "bridles": 40, "polyester": 160}
+QUICK_SEGMENTS = dict.fromkeys(SEGMENTS, 40)
+"""Of MoorDyn's longest line: where doubling them once more takes longer than all else here."""
+STEPS, QUICK_STEPS = 1600, 800
+"""Coupling steps of MoorDyn in a period."""
+AT_REST, QUICK_AT_REST, RELAXED = (20, 40), (10, 20), 100.0
+"""Segments of the longest line for the tension at rest, and s that MoorDyn relaxes for: 600 s change it by 5e-5."""
+DAMPING = 0.1
+"""Of the critical damping of a segment, what MoorDyn is given; RK2 is unstable with half of it."""
+PEER = "moordyn"
+
+
+@cache
+def reference(name: str, quick: bool) -> tuple[np.ndarray, float]:
+    """Return the tensions (P, COUNT) of this core on a fine mesh and its rms uncertainty.
+
+    The finer of two runs, of twice the cells and steps; a third of their difference is what an error of second order
+    leaves in the finer one: over a seabed a guide and no bound.
+    """
+    cells, steps = QUICK_REFERENCE if quick else REFERENCE
+    coarse, fine = (
+        _fine_tensions(systems.system(name, n), k, OUR_PERIODS) for n, k in ((cells // 2, steps // 2), (cells, steps))
+    )
+    return fine, systems.differences(coarse, fine)["rms"] / 3
+
+
+def _fine_tensions(made, steps: int, periods: int) -> np.ndarray:
+    """Return the tensions (P, COUNT) of a history of which no more is kept than is compared."""
+    return systems.our_tensions(systems.history(made, steps, periods, every=steps // systems.COUNT), systems.COUNT)
+
+
+def moordyn_tensions(network, counts, steps: int, periods: int = PERIODS, damping_ratio: float = DAMPING) -> np.ndarray:
+    """Return MoorDyn's tensions (P, S) at the fairleads over the last period, from rest, N.
+
+    counts: segments of each element; steps: coupling steps in a period.
+    """
+    period = network.motion.period
+    time = np.arange(periods * steps + 1) * (period / steps)
+    moved = network.motion.ramped(period / 2)  # as solve_time_domain starts by default
+    adapter = peers.adapters()[PEER]
+    return systems.last_tensions(adapter.moving_network(network, moved, time, counts, damping_ratio), steps)
+
+
+def rows(quick: bool):
+    """Yield the row of each system; none where MoorDyn is not installed."""
+    for name in systems.SYSTEMS if PEER in peers.adapters() else ():
+        yield compare(name, quick)
+
+
+def compare(name: str, quick: bool) -> dict:
+    """Return how far MoorDyn is from this core in one system, and what its segments, steps and damping change."""
+    network, counts = systems.network(name), systems.SEGMENTS[name]
+    segments, steps = (QUICK_SEGMENTS if quick else SEGMENTS)[name], QUICK_STEPS if quick else STEPS
+    ours, uncertainty = reference(name, quick)
+    fine = moordyn_tensions(network, counts(segments), steps)
+    rough = moordyn_tensions(network, counts(segments // 2), steps)
+    fewer = moordyn_tensions(network, counts(segments // 2), steps // 2)
+    damped = moordyn_tensions(network, counts(segments // 2), steps, damping_ratio=2 * DAMPING)
+    apart, half = systems.differences(fine, ours), systems.differences(rough, ours)
+    row = {"system": name, "title": network.name, "period": network.motion.period, "fairleads": len(ours),
+           "lines": len(network.elements), "segments": segments, "steps": steps, "rms": apart["rms"],
+           "error": apart["error"], "rms_of_half": half["rms"], "uncertainty": uncertainty,
+           "range": float(np.ptp(ours, axis=1).max()), "mean_difference": mean_difference(fine, ours)}  # fmt: skip
+    pairs = {"segments": (rough, fine), "steps": (fewer, rough), "damping": (damped, rough)}
+    row |= {f"by_{key}": systems.differences(one, other)["rms"] for key, (one, other) in pairs.items()}
+    row["explained"] = explained(row)
+    return row | {"same_cells": same_cells(network, counts(segments), steps, fine)} | pretension(network, counts, quick)
+
+
+def explained(row) -> float:
+    """Return the rms difference that refining MoorDyn further, and this core, would account for.
+
+    A third of the change by its segments, as an error of second order leaves; all of that by its coupling steps; half
+    of that by its damping, which falls with the segment and was doubled on segments twice as long; the uncertainty.
+    """
+    return row["by_segments"] / 3 + row["by_steps"] + row["by_damping"] / 2 + row["uncertainty"]
+
+
+def mean_difference(theirs, ours) -> float:
+    """Return the largest difference of the mean tensions of a fairlead over its range, with its sign."""
+    apart = (theirs.mean(axis=1) - ours.mean(axis=1)) / np.ptp(ours, axis=1)
+    return float(apart[abs(apart).argmax()])
+
+
+def same_cells(network, counts, steps: int, theirs) -> float:
+    """Return the rms difference of MoorDyn from this core on its own uniform cells, two of a line at least."""
+    made = mooring_system(network, [max(2, n) for n in counts], mesh="uniform")
+    return systems.differences(_fine_tensions(made, steps, PERIODS), theirs)["rms"]
+
+
+def pretension(network, counts, quick: bool) -> dict:
+    """Return the tension at rest of the first fairlead, N, and MoorDyn's relative difference at two segmentations.
+
+    It relaxes from this project's equilibrium, which is exact.
+    """
+    first = next(i for i, node in enumerate(network.nodes) if node.kind == "coupled")
+    exact = float(np.linalg.norm(solve_network(network).reaction[first]))
+    adapter = peers.adapters()[PEER]
+    relaxed = {n: float(np.linalg.norm(adapter.forces_at_rest(network, counts(n), RELAXED)[first]))
+               for n in (QUICK_AT_REST if quick else AT_REST)}  # fmt: skip
+    return {"pretension": exact, "at_rest": [[n, tension / exact - 1] for n, tension in relaxed.items()]}
