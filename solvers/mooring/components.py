@@ -72,9 +72,13 @@ def integrate_components(system, build_history, *, start=None, progress=None, **
 
     settings: of ``MooringSystem.integrate``. It ends where the first of them fails.
     """
-    parts, reached = system.components, {}
+    parts, reached, ramp = system.components, {}, settings["ramp"]
+    moved, times = system.ramped(ramp) if ramp else system, settings["dt"] * np.arange(settings["count"] + 1)
+    path, place = moved.path(times), np.empty(system.nodes, dtype=int)  # of the body, for all parts at once
+    place[system.prescribed_nodes] = np.arange(system.prescribed_nodes.size)
 
     def integrate(part):
+        own_path = path[:, :, place[part.nodes[part.system.prescribed_nodes]]]
         own_start = None if start is None else [None if y is None else y[:, part.nodes] for y in start]
         report = None
         if progress is not None:
@@ -84,7 +88,7 @@ def integrate_components(system, build_history, *, start=None, progress=None, **
                 if len(reached) == len(parts):
                     progress(min(reached.values()))
 
-        return part.system.integrate(start=own_start, progress=report, **settings)
+        return part.system.integrate(start=own_start, progress=report, path=own_path, **settings)
 
     histories = _side_by_side(integrate, parts, system.nodes * settings["count"])
     shortest = min(histories, key=lambda history: history.steps)

@@ -27,14 +27,15 @@ LENGTHEN_BELOW = 0.1  # of the step tolerance, below which the next step is in h
 
 
 def integrate_line(
-    system, *, dt, count, rho_inf, tolerance, step_tolerance, ramp, start, every, progress=None
+    system, *, dt, count, rho_inf, tolerance, step_tolerance, ramp, start, every, progress=None, path=None
 ) -> MooringHistory:
     """Return the MooringHistory of ``count`` steps of dt in s from rest, or from ``start`` = (y, ydot).
 
     Settings as ``solve_time_domain`` has validated them. rho_inf: None for 0.5, and 0 from the first time that a cell
     is slack (``history.damped_from``): a snap excites the shortest axial waves, which feed on the step where nothing
     damps them. tolerance: what the last Newton step of a time step may change in a tension or, relative to the length,
-    a position, of the largest change of a tension from rest so far. step_tolerance: error of a step in a position, over
+    a position, of the largest change of a tension from rest so far. path (count + 1, 3, P, n): of the prescribed nodes
+    at the ends of the steps, where it is known. step_tolerance: error of a step in a position, over
     the largest displacement so far; a step of dt is then taken in as many parts as that needs.
     """
     settings = {"dt": dt, "count": count, "rho_inf": rho_inf, "tolerance": tolerance, "step_tolerance": step_tolerance}
@@ -49,7 +50,10 @@ def integrate_line(
     event = None
     while done < count and event is None:
         last = min(done + chunk, count)
-        taken = run.advance(dt * np.arange(done, last + 1), [part[1 + done // every :] for part in record], every)
+        known = None if path is None else np.ascontiguousarray(path[done : last + 1])
+        taken = run.advance(
+            dt * np.arange(done, last + 1), [part[1 + done // every :] for part in record], every, known
+        )
         if done + taken < last:
             event = dt * (done + taken), run.worst
         done += taken
@@ -96,9 +100,9 @@ class _Run:
         """Return a bound of the tensions so far, N."""
         return float(self.rest.max() + self.scale[0] * self.scale[2])
 
-    def advance(self, t, record, every) -> int:
-        """Take the steps between the times t; return how many succeeded."""
-        path, done, steps = self.system.path(t), 0, t.size - 1
+    def advance(self, t, record, every, path=None) -> int:
+        """Take the steps between the times t; return how many succeeded. path: of the prescribed nodes, if known."""
+        path, done, steps = self.system.path(t) if path is None else path, 0, t.size - 1
         h = t[1] - t[0]
         while done < steps:
             if self.step_tolerance is None:
