@@ -78,7 +78,7 @@ def integrate_components(system, build_history, *, start=None, progress=None, **
     place[system.prescribed_nodes] = np.arange(system.prescribed_nodes.size)
 
     def integrate(part):
-        own_path = path[:, :, place[part.nodes[part.system.prescribed_nodes]]]
+        own_path = np.ascontiguousarray(path[:, :, place[part.nodes[part.system.prescribed_nodes]]])
         own_start = None if start is None else [None if y is None else y[:, part.nodes] for y in start]
         report = None
         if progress is not None:

@@ -50,7 +50,7 @@ def integrate_line(
     event = None
     while done < count and event is None:
         last = min(done + chunk, count)
-        known = None if path is None else np.ascontiguousarray(path[done : last + 1])
+        known = None if path is None else path[done : last + 1]
         taken = run.advance(
             dt * np.arange(done, last + 1), [part[1 + done // every :] for part in record], every, known
         )
