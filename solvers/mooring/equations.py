@@ -261,6 +261,22 @@ def sampled_residual(line, samples, auxiliary, R, T, unit):
 
 
 @compiled
+def predict_tensions(line, samples, last, T, unit, auxiliary):
+    """Set auxiliary (S, C) to T plus what a linear step from the samples ``last`` (3, S, N, n) changes it by.
+
+    T and unit (S, C, n): tensions and directions at ``last``. Slack cells stay slack.
+    """
+    for s in range(T.shape[0]):
+        for c in range(T.shape[1]):
+            a, b, stretch = line.first[c], line.last[c], 0.0
+            for k in range(unit.shape[2]):
+                moved = samples[0, s, b, k] - last[0, s, b, k] - samples[0, s, a, k] + last[0, s, a, k]
+                rate = samples[1, s, b, k] - last[1, s, b, k] - samples[1, s, a, k] + last[1, s, a, k]
+                stretch += unit[s, c, k] * (moved + line.damping[c] * rate)
+            auxiliary[s, c] = T[s, c] + line.EA[c] / line.length[c] * stretch if T[s, c] != 0 else 0.0
+
+
+@compiled
 def sampled_tangents(line, samples, auxiliary, weights, diagonal, right, left):
     """Set the tangents at samples, diagonal (n, n, N, S), right and left (n, n, C, S), else as ``tangents``."""
     n, (count, nodes), cells = len(line.current), samples[0].shape[:2], line.length.size

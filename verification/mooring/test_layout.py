@@ -9,8 +9,8 @@ import pytest
 
 from solvers import mooring_system
 from solvers.mooring import elimination
+from solvers.mooring.block_elimination import BlockFactors
 from solvers.mooring.coarsening import common_nodes
-from solvers.mooring.harmonic import _BlockFactors
 
 from ..cases import networks as cases
 from ..reference import EPS
@@ -87,7 +87,8 @@ def test_any_network_is_eliminated(name):
             elimination.solve(order, *blocks, solution)
         else:
             size = line.length.size
-            factors = _BlockFactors(made, prescribed_to_one(diagonal, order), right[:size].copy(), left[:size].copy())
+            blocks = prescribed_to_one(diagonal, order), right[:size].copy(), left[:size].copy()
+            factors = BlockFactors(order, line.first, line.last, *blocks)
             assert not factors.singular
             solution = factors.solve(x)
         assert abs(solution - wanted).max() <= SOLVED * abs(wanted).max()
