@@ -100,7 +100,8 @@ def start_from_time(system, basis, periods) -> np.ndarray:
     """Return the coefficients z (n, N, C) of the last of ``periods`` of a time integration; zeros where that fails."""
     steps = max(LEAST_STEPS, STEPS_PER_HARMONIC * basis.harmonics)
     period = 2 * np.pi / basis.omega
-    history = solve_time_domain(system, dt=period / steps, duration=periods * period, throw=False)
+    options = {"dt": period / steps, "duration": periods * period, "tolerance": START_TOLERANCE}
+    history = solve_time_domain(system, **options, throw=False)
     if not history.success:
         return np.zeros((len(system.axes), system.nodes, basis.harmonic.size))
     t = period * np.arange(steps) / steps
@@ -125,6 +126,7 @@ def solve_extrapolated(system, **options) -> MooringResponse:
 
 
 LEAST_STEPS, STEPS_PER_HARMONIC = 48, 6  # in a period of the time integration that a solve starts from
+START_TOLERANCE = 1e-2  # of it: what its steps leave is more
 
 
 class MooringHarmonics:
