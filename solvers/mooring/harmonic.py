@@ -22,8 +22,8 @@ from ..time_domain.solve import solve_time_domain
 from . import diagnostics
 from .block_elimination import BlockFactors
 from .diagnostics import largest_change
-from .equations import predict_tensions, sampled_residual, sampled_tangents
 from .history import MooringOutputs
+from .samples import predict_tensions, sampled_residual, sampled_tangents
 
 
 @dataclass(frozen=True)
@@ -127,6 +127,8 @@ def solve_extrapolated(system, **options) -> MooringResponse:
 
 LEAST_STEPS, STEPS_PER_HARMONIC = 48, 6  # in a period of the time integration that a solve starts from
 START_TOLERANCE = 1e-2  # of it: what its steps leave is more
+SINGLE_PRECISION_FROM = 20  # unknowns of a node from which on factors in single precision are faster
+SINGLE_PRECISION_STEPS = 3  # linearisations in single precision; where Newton's method takes more, they may be why
 
 
 class MooringHarmonics:
@@ -152,6 +154,7 @@ class MooringHarmonics:
         self.source = system.source_at(basis.times)
         self.auxiliary = np.empty((basis.samples, system.line.length.size))
         self.initial: Any = None  # unknowns where Newton's method began
+        self.linearisations = 0
         self.last_linearisation: Any = None  # samples, tensions and directions where the last Jacobian stood
 
     # ------------------------------------------------------------ what solve_periodic asks
@@ -206,8 +209,10 @@ class MooringHarmonics:
         self.last_linearisation = samples, T, unit
         if not np.isfinite(rows).all():
             return rows, None
-        line = self.system.line
-        factors = BlockFactors(self.system.order, line.first, line.last, *self.jacobian(samples))
+        line, self.linearisations = self.system.line, self.linearisations + 1
+        is_single = self.linearisations <= SINGLE_PRECISION_STEPS and rows.shape[1] >= SINGLE_PRECISION_FROM
+        blocks = self.jacobian(samples, np.float32 if is_single else float)
+        factors = BlockFactors(self.system.order, line.first, line.last, *blocks)
         return rows, None if factors.singular else lambda F: factors.solve(F.reshape(rows.shape))
 
     def _condense(self, x, samples):
@@ -220,18 +225,14 @@ class MooringHarmonics:
         else:
             predict_tensions(self.system.line, samples, *self.last_linearisation, self.auxiliary)
 
-    def jacobian(self, samples):
-        """Return blocks diagonal (N, m, m), right and left (C, m, m) of the rows, m = n C."""
+    def jacobian(self, samples, precision=float):
+        """Return blocks diagonal (N, m, m), right and left (C, m, m) of the rows, m = n C, in a precision."""
         n, nodes, count, line = self.n, self.shape[0], self.basis.samples, self.system.line
-        by, cells = [], line.length.size
-        for weights in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)):
-            parts = [np.empty((n, n, size, count)) for size in (nodes, cells, cells)]
-            sampled_tangents(line, samples, self.auxiliary, weights, *parts)
-            by.append(parts)
-        blocks = [self.blocks(K, C, self.rows, float) for K, C in zip(by[0], by[1], strict=True)]
-        mass = by[2][0]
-        blocks[0] += self.blocks(mass, np.zeros_like(mass), self.rows, float) * np.tile(self.Q_tt, n)
-        diagonal, right, left = blocks
+        by = [
+            np.empty((d, n, n, size, count)) for d, size in ((3, nodes), (2, line.length.size), (2, line.length.size))
+        ]
+        sampled_tangents(line, samples, self.auxiliary, *by)
+        diagonal, right, left = (self.blocks(*parts[:2], self.rows, precision, by_yddot=parts[2:]) for parts in by)
         is_prescribed = self.system.order.is_prescribed
         diagonal[is_prescribed] = np.eye(diagonal.shape[1])
         right[is_prescribed[line.first]] = 0.0

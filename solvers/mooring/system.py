@@ -27,7 +27,7 @@ from .prescribed_motion import move_points, ramp_motion, require_above_seabed, r
 from .statics import MooringState, solve_rest
 from .time_domain import integrate_line
 
-PERIODS_TO_START = 2  # of the response, whose last one it starts from
+PERIODS_TO_START = 3  # of the response, whose last one it starts from
 SLIP_SPEED = 0.01  # m/s, at which the regularised friction reaches 0.7 of Coulomb's
 
 

@@ -502,6 +502,13 @@ DEFECTS = (
         _BLOCKS,
     ),
     Defect(
+        "second derivatives as first ones",
+        Fault("harmonic_balance.blocks", "_add", "w * ss, w * sc, w * cs, w * cc", "w * sc, w * ss, w * cc, w * cs"),
+        "index",
+        "sine and cosine change places in the second derivative, too",
+        "harmonic_balance/test_jacobian.py::test_blocks_are_the_sums_over_the_samples",
+    ),
+    Defect(
         "rates of the basis for its values",
         Fault("harmonic_balance.blocks", "_add", "w * sc, -w * ss, w * cc, -w * cs", "w * ss, w * sc, w * cs, w * cc"),
         "symbol",
