@@ -100,7 +100,8 @@ def start_from_time(system, basis, periods) -> np.ndarray:
     """Return the coefficients z (n, N, C) of the last of ``periods`` of a time integration; zeros where that fails."""
     steps = max(LEAST_STEPS, STEPS_PER_HARMONIC * basis.harmonics)
     period = 2 * np.pi / basis.omega
-    options = {"dt": period / steps, "duration": periods * period, "tolerance": START_TOLERANCE}
+    tolerance = None if system.line.seabed_stiffness.any() or not system.model.is_line else START_TOLERANCE
+    options = {"dt": period / steps, "duration": periods * period, "tolerance": tolerance}
     history = solve_time_domain(system, **options, throw=False)
     if not history.success:
         return np.zeros((len(system.axes), system.nodes, basis.harmonic.size))
@@ -126,7 +127,7 @@ def solve_extrapolated(system, **options) -> MooringResponse:
 
 
 LEAST_STEPS, STEPS_PER_HARMONIC = 48, 6  # in a period of the time integration that a solve starts from
-START_TOLERANCE = 1e-2  # of it: what its steps leave is more
+START_TOLERANCE = 3e-3  # of it, for a line in deep water, where dt leaves more; slack and touchdown need a finer one
 SINGLE_PRECISION_FROM = 20  # unknowns of a node from which on factors in single precision are faster
 SINGLE_PRECISION_STEPS = 3  # linearisations in single precision; where Newton's method takes more, they may be why
 
@@ -232,7 +233,9 @@ class MooringHarmonics:
             np.empty((d, n, n, size, count)) for d, size in ((3, nodes), (2, line.length.size), (2, line.length.size))
         ]
         sampled_tangents(line, samples, self.auxiliary, *by)
-        diagonal, right, left = (self.blocks(*parts[:2], self.rows, precision, by_yddot=parts[2:]) for parts in by)
+        diagonal, right, left = (
+            self.blocks(parts[0], parts[1], self.rows, precision, by_yddot=parts[2:]) for parts in by
+        )
         is_prescribed = self.system.order.is_prescribed
         diagonal[is_prescribed] = np.eye(diagonal.shape[1])
         right[is_prescribed[line.first]] = 0.0
