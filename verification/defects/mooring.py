@@ -520,6 +520,18 @@ DEFECTS = (
         "mooring/test_periodic.py::test_tensions_of_a_step_are_predicted_to_second_order",
     ),
     Defect(
+        "a start of any network as of a line in deep water",
+        Fault(
+            "mooring.harmonic",
+            "start_from_time",
+            "system.line.seabed_stiffness.any() or not system.model.is_line",
+            "False",
+        ),
+        "regime",
+        "time integrations that find cells slack which are not start a solve that ends elsewhere",
+        "mooring/test_network.py::test_forces_of_parts_are_extrapolated_as_those_of_the_whole",
+    ),
+    Defect(
         "single precision throughout",
         Fault(
             "mooring.harmonic",
