@@ -8,7 +8,7 @@ that each Newton step condenses (``equations.residual``): plain full steps then 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -96,18 +96,24 @@ class MooringResponse(MooringOutputs, PeriodicResponse):
         return tuple(diagnostics.check_response(self))
 
 
-def start_from_time(system, basis, periods) -> np.ndarray:
-    """Return the coefficients z (n, N, C) of the last of ``periods`` of a time integration; zeros where that fails."""
+def start_from_time(system, basis) -> np.ndarray:
+    """Return the coefficients z (n, N, C) of the last period of a time integration; zeros where that fails.
+
+    Of two periods, or three where the second does not end as the first did.
+    """
     steps = max(LEAST_STEPS, STEPS_PER_HARMONIC * basis.harmonics)
-    period = 2 * np.pi / basis.omega
+    period, rest = 2 * np.pi / basis.omega, system.rest_state()[..., None]
     tolerance = None if system.line.seabed_stiffness.any() or not system.model.is_line else START_TOLERANCE
-    options = {"dt": period / steps, "duration": periods * period, "tolerance": tolerance}
-    history = solve_time_domain(system, **options, throw=False)
+    integrate = partial(solve_time_domain, system, dt=period / steps, tolerance=tolerance, throw=False)
+    history = integrate(duration=2 * period)
+    if history.success:
+        change = abs(history.y[..., -1] - history.y[..., -steps - 1]).max()
+        if change > SETTLED * abs(history.y - rest).max():
+            history = integrate(duration=3 * period)
     if not history.success:
         return np.zeros((len(system.axes), system.nodes, basis.harmonic.size))
     t = period * np.arange(steps) / steps
-    displacement = history.y[..., -steps - 1 : -1] - system.rest_state()[..., None]
-    return 2 / steps * displacement @ basis.functions(t)[0]
+    return 2 / steps * (history.y[..., -steps - 1 : -1] - rest) @ basis.functions(t)[0]
 
 
 def solve_extrapolated(system, **options) -> MooringResponse:
@@ -126,6 +132,7 @@ def solve_extrapolated(system, **options) -> MooringResponse:
     return replace(fine, coarse=coarse)
 
 
+SETTLED = 2e-2  # change from one period to the next, over the largest displacement, that a start may have
 LEAST_STEPS, STEPS_PER_HARMONIC = 48, 6  # in a period of the time integration that a solve starts from
 START_TOLERANCE = 3e-3  # of it, for a line in deep water, where dt leaves more; slack and touchdown need a finer one
 SINGLE_PRECISION_FROM = 20  # unknowns of a node from which on factors in single precision are faster

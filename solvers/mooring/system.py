@@ -27,7 +27,6 @@ from .prescribed_motion import move_points, ramp_motion, require_above_seabed, r
 from .statics import MooringState, solve_rest
 from .time_domain import integrate_line
 
-PERIODS_TO_START = 3  # of the response, whose last one it starts from
 SLIP_SPEED = 0.01  # m/s, at which the regularised friction reaches 0.7 of Coulomb's
 
 
@@ -183,7 +182,7 @@ class MooringSystem:
 
     def periodic_start(self, basis, harmonics_of_driving) -> np.ndarray:
         """Return coefficients z (n, N, C) from a short time integration."""
-        return start_from_time(self, basis, PERIODS_TO_START)
+        return start_from_time(self, basis)
 
     def mirror(self):
         """Return None: no symmetry is used."""

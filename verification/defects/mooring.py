@@ -528,8 +528,15 @@ DEFECTS = (
             "False",
         ),
         "regime",
-        "time integrations that find cells slack which are not start a solve that ends elsewhere",
-        "mooring/test_network.py::test_forces_of_parts_are_extrapolated_as_those_of_the_whole",
+        "a solve starts where a coarse time integration found cells slack that are not, and ends elsewhere",
+        "mooring/test_periodic.py::test_starts_are_as_fine_as_slack_and_touchdown_need",
+    ),
+    Defect(
+        "a start that has not settled",
+        Fault("mooring.harmonic", "start_from_time", "change > SETTLED * abs(history.y - rest).max()", "False"),
+        "regime",
+        "a lightly damped line starts from two periods, too",
+        "mooring/test_periodic.py::test_a_start_that_does_not_settle_takes_one_more_period",
     ),
     Defect(
         "single precision throughout",
