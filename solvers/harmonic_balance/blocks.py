@@ -32,27 +32,32 @@ class Blocks:
         k = basis.harmonic[np.concatenate([[], *active]).astype(int)]
         return np.cumsum([0, *map(len, active)]), k.astype(np.uint64)  # of a sign the loops would take care
 
-    def __call__(self, by_y, by_ydot, rows, precision, first=0, last=None):
+    def __call__(self, by_y, by_ydot, rows, precision, first=0, last=None, by_yddot=()):
         """(..., m, r, n) of tangents (..., n_r, n_f, nodes, Nt) at m nodes or cells, those of the slice first:last.
 
-        rows: as ``harmonics`` gives them. precision: np.float32 or float. Raises ValueError where shapes do not fit.
+        rows: as ``harmonics`` gives them. precision: np.float32 or float. by_yddot: none, or those of one more
+        derivative. Raises ValueError where shapes do not fit.
         """
         lead, shape, (to, k), (at, l) = by_y.shape[:-4], by_y.shape[-4:], rows, self.columns
         fits = (to.size - 1, at.size - 1, *shape[2:3], self.basis.samples)
-        if by_ydot.shape != by_y.shape or shape != fits:
+        if any(other.shape != by_y.shape for other in (by_ydot, *by_yddot)) or shape != fits:
             raise ValueError(f"tangents of shape {by_y.shape} and {by_ydot.shape} do not fit to {to.size - 1} rows, "
                              f"{at.size - 1} fields and {self.basis.samples} samples")  # fmt: skip
         first, last, _ = slice(first, last).indices(shape[2])
         parts, out = math.prod(lead), np.zeros((*lead, max(last - first, 0), k.size, l.size), precision)
-        for tangent, rate in ((by_y, 0.0), (by_ydot, self.basis.omega)):
-            tangent = np.ascontiguousarray(tangent, float).reshape(parts, *shape)
-            _add_all(out.reshape(parts, *out.shape[-3:]), tangent, self.waves[out.dtype], to, k, at, l, rate, first)
+        for order, tangent in enumerate((by_y, by_ydot, *by_yddot)):
+            tangent, rate = (
+                np.ascontiguousarray(tangent, float).reshape(parts, *shape),
+                self.basis.omega if order else 0.0,
+            )
+            blocks = out.reshape(parts, *out.shape[-3:])
+            _add_all(blocks, tangent, self.waves[out.dtype], to, k, at, l, rate, order == 2, first)
         return out
 
 
 @compiled
-def _add(block, cos, sin, rows, columns, rate):
-    """Add P^T diag(g) Q, or with a rate P^T diag(g) Q_t, of rows and columns with these harmonics.
+def _add(block, cos, sin, rows, columns, rate, twice):
+    """Add P^T diag(g) Q, or with a rate P^T diag(g) Q_t or ``twice`` Q_tt, of rows and columns with these harmonics.
 
     cos, sin: sums of g cos(m w t) and g sin(m w t) over Nt, m = -Nh..2 Nh. A harmonic is exact in single precision and
     leaves that of a product with it to the other factor.
@@ -68,7 +73,10 @@ def _add(block, cos, sin, rows, columns, rate):
             less, more = zero + k - l, zero + k + l
             ss, sc = cos[less] - cos[more], sin[more] + sin[less]  # sin k with sin l and cos l
             cs, cc = sin[more] - sin[less], cos[less] + cos[more]  # cos k with them
-            if rate:
+            if twice:
+                w = -((np.float32(np.int64(l)) * rate) ** 2)
+                ss, sc, cs, cc = w * ss, w * sc, w * cs, w * cc
+            elif rate:
                 w = np.float32(np.int64(l)) * rate
                 ss, sc, cs, cc = w * sc, -w * ss, w * cc, -w * cs
             block[i, j] += ss
@@ -80,7 +88,10 @@ def _add(block, cos, sin, rows, columns, rate):
             block[i + 1, 0] += root * cos[zero + k]
     for j in range(begin, columns.size if first else 0, 2):
         s, c = root * sin[zero + columns[j]], root * cos[zero + columns[j]]
-        if rate:
+        if twice:
+            w = -((np.float32(np.int64(columns[j])) * rate) ** 2)
+            s, c = w * s, w * c
+        elif rate:
             w = np.float32(np.int64(columns[j])) * rate
             s, c = w * c, -w * s
         block[0, j] += s
@@ -90,8 +101,8 @@ def _add(block, cos, sin, rows, columns, rate):
 
 
 @compiled
-def _add_still(block, value, rows, columns, rate):
-    """The same of a g that does not change: only a harmonic with itself, or with a rate a sine with its cosine."""
+def _add_still(block, value, rows, columns, rate, twice):
+    """The same of a g that does not change: only a harmonic with itself, or with one rate a sine with its cosine."""
     if value == 0 or rows.size == 0 or columns.size == 0:
         return
     first, j = int(rows[0] == 0), int(columns[0] == 0)
@@ -101,7 +112,10 @@ def _add_still(block, value, rows, columns, rate):
         while j < columns.size and columns[j] < rows[i]:
             j += 2
         if j < columns.size and columns[j] == rows[i]:
-            if rate:
+            if twice:
+                block[i, j] -= (np.float32(rows[i]) * rate) ** 2 * value
+                block[i + 1, j + 1] -= (np.float32(rows[i]) * rate) ** 2 * value
+            elif rate:
                 block[i, j + 1] -= np.float32(rows[i]) * rate * value
                 block[i + 1, j] += np.float32(rows[i]) * rate * value
             else:
@@ -120,7 +134,7 @@ def _still(tangent):
 
 
 @compiled
-def _add_all(out, tangents, waves, to, k, at, l, rate, first):
+def _add_all(out, tangents, waves, to, k, at, l, rate, twice, first):
     """Add the blocks (parts, m, r, n) of tangents (parts, n_r, n_f, nodes, Nt), from node ``first`` on."""
     parts, n_r, n_f, _, Nt = tangents.shape
     nodes, count, rate = out.shape[1], waves.shape[1] // 2, out.dtype.type(rate)
@@ -133,9 +147,9 @@ def _add_all(out, tangents, waves, to, k, at, l, rate, first):
                 rows, columns = k[to[a] : to[a + 1]], l[at[b] : at[b + 1]]
                 if _still(tangent):
                     for i in range(nodes):
-                        _add_still(blocks[i], out.dtype.type(tangent[i, 0]), rows, columns, rate)
+                        _add_still(blocks[i], out.dtype.type(tangent[i, 0]), rows, columns, rate, twice)
                 else:
                     sampled[:] = tangent
                     np.dot(sampled, waves, result)
                     for i in range(nodes):
-                        _add(blocks[i], result[i, :count], result[i, count:], rows, columns, rate)
+                        _add(blocks[i], result[i, :count], result[i, count:], rows, columns, rate, twice)

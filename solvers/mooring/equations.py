@@ -128,19 +128,18 @@ def tangents(line, r, v, a, auxiliary, weights, diagonal, right, left):
     """Set diagonal (N, n, n), right and left (C or more, n, n) to w_r dR/dr + w_v dR/dv + w_a dR/da.
 
     right[c] is of R[first[c]] by node last[c], left[c] of R[last[c]] by node first[c]; what follows those of the cells
-    becomes zero. A cell turns with its auxiliary tension.
+    becomes zero. Blocks (3, N, n, n) and (2, C, n, n) get the derivatives apart, those by a neighbour of r and v alone.
+    A cell turns with its auxiliary tension.
     """
-    n, nodes, (w_r, w_v, w_a) = len(line.current), r.shape[0], weights
+    n, nodes = len(line.current), r.shape[0]
     unit, normal = np.empty(n), np.empty(n)
-    diagonal[:] = 0.0
-    for c in range(line.length.size, right.shape[0]):
-        right[c], left[c] = 0.0, 0.0
+    diagonal[:], right[:], left[:] = 0.0, 0.0, 0.0
     for i in range(nodes):
         for k in range(n):
-            diagonal[i, k, k] = w_a * line.point_mass[i]
+            add_own(diagonal, i, k, k, weights, 0.0, 0.0, line.point_mass[i])
         if line.point_drag[i] > 0:
-            drag_tangents(line, v, i, w_v, diagonal)
-        seabed_tangents(line, r, v, i, w_r, w_v, diagonal)
+            drag_tangents(line, v, i, weights, diagonal)
+        seabed_tangents(line, r, v, i, weights, diagonal)
     for c in range(line.length.size):
         first, last = line.first[c], line.last[c]
         l, square, rate = line.length[c], 0.0, 0.0
@@ -152,18 +151,18 @@ def tangents(line, r, v, a, auxiliary, weights, diagonal, right, left):
             unit[k] /= distance
             rate += unit[k] * (v[last, k] - v[first, k])
         taut = 1.0 if auxiliary[c] > 0 or distance / l - 1 + line.damping[c] * rate / l > 0 else 0.0
-        axial = taut * (w_r + w_v * line.damping[c]) * line.EA[c] / l
-        lateral = w_r * max(auxiliary[c], 0.0) / distance
-        turning = taut * w_r * line.EA[c] * line.damping[c] / (l * distance)  # the rate of strain as the cell turns
+        axial, lateral = taut * line.EA[c] / l, max(auxiliary[c], 0.0) / distance
+        turning = axial * line.damping[c] / distance  # the rate of strain as the cell turns
         for j in range(n):
             for k in range(n):
                 tt = unit[j] * unit[k]
                 across = v[last, k] - v[first, k] - rate * unit[k]
-                G = axial * tt + lateral * ((1.0 if j == k else 0.0) - tt) + turning * unit[j] * across
-                diagonal[first, j, k] += G
-                diagonal[last, j, k] += G
-                right[c, j, k] = -G
-                left[c, j, k] = -G
+                by_r = axial * tt + lateral * ((1.0 if j == k else 0.0) - tt) + turning * unit[j] * across
+                by_v = axial * line.damping[c] * tt
+                add_own(diagonal, first, j, k, weights, by_r, by_v, 0.0)
+                add_own(diagonal, last, j, k, weights, by_r, by_v, 0.0)
+                add_next(right, c, j, k, weights, -by_r, -by_v)
+                add_next(left, c, j, k, weights, -by_r, -by_v)
         half, stretch = l / 2, np.sqrt(distance / l)
         ma = half * line.added_mass[c]
         for side in range(2):
@@ -183,22 +182,41 @@ def tangents(line, r, v, a, auxiliary, weights, diagonal, right, left):
                     tt = unit[j] * unit[k]
                     P = (1.0 if j == k else 0.0) - tt
                     by_normal = cn * speed * P + sharp * normal[j] * normal[k]
-                    own = w_v * (by_normal + 2 * ct * abs(along) * tt)
-                    own += w_a * (half * line.mass[c] * (tt + P) + ma * P)
                     turn = -cn * speed * unit[j] * normal[k] - along * by_normal
                     turn += ct * abs(along) * (2 * unit[j] * normal[k] + along * P)
                     turn -= ma * (unit[j] * (a[i, k] - inertia * unit[k]) + inertia * P)
-                    turn = sign * w_r * (turn + force * unit[k] / 2) / distance
+                    turn = sign * (turn + force * unit[k] / 2) / distance
+                    by_v, by_a = by_normal + 2 * ct * abs(along) * tt, half * line.mass[c] * (tt + P) + ma * P
+                    add_own(diagonal, i, j, k, weights, turn, by_v, by_a)
                     if side == 0:
-                        diagonal[i, j, k] += own + turn
-                        right[c, j, k] -= turn
+                        add_next(right, c, j, k, weights, -turn, 0.0)
                     else:
-                        diagonal[i, j, k] += own + turn
-                        left[c, j, k] -= turn
+                        add_next(left, c, j, k, weights, -turn, 0.0)
 
 
 @compiled
-def drag_tangents(line, v, i, w_v, diagonal):
+def add_own(block, i, j, k, weights, by_r, by_v, by_a):
+    """Add derivatives by the node's own r, v, a to entry j, k of block i: weighted in sum, or apart."""
+    if block.ndim == 4:
+        block[0, i, j, k] += by_r
+        block[1, i, j, k] += by_v
+        block[2, i, j, k] += by_a
+    else:
+        block[i, j, k] += weights[0] * by_r + weights[1] * by_v + weights[2] * by_a
+
+
+@compiled
+def add_next(block, c, j, k, weights, by_r, by_v):
+    """Add derivatives by a neighbour's r and v, the same way."""
+    if block.ndim == 4:
+        block[0, c, j, k] += by_r
+        block[1, c, j, k] += by_v
+    else:
+        block[c, j, k] += weights[0] * by_r + weights[1] * by_v
+
+
+@compiled
+def drag_tangents(line, v, i, weights, diagonal):
     """Add the tangents of the drag of node i itself to diagonal[i]."""
     n, square = len(line.current), 0.0
     for k in range(n):
@@ -207,33 +225,34 @@ def drag_tangents(line, v, i, w_v, diagonal):
     if speed == 0:
         return
     for j in range(n):
-        diagonal[i, j, j] += w_v * line.point_drag[i] * speed
+        add_own(diagonal, i, j, j, weights, 0.0, line.point_drag[i] * speed, 0.0)
         for k in range(n):
             uu = (v[i, j] - line.current[j]) * (v[i, k] - line.current[k])
-            diagonal[i, j, k] += w_v * line.point_drag[i] * uu / speed
+            add_own(diagonal, i, j, k, weights, 0.0, line.point_drag[i] * uu / speed, 0.0)
 
 
 @compiled
-def seabed_tangents(line, r, v, i, w_r, w_v, diagonal):
+def seabed_tangents(line, r, v, i, weights, diagonal):
     """Add the tangents of the seabed's forces on node i to diagonal[i]."""
-    n, k, c = len(line.current), line.seabed_stiffness[i], line.seabed_damping[i]
-    penetration = line.floor - r[i, -1]
+    n, up, c = len(line.current), line.seabed_stiffness[i], line.seabed_damping[i]
+    penetration, last = line.floor - r[i, -1], len(line.current) - 1
     if penetration <= 0:
         return
-    normal = k * penetration - c * v[i, -1]
+    normal = up * penetration - c * v[i, -1]
     if normal <= 0:
         return
-    by_height = w_r * k + w_v * c
-    diagonal[i, -1, -1] += by_height
+    add_own(diagonal, i, last, last, weights, up, c, 0.0)
     square = line.slip_speed**2
     for p in range(n - 1):
         square += v[i, p] * v[i, p]
     root = np.sqrt(square)
     for p in range(n - 1):
-        diagonal[i, p, p] += w_v * line.friction[i] * normal / root
-        diagonal[i, p, -1] -= line.friction[i] * by_height * v[i, p] / root
+        by_height = -line.friction[i] * v[i, p] / root
+        add_own(diagonal, i, p, p, weights, 0.0, line.friction[i] * normal / root, 0.0)
+        add_own(diagonal, i, p, last, weights, by_height * up, by_height * c, 0.0)
         for q in range(n - 1):
-            diagonal[i, p, q] -= w_v * line.friction[i] * normal * v[i, p] * v[i, q] / (square * root)
+            by_v = line.friction[i] * normal * v[i, p] * v[i, q] / (square * root)
+            add_own(diagonal, i, p, q, weights, 0.0, -by_v, 0.0)
 
 
 # ---------------------------------------------------------------- many states
@@ -251,25 +270,3 @@ def node_forces(line, record, forces, tensions):
         for i in range(nodes):
             for p in range(n):
                 forces[k, i, p] = -R[i, p]
-
-
-@compiled
-def sampled_residual(line, samples, auxiliary, R, T, unit):
-    """Set R (S, N, n), T (S, C) and unit (S, C, n) at samples: r, v, a (S, N, n) with auxiliary tensions (S, C)."""
-    for k in range(R.shape[0]):
-        residual(line, samples[0][k], samples[1][k], samples[2][k], auxiliary[k], R[k], T[k], unit[k])
-
-
-@compiled
-def sampled_tangents(line, samples, auxiliary, weights, diagonal, right, left):
-    """Set the tangents at samples, diagonal (n, n, N, S), right and left (n, n, C, S), else as ``tangents``."""
-    n, (count, nodes), cells = len(line.current), samples[0].shape[:2], line.length.size
-    D, U, L = np.empty((nodes, n, n)), np.empty((cells, n, n)), np.empty((cells, n, n))
-    for s in range(count):
-        tangents(line, samples[0][s], samples[1][s], samples[2][s], auxiliary[s], weights, D, U, L)
-        for j in range(n):
-            for k in range(n):
-                for i in range(nodes):
-                    diagonal[j, k, i, s] = D[i, j, k]
-                for c in range(cells):
-                    right[j, k, c, s], left[j, k, c, s] = U[c, j, k], L[c, j, k]

@@ -8,11 +8,10 @@ that each Newton step condenses (``equations.residual``): plain full steps then 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
-from scipy.linalg.lapack import dgetrf, dgetrs
 
 from ..common.outcome import ConvergenceError, InputError
 from ..harmonic_balance.blocks import Blocks
@@ -21,9 +20,10 @@ from ..harmonic_balance.solve import solve_periodic
 from ..numerics.newton import damped_newton, full_newton
 from ..time_domain.solve import solve_time_domain
 from . import diagnostics
+from .block_elimination import BlockFactors
 from .diagnostics import largest_change
-from .equations import sampled_residual, sampled_tangents
 from .history import MooringOutputs
+from .samples import predict_tensions, sampled_residual, sampled_tangents
 
 
 @dataclass(frozen=True)
@@ -96,16 +96,24 @@ class MooringResponse(MooringOutputs, PeriodicResponse):
         return tuple(diagnostics.check_response(self))
 
 
-def start_from_time(system, basis, periods) -> np.ndarray:
-    """Return the coefficients z (n, N, C) of the last of ``periods`` of a time integration; zeros where that fails."""
+def start_from_time(system, basis) -> np.ndarray:
+    """Return the coefficients z (n, N, C) of the last period of a time integration; zeros where that fails.
+
+    Of two periods, or three where the second does not end as the first did.
+    """
     steps = max(LEAST_STEPS, STEPS_PER_HARMONIC * basis.harmonics)
-    period = 2 * np.pi / basis.omega
-    history = solve_time_domain(system, dt=period / steps, duration=periods * period, throw=False)
+    period, rest = 2 * np.pi / basis.omega, system.rest_state()[..., None]
+    tolerance = None if system.line.seabed_stiffness.any() or not system.model.is_line else START_TOLERANCE
+    integrate = partial(solve_time_domain, system, dt=period / steps, tolerance=tolerance, throw=False)
+    history = integrate(duration=2 * period)
+    if history.success:
+        change = abs(history.y[..., -1] - history.y[..., -steps - 1]).max()
+        if change > SETTLED * abs(history.y - rest).max():
+            history = integrate(duration=3 * period)
     if not history.success:
         return np.zeros((len(system.axes), system.nodes, basis.harmonic.size))
     t = period * np.arange(steps) / steps
-    displacement = history.y[..., -steps - 1 : -1] - system.rest_state()[..., None]
-    return 2 / steps * displacement @ basis.functions(t)[0]
+    return 2 / steps * (history.y[..., -steps - 1 : -1] - rest) @ basis.functions(t)[0]
 
 
 def solve_extrapolated(system, **options) -> MooringResponse:
@@ -124,7 +132,11 @@ def solve_extrapolated(system, **options) -> MooringResponse:
     return replace(fine, coarse=coarse)
 
 
+SETTLED = 2e-2  # change from one period to the next, over the largest displacement, that a start may have
 LEAST_STEPS, STEPS_PER_HARMONIC = 48, 6  # in a period of the time integration that a solve starts from
+START_TOLERANCE = 3e-3  # of it, for a line in deep water, where dt leaves more; slack and touchdown need a finer one
+SINGLE_PRECISION_FROM = 20  # unknowns of a node from which on factors in single precision are faster
+SINGLE_PRECISION_STEPS = 3  # linearisations in single precision; where Newton's method takes more, they may be why
 
 
 class MooringHarmonics:
@@ -144,11 +156,14 @@ class MooringHarmonics:
         self.blocks = Blocks(basis, [np.arange(count)] * self.n)
         self.rows = Blocks.harmonics([np.arange(count)] * self.n, basis)
         self.Q_tt = -((basis.omega * basis.harmonic) ** 2)  # of the functions themselves
+        self.functions = np.concatenate([basis.Q, basis.Q_t, basis.Q * self.Q_tt])
         path = system.path(basis.times)[:, 0] - self.rest[system.prescribed_nodes]
         self.prescribed_coefficients = np.moveaxis(path, 0, -1) @ basis.P  # (P, n, C)
+        self.source = system.source_at(basis.times)
         self.auxiliary = np.empty((basis.samples, system.line.length.size))
         self.initial: Any = None  # unknowns where Newton's method began
-        self.last_linearisation: Any = None  # unknowns, tensions and directions where the last Jacobian stood
+        self.linearisations = 0
+        self.last_linearisation: Any = None  # samples, tensions and directions where the last Jacobian stood
 
     # ------------------------------------------------------------ what solve_periodic asks
     def start_is_symmetric(self, z) -> bool:
@@ -168,74 +183,66 @@ class MooringHarmonics:
         return np.ascontiguousarray(x.reshape(self.shape).swapaxes(0, 1))
 
     # ------------------------------------------------------------ rows
-    def samples(self, x):
-        """Return r, v, a (Nt, N, n) at the samples."""
-        z, turn = x.reshape(self.shape), lambda part: np.ascontiguousarray(np.moveaxis(part, -1, 0))
-        return (
-            self.rest + turn(z @ self.basis.Q.T),
-            turn(z @ self.basis.Q_t.T),
-            turn((z * self.Q_tt) @ self.basis.Q.T),
-        )
+    def samples(self, x) -> np.ndarray:
+        """Return r, v, a (3, Nt, N, n) at the samples."""
+        result = self.functions @ x.reshape(-1, self.shape[2]).T
+        result = result.reshape(3, self.basis.samples, self.shape[0], self.n)
+        result[0] += self.rest
+        return result
 
-    def evaluate(self, x):
+    def evaluate(self, x, samples=None):
         """Return the rows (N, n C), tensions (Nt, C) and directions (Nt, C, n) at the samples, and the samples."""
-        samples, nodes = self.samples(x), self.shape[0]
+        samples = self.samples(x) if samples is None else samples
         R, T = np.empty(samples[0].shape), np.empty(self.auxiliary.shape)
         unit = np.empty((*T.shape, self.n))
         sampled_residual(self.system.line, samples, self.auxiliary, R, T, unit)
-        source = self.system.source_at(self.basis.times)
-        if len(source):
-            R -= source
-        rows = np.moveaxis(R, 0, -1) @ self.basis.P
+        if len(self.source):
+            R -= self.source
+        rows = (R.reshape(len(R), -1).T @ self.basis.P).reshape(self.shape)
         prescribed = self.system.prescribed_nodes
         rows[prescribed] = x.reshape(self.shape)[prescribed] - self.prescribed_coefficients
-        return rows.reshape(nodes, -1), T, unit, samples
+        return rows.reshape(len(rows), -1), T, unit, samples
 
     def residual(self, x) -> np.ndarray:
         """Return all rows, (N, n C)."""
         if self.initial is None:
-            self._condense(x)
+            self._condense(x, self.samples(x))
         return self.evaluate(x)[0]
 
     def linearise(self, x):
         """Return the rows and a function that solves with the Jacobian, None where it is singular."""
-        self._condense(x)
-        rows, T, unit, samples = self.evaluate(x)
-        self.last_linearisation = x.copy(), T, unit
+        samples = self.samples(x)
+        self._condense(x, samples)
+        rows, T, unit, _ = self.evaluate(x, samples)
+        self.last_linearisation = samples, T, unit
         if not np.isfinite(rows).all():
             return rows, None
-        factors = _BlockFactors(self.system, *self.jacobian(samples))
+        line, self.linearisations = self.system.line, self.linearisations + 1
+        is_single = self.linearisations <= SINGLE_PRECISION_STEPS and rows.shape[1] >= SINGLE_PRECISION_FROM
+        blocks = self.jacobian(samples, np.float32 if is_single else float)
+        factors = BlockFactors(self.system.order, line.first, line.last, *blocks)
         return rows, None if factors.singular else lambda F: factors.solve(F.reshape(rows.shape))
 
-    def _condense(self, x):
+    def _condense(self, x, samples):
         """Set the auxiliary tensions: those of the start, then what the last Jacobian foretold for the step to x."""
         if self.initial is None:
             self.initial = x.copy()
         if np.array_equal(x, self.initial):  # the first step, or a solve that starts again
             self.auxiliary = np.zeros(self.auxiliary.shape)
-            self.auxiliary = self.evaluate(x)[1] if x.any() else self.auxiliary + self.system.rest.tension
-            return
-        x0, T0, unit0 = self.last_linearisation
-        line, z = self.system.line, (x - x0).reshape(self.shape)
-        moved = np.moveaxis(z @ self.basis.Q.T, -1, 0)
-        rate = np.moveaxis(z @ self.basis.Q_t.T, -1, 0)
-        first, last = line.first, line.last
-        stretch = moved[:, last] - moved[:, first] + line.damping[:, None] * (rate[:, last] - rate[:, first])
-        change = line.EA / line.length * np.einsum("scn,scn->sc", unit0, stretch)
-        self.auxiliary = np.where(T0 != 0, T0 + change, 0.0)
+            self.auxiliary = self.evaluate(x, samples)[1] if x.any() else self.auxiliary + self.system.rest.tension
+        else:
+            predict_tensions(self.system.line, samples, *self.last_linearisation, self.auxiliary)
 
-    def jacobian(self, samples):
-        """Return blocks diagonal (N, m, m), right and left (C, m, m) of the rows, m = n C."""
+    def jacobian(self, samples, precision=float):
+        """Return blocks diagonal (N, m, m), right and left (C, m, m) of the rows, m = n C, in a precision."""
         n, nodes, count, line = self.n, self.shape[0], self.basis.samples, self.system.line
-        by, cells = [], line.length.size
-        for weights in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)):
-            parts = [np.empty((n, n, size, count)) for size in (nodes, cells, cells)]
-            sampled_tangents(line, samples, self.auxiliary, weights, *parts)
-            by.append(parts)
-        blocks = [self.blocks(K, C, self.rows, float) for K, C in zip(by[0], by[1], strict=True)]
-        mass = by[2][0]
-        blocks[0] += self.blocks(mass, np.zeros_like(mass), self.rows, float) * np.tile(self.Q_tt, n)
-        diagonal, right, left = blocks
+        by = [
+            np.empty((d, n, n, size, count)) for d, size in ((3, nodes), (2, line.length.size), (2, line.length.size))
+        ]
+        sampled_tangents(line, samples, self.auxiliary, *by)
+        diagonal, right, left = (
+            self.blocks(parts[0], parts[1], self.rows, precision, by_yddot=parts[2:]) for parts in by
+        )
         is_prescribed = self.system.order.is_prescribed
         diagonal[is_prescribed] = np.eye(diagonal.shape[1])
         right[is_prescribed[line.first]] = 0.0
@@ -250,59 +257,3 @@ def full_then_damped_newton(linearise, residual, x, tolerance, norm):
         return result, full, True
     result, steps, converged = damped_newton(linearise, residual, x, tolerance, norm)
     return result, full + steps, converged
-
-
-class _BlockFactors:
-    """LU factors of blocks along the Elimination of a MooringSystem: diagonal (N, m, m), right and left (C, m, m)."""
-
-    def __init__(self, system, diagonal, right, left):
-        self.order, self.line, added = system.order, system.line, system.order.edges - len(right)
-        if added:
-            fill = np.zeros((added, *right.shape[1:]))
-            right, left = np.concatenate([right, fill]), np.concatenate([left, fill])
-        self.right, self.left, self.factors, self.singular, pair = right, left, {}, False, 0
-        self.eliminated = np.empty_like(right)
-        for i, (others, edges) in self._pivots():
-            lu, pivots, info = dgetrf(diagonal[i].T, overwrite_a=True)
-            self.factors[i] = lu, pivots
-            self.singular |= info != 0
-            for a, (q, e) in enumerate(zip(others, edges, strict=True)):
-                self.eliminated[e] = dgetrs(lu, pivots, right[e], trans=1)[0]
-                diagonal[q] -= left[e] @ self.eliminated[e]
-                for f in edges[:a]:
-                    between = self.order.pair[pair + self._place(f, e, edges)]
-                    right[between] -= left[f] @ self.eliminated[e]
-                    left[between] -= left[e] @ self.eliminated[f]
-            pair += len(edges) * (len(edges) - 1) // 2
-            self.singular |= not np.isfinite(lu[-1, -1])
-
-    def _pivots(self):
-        """Yield the free nodes in order, each with its later neighbours and the blocks between."""
-        order = self.order
-        for i in np.flatnonzero(~order.is_prescribed).tolist():
-            part = slice(order.start[i], order.start[i + 1])
-            yield i, (order.other[part].tolist(), order.edge[part].tolist())
-
-    @staticmethod
-    def _place(f, e, edges) -> int:
-        """Return the place of two blocks of a pivot among all pairs of its blocks."""
-        a, b, m = edges.index(f), edges.index(e), len(edges)
-        return a * m - a * (a + 1) // 2 + b - a - 1
-
-    def solve(self, F) -> np.ndarray:
-        """Return the solution (N, m) for a right-hand side (N, m)."""
-        x, first, last = F.copy(), self.line.first, self.line.last
-        is_prescribed = self.order.is_prescribed
-        for c in np.flatnonzero(is_prescribed[first] & ~is_prescribed[last]):
-            x[last[c]] -= self.left[c] @ x[first[c]]
-        for c in np.flatnonzero(is_prescribed[last] & ~is_prescribed[first]):
-            x[first[c]] -= self.right[c] @ x[last[c]]
-        pivots = list(self._pivots())
-        for i, (others, edges) in pivots:
-            x[i] = dgetrs(*self.factors[i], x[i], trans=1)[0]
-            for q, e in zip(others, edges, strict=True):
-                x[q] -= self.left[e] @ x[i]
-        for i, (others, edges) in reversed(pivots):
-            for q, e in zip(others, edges, strict=True):
-                x[i] -= self.eliminated[e] @ x[q]
-        return x

@@ -27,7 +27,6 @@ from .prescribed_motion import move_points, ramp_motion, require_above_seabed, r
 from .statics import MooringState, solve_rest
 from .time_domain import integrate_line
 
-PERIODS_TO_START = 3  # of the motion, whose last one a periodic response starts from
 SLIP_SPEED = 0.01  # m/s, at which the regularised friction reaches 0.7 of Coulomb's
 
 
@@ -113,6 +112,8 @@ class MooringSystem:
         if "components" in vars(self):
             parts = tuple(replace(part, system=part.system.with_motion(motion)) for part in self.components)
             other.__dict__["components"] = parts
+        if (coarser := vars(self).get("_coarser")) is not None:
+            other.__dict__["_coarser"] = coarser[0].with_motion(motion), coarser[1]
         other.motion, other.period = motion, getattr(motion, "period", self.period)
         return other
 
@@ -181,7 +182,7 @@ class MooringSystem:
 
     def periodic_start(self, basis, harmonics_of_driving) -> np.ndarray:
         """Return coefficients z (n, N, C) from a short time integration."""
-        return start_from_time(self, basis, max(2, PERIODS_TO_START // harmonics_of_driving))
+        return start_from_time(self, basis)
 
     def mirror(self):
         """Return None: no symmetry is used."""
@@ -204,11 +205,18 @@ class MooringSystem:
         return None
 
     def coarser(self):
-        """Return the lines on every second node, and cubic splines between its nodes; None where one has too few."""
+        """Return the lines on every second node, and cubic splines between its nodes; None where one has too few.
+
+        The same ones at each call, with the rest that was solved for.
+        """
+        return self._coarser
+
+    @cached_property
+    def _coarser(self):
         layout = coarsen(self.model, self.layout)
         if layout is None:
             return None
-        source, share = self.source, share_loads(layout, self.layout)
+        source, share = self.source, share_loads(layout, self.layout) if self.source else None
         coarse = MooringSystem(
             self.model, layout, self.axes, self.motion, self.line.slip_speed,
             source and (lambda t: share @ source(t)), self.period, self.calibrated)  # fmt: skip

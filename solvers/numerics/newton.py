@@ -24,6 +24,7 @@ SUFFICIENT_DECREASE = 1e-4  # of the residual norm, in Armijo's condition
 _RELAX_UP, _RELAX_DOWN = 1.02, 1.1
 _KEEP = 0.2  # contraction up to which another step with the old Jacobian is cheaper than a new Jacobian
 _KEEP_FULL = 0.1  # the same where steps are not damped
+_KEEP_FIRST = 0.05  # the same of the Jacobian at the start, which is far from that at the solution
 MAX_ITERATIONS = 200  # a bisection of the whole positive double range in log t needs 2 + log2(1420 / eps) = 65
 
 
@@ -169,17 +170,20 @@ def relaxed_newton(linearise, residual, x, tolerance, norm, limit=50):
 def full_newton(linearise, residual, x, tolerance, norm, limit=12):
     """Return (x, steps, converged) of Newton's method in full steps, a Jacobian kept while it contracts by _KEEP_FULL.
 
-    Arguments as of ``damped_newton``; for problems in whose form full steps are known to converge.
+    Arguments as of ``damped_newton``; for problems in whose form full steps are known to converge. The Jacobian at the
+    start is tried for the second step.
     """
     steps, kept = [], []  # type: ignore[var-annotated]
 
     def step(x):
         newton = _newton_step((lambda x: (residual(x), kept[0])) if kept else linearise, x, norm)
+        if len(steps) == 1 and not (newton and newton[2] <= _KEEP_FIRST * steps[0].error):
+            newton = _newton_step(linearise, x, norm)
         if newton is None:
             return None
         last = steps[-1].error if steps else np.inf
         steps.append(Step(newton[2], 1.0))
-        kept[:] = [newton[0]] if newton[2] <= _KEEP_FULL * last and steps[:-1] else []
+        kept[:] = [newton[0]] if newton[2] <= _KEEP_FULL * last else []
         return x + newton[1]
 
     x, converged = iterate(step, _last_step_is_small(steps, tolerance), x, limit)

@@ -147,6 +147,8 @@ _FILES = {
     "mooring.mesh": ("mooring/test_model.py", "mooring/test_statics.py", "mooring/test_periodic.py"),
     "mooring.calibration": ("mooring/test_statics.py", "mooring/test_periodic.py"),
     "mooring.modes": ("mooring/test_statics.py", "mooring/test_network.py"),
+    "mooring.block_elimination": ("mooring/test_layout.py", "mooring/test_periodic.py", "mooring/test_network.py"),
+    "mooring.samples": ("mooring/test_periodic.py", "mooring/test_network.py"),
     "mooring.harmonic": ("mooring/test_periodic.py", "mooring/test_layout.py", "mooring/test_network.py"),
     "mooring.history": ("mooring/test_slack.py", "mooring/test_time_domain.py", "mooring/test_periodic.py"),
     "mooring.diagnostics": ("mooring/test_periodic.py",),

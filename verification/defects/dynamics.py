@@ -98,6 +98,13 @@ DEFECTS = (
         _TRIGONOMETRIC,
     ),
     Defect(
+        "the Jacobian at the start kept in any case",
+        Fault("numerics.newton", "full_newton", "newton[2] <= _KEEP_FIRST * steps[0].error", "True"),
+        "regime",
+        "the second of some full steps is taken with the Jacobian of the first, however long it is",
+        "numerics/test_newton.py::test_full_steps_keep_a_jacobian_that_serves",
+    ),
+    Defect(
         "relaxation grows where it should shrink",
         Fault("numerics.newton", "adapted_relaxation", "error < last", "error > last"),
         "sign",
@@ -500,6 +507,13 @@ DEFECTS = (
         "sign",
         "products of two sines have the wrong sign",
         _BLOCKS,
+    ),
+    Defect(
+        "second derivatives as first ones",
+        Fault("harmonic_balance.blocks", "_add", "w * ss, w * sc, w * cs, w * cc", "w * sc, w * ss, w * cc, w * cs"),
+        "index",
+        "sine and cosine change places in the second derivative, too",
+        "harmonic_balance/test_jacobian.py::test_blocks_are_the_sums_over_the_samples",
     ),
     Defect(
         "rates of the basis for its values",

@@ -380,10 +380,13 @@ def test_symmetric_blocks_are_part_of_all_blocks(name):
 
 
 # ---------------------------------------------------------------- blocks from harmonics
-def sums(basis, by_y, by_ydot, rows, columns):
+def sums(basis, by_y, by_ydot, rows, columns, by_yddot=None):
     """P^T diag(g) Q + P^T diag(h) Q_t as the sums over samples that (72)-(74) say, row by row and field by field."""
     made = np.einsum("tr,abnt,tc->nabrc", basis.P, by_y, basis.Q)
     made += np.einsum("tr,abnt,tc->nabrc", basis.P, by_ydot, basis.Q_t)
+    if by_yddot is not None:
+        Q_tt = -basis.Q * (basis.omega * basis.harmonic) ** 2
+        made += np.einsum("tr,abnt,tc->nabrc", basis.P, by_yddot, Q_tt)
     return np.concatenate(
         [
             np.concatenate([made[:, a, b][:, r][:, :, c] for b, c in enumerate(columns)], axis=2)
@@ -422,13 +425,14 @@ def test_blocks_are_the_sums_over_the_samples(setting, precision):
         ([none, every], choices[:3]),
         (choices[:2], [none, every, every]),
     ):
-        by_y, by_ydot = (sampled_tangents(rng, (2, 3, nodes, basis.samples)) for _ in range(2))
+        by_y, by_ydot, by_yddot = (sampled_tangents(rng, (2, 3, nodes, basis.samples)) for _ in range(3))
         wanted, blocks = sums(basis, by_y, by_ydot, rows, columns), Blocks(basis, columns)
         given = by_y, by_ydot, blocks.harmonics(rows, basis), precision
         parts = np.concatenate([blocks(*given, 0, 2), blocks(*given, 2, 9)])
-        for made in (blocks(*given), parts):
+        second = sums(basis, by_y, by_ydot, rows, columns, by_yddot), blocks(*given, by_yddot=(by_yddot,))
+        for exact, made in ((wanted, blocks(*given)), (wanted, parts), second):
             assert made.dtype == precision
-            assert abs(made - wanted).max(initial=0) <= PRECISIONS[precision] * abs(wanted).max(initial=0)
+            assert abs(made - exact).max(initial=0) <= PRECISIONS[precision] * abs(exact).max(initial=0)
 
 
 def test_interpreted_blocks_are_the_same(monkeypatch):

@@ -291,10 +291,20 @@ NAMED = [
     ("tangents", "ma * (unit[j] * (a[i, k] - inertia * unit[k]) + inertia * P)", "0.0 * ma", "added mass that stays"),
     ("tangents", "force * unit[k] / 2", "force * unit[k]", "the stretch of the drag doubled"),
     ("tangents", "line.last[c]", "line.first[c] + 1", "tangents of a cell that ends at the next node"),
-    ("tangents", "diagonal[last, j, k] += G", "diagonal[c + 1, j, k] += G", "stiffness on the next node"),
-    ("tangents", "left[c, j, k] -= turn", "right[c, j, k] -= turn", "loads that turn with the wrong end"),
-    ("drag_tangents", "w_v * line.point_drag[i] * uu", "w_v * 0.0 * uu", "drag of a node that does not grow"),
-    ("seabed_tangents", "line.friction[i] * by_height", "line.friction[i] * 0.0", "friction of a constant weight"),
+    (
+        "tangents",
+        "add_own(diagonal, last, j, k, weights, by_r, by_v, 0.0)",
+        "add_own(diagonal, c + 1, j, k, weights, by_r, by_v, 0.0)",
+        "stiffness on the next node",
+    ),
+    (
+        "tangents",
+        "add_next(left, c, j, k, weights, -turn, 0.0)",
+        "add_next(right, c, j, k, weights, -turn, 0.0)",
+        "loads that turn with the wrong end",
+    ),
+    ("drag_tangents", "line.point_drag[i] * uu", "0.0 * uu", "drag of a node that does not grow"),
+    ("seabed_tangents", "by_height * up", "0.0 * up", "friction of a constant weight"),
 ]
 """(function, old, new, what[, place]) of faults that are no signs."""
 

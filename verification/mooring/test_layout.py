@@ -9,8 +9,8 @@ import pytest
 
 from solvers import mooring_system
 from solvers.mooring import elimination
+from solvers.mooring.block_elimination import BlockFactors
 from solvers.mooring.coarsening import common_nodes
-from solvers.mooring.harmonic import _BlockFactors
 
 from ..cases import networks as cases
 from ..reference import EPS
@@ -18,6 +18,7 @@ from .networks import case_network
 from .test_network import scene
 
 SOLVED = 1e-10  # of the solution: random blocks, without exchanges of rows between nodes; measured 2e-13
+SINGLE = 1e-4  # the same in single precision; measured 2e-6
 COUNT = 12  # of the random networks, two to forty elements each
 
 
@@ -87,11 +88,58 @@ def test_any_network_is_eliminated(name):
             elimination.solve(order, *blocks, solution)
         else:
             size = line.length.size
-            factors = _BlockFactors(made, prescribed_to_one(diagonal, order), right[:size].copy(), left[:size].copy())
+            blocks = prescribed_to_one(diagonal, order), right[:size].copy(), left[:size].copy()
+            factors = BlockFactors(order, line.first, line.last, *blocks)
             assert not factors.singular
             solution = factors.solve(x)
         assert abs(solution - wanted).max() <= SOLVED * abs(wanted).max()
         assert not solution[order.is_prescribed].any()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_changes_of_prescribed_nodes_are_taken_over(name):
+    """The solution has the given values there, and satisfies the rows of the others, in both precisions."""
+    made, rng, m = system(name), np.random.default_rng(8), 5
+    line, order, nodes = made.line, made.order, made.nodes
+    right, left = rng.normal(0, 1, (2, line.length.size, m, m)) / m
+    permuted = np.stack([rng.permutation(np.eye(m)) for _ in range(nodes)])  # rows have to be exchanged
+    diagonal = rng.normal(0, 1, (nodes, m, m)) / m + 3 * degrees(line, nodes)[:, None, None] * permuted
+    diagonal = prescribed_to_one(diagonal, order)
+    right[order.is_prescribed[line.first]], left[order.is_prescribed[line.last]] = 0.0, 0.0
+    given = rng.normal(0, 1, (nodes, m))
+    for real, tolerance in ((float, SOLVED), (np.float32, SINGLE)):
+        blocks = (part.astype(real) for part in (diagonal, right, left))
+        x = BlockFactors(order, line.first, line.last, *blocks).solve(given)
+        assert np.array_equal(x[order.is_prescribed], given[order.is_prescribed].astype(real))
+        rows = np.einsum("nij,nj->ni", diagonal, x)
+        np.add.at(rows, line.first, np.einsum("nij,nj->ni", right, x[line.last]))
+        np.add.at(rows, line.last, np.einsum("nij,nj->ni", left, x[line.first]))
+        assert abs(rows - given).max() <= tolerance * abs(given).max()
+
+
+def test_blocks_that_do_not_fit_are_refused():
+    """Compiled loops do not look at their indices: other numbers of nodes, cells and unknowns are refused."""
+    made = system("clump")
+    line, order, cells = made.line, made.order, made.line.length.size
+    blocks = [np.tile(np.eye(3), (count, 1, 1)) for count in (made.nodes, cells, cells)]
+    factors = BlockFactors(order, line.first, line.last, *blocks)
+    with pytest.raises(ValueError, match="right-hand side"):
+        factors.solve(np.zeros((made.nodes, 4)))
+    for i in range(3):
+        for wrong in (blocks[i][1:], blocks[i][:, 1:], blocks[i].astype(np.float32), blocks[i].swapaxes(1, 2)):
+            with pytest.raises(ValueError, match=r"must be|does not fit"):
+                BlockFactors(order, line.first, line.last, *blocks[:i], wrong, *blocks[i + 1 :])
+
+
+def test_singular_blocks_are_reported():
+    """A free node whose block is zero, and one that is not a number."""
+    made = system("clump")
+    line, order = made.line, made.order
+    for bad in (0.0, np.nan):
+        diagonal = np.tile(np.eye(3), (made.nodes, 1, 1))
+        diagonal[np.flatnonzero(~order.is_prescribed)[0]] = bad
+        right, left = np.zeros((2, line.length.size, 3, 3))
+        assert BlockFactors(order, line.first, line.last, diagonal, right, left).singular
 
 
 def degrees(line, nodes):

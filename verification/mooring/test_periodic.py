@@ -4,16 +4,21 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from solvers import InputError, Motion, mooring_system, solve_periodic, solve_time_domain
+from solvers.mooring import harmonic
+from solvers.mooring.block_elimination import BlockFactors
 from solvers.numerics.fourier import Basis
 
+from ..cases import networks as cases
 from ..cases.cables import EVERYTHING, OC3, OC3_SEABED, SURGE_5
 from ..exact.moving_line import ALL_TERMS
 from ..tools.orders import assert_order, extrapolated
+from .networks import case_network
 from .problems import exact_load, exact_state, manufactured, system
 from .test_order import graded
 from .test_statics import NETWORKS
@@ -67,6 +72,72 @@ def test_jacobian_blocks_are_differences_of_the_rows(case):
     h = 1e-7
     difference = (rows.evaluate(x + h * step)[0] - rows.evaluate(x - h * step)[0]) / (2 * h)
     assert abs(got - difference).max() <= 1e-6 * abs(difference).max()
+
+
+@pytest.mark.parametrize("case", [SURGE_5, EVERYTHING], ids=lambda case: case.name)
+def test_tensions_of_a_step_are_predicted_to_second_order(case):
+    """Auxiliary tensions after a step are those of the law but for the square of the step."""
+    made, errors = system(case, 6, calibrate=False), []
+    rows = made.harmonic_residual(Basis(4, 16, 2 * np.pi / made.period, True), None, False)
+    rng, (nodes, n, count) = np.random.default_rng(6), rows.shape
+    x, step = rows.pack(rng.normal(0, 0.02, (n, nodes, count))), rng.normal(0, 1.0, (nodes, n * count))
+    for h in (1e-4, 5e-5):
+        rows.initial = None
+        rows.linearise(x)  # where the prediction begins
+        assert rows.last_linearisation[1].min() > 0
+        rows.linearise(x + h * step)
+        exact = rows.last_linearisation[1]
+        errors.append(abs(rows.auxiliary - exact).max() / exact.max())
+    assert_order([1e-4, 5e-5], errors, 2, ceiling=1e-6, what="auxiliary tensions")
+
+
+def test_factors_are_in_double_precision_where_many_are_needed():
+    """The first three linearisations solve to single precision, which Newton's method mends, the next to double."""
+    made = system(SURGE_5, 8, calibrate=False)
+    rows = made.harmonic_residual(Basis(6, 24, 2 * np.pi / made.period, True), None, False)
+    x = 0.01 * np.random.default_rng(4).normal(size=(made.nodes, 2 * rows.shape[2]))
+    solves = [rows.linearise(x)[1] for _ in range(4)]
+    F, line = rows.linearise(x)[0], made.line
+    wanted = BlockFactors(made.order, line.first, line.last, *rows.jacobian(rows.samples(x))).solve(F)
+    errors = [abs(solve(F) - wanted).max() / abs(wanted).max() for solve in solves]
+    assert 1e-9 < min(errors[:3]) and max(errors[:3]) < 1e-2 and errors[3] < 1e-9
+
+
+@pytest.mark.parametrize(("Cdn", "periods"), [(SURGE_5.Cdn, [2]), (0.0, [2, 3])], ids=["damped", "undamped"])
+def test_a_start_that_does_not_settle_takes_one_more_period(Cdn, periods, monkeypatch):
+    """Two periods in time where the second ends as the first did, else three."""
+    taken = []
+
+    def integrate(system, **settings):
+        taken.append(settings["duration"] / system.period)
+        return solve_time_domain(system, **settings)
+
+    monkeypatch.setattr(harmonic, "solve_time_domain", integrate)
+    made = system(replace(SURGE_5, Cdn=Cdn), 8, calibrate=False)
+    z = made.periodic_start(Basis(4, 16, 2 * np.pi / made.period, True), 1)
+    assert taken == pytest.approx(periods) and abs(z[:, -1]).max() == pytest.approx(5.0, rel=1e-3)
+
+
+def test_starts_are_as_fine_as_slack_and_touchdown_need(monkeypatch):
+    """A line in deep water starts from a coarse integration; one over a seabed and networks from the usual one."""
+    given, failed = [], SimpleNamespace(success=False)
+    monkeypatch.setattr(harmonic, "solve_time_domain", lambda system, **settings: given.append(settings) or failed)
+    motion = Motion.harmonic(0.1, (0.0, 0.0, 1.0))
+    bridles = mooring_system(case_network(cases.bridle_system()), 4, motion=motion)
+    lying = replace(OC3_SEABED, amplitude=(5.0, 0.0, 0.0))
+    for made in (system(SURGE_5, 8), system(lying, 8), bridles):
+        assert not made.periodic_start(Basis(4, 16, 2 * np.pi / made.period, True), 1).any()
+    assert [one["tolerance"] for one in given] == [harmonic.START_TOLERANCE, None, None]
+
+
+def test_coarser_lines_are_kept_and_take_the_motion():
+    """Their rest is solved for once; with another motion of the line they have it, too."""
+    made, motion = system(SURGE_5, 12), Motion.harmonic(0.1, (0.0, 0.0, 1.0))
+    coarse = made.coarser()[0]
+    coarse.rest_state()
+    assert made.coarser()[0] is coarse and coarse.nodes == 7
+    other = made.with_motion(motion).coarser()[0]
+    assert other.motion is motion and other.rest is coarse.rest and coarse.motion is made.motion
 
 
 def test_the_response_is_what_motions_in_time_settle_to():

@@ -14,6 +14,7 @@ from solvers.numerics.newton import (
     MIN_STEP,
     adapted_relaxation,
     damped_newton,
+    full_newton,
     halve_step,
     is_contraction,
     iterate,
@@ -204,6 +205,29 @@ def test_damped_steps_are_those_of_the_algorithm(size, start):
     assert converged and abs(x[0]) <= 1e-12 * size and expected[:, 1].min() < 1.0
     assert errors[: len(expected)] == pytest.approx(expected[:, 0], rel=1e-9)
     assert relaxations[: len(expected)] == pytest.approx(expected[:, 1], rel=1e-9)
+
+
+@pytest.mark.parametrize(("bend", "points"), [(0.02, [0.0]), (0.5, [0.0, 1.0, 0.75])], ids=["flat", "bent"])
+def test_full_steps_keep_a_jacobian_that_serves(bend, points):
+    """x + bend x^2 = 1: of a flat function the Jacobian at 0 serves to the end, a bent one has another at once.
+
+    One more is made where the steps do not shrink tenfold. points: where Jacobians are made.
+    """
+    made = []
+    residual = lambda x: x + bend * x**2 - 1
+
+    def linearise(x):
+        made.append(float(x[0]))
+        slope = 1 + 2 * bend * x
+        return residual(x), lambda F: F / slope
+
+    norm = lambda step: float(abs(step).max())
+    x, taken, converged = full_newton(linearise, residual, np.zeros(1), 1e-10, norm)
+    exact = (math.sqrt(1 + 4 * bend) - 1) / (2 * bend)
+    assert converged and abs(x[0] - exact) <= 1e-11
+    assert made == pytest.approx(points)
+    if len(made) > 1:
+        assert taken[1].error == pytest.approx(bend / (1 + 2 * bend))
 
 
 def test_no_change_of_a_step_is_divided_by():
