@@ -568,7 +568,7 @@ DEFECTS = (
         Fault(
             "harmonic_balance.blocks",
             "Blocks.__call__",
-            "by_ydot.shape != by_y.shape or shape != fits",
+            "any(other.shape != by_y.shape for other in (by_ydot, *by_yddot)) or shape != fits",
             "False and shape != fits",
         ),
         "regime",
