@@ -99,14 +99,15 @@ class MooringResponse(MooringOutputs, PeriodicResponse):
 def start_from_time(system, basis) -> np.ndarray:
     """Return the coefficients z (n, N, C) of the last period of a time integration; zeros where that fails.
 
-    Of two periods, or three where the second does not end as the first did.
+    Of three periods; of a line in deep water with coarser iterations, and two where the second ends as the first did.
     """
     steps = max(LEAST_STEPS, STEPS_PER_HARMONIC * basis.harmonics)
     period, rest = 2 * np.pi / basis.omega, system.rest_state()[..., None]
-    tolerance = None if system.line.seabed_stiffness.any() or not system.model.is_line else START_TOLERANCE
+    is_smooth = system.model.is_line and not system.line.seabed_stiffness.any()
+    tolerance = START_TOLERANCE if is_smooth else None
     integrate = partial(solve_time_domain, system, dt=period / steps, tolerance=tolerance, throw=False)
-    history = integrate(duration=2 * period)
-    if history.success:
+    history = integrate(duration=(2 if is_smooth else 3) * period)
+    if is_smooth and history.success:
         change = abs(history.y[..., -1] - history.y[..., -steps - 1]).max()
         if change > SETTLED * abs(history.y - rest).max():
             history = integrate(duration=3 * period)

@@ -557,8 +557,8 @@ DEFECTS = (
         Fault(
             "mooring.harmonic",
             "start_from_time",
-            "system.line.seabed_stiffness.any() or not system.model.is_line",
-            "False",
+            "system.model.is_line and not system.line.seabed_stiffness.any()",
+            "True",
         ),
         "regime",
         "a solve starts where a coarse time integration found cells slack that are not, and ends elsewhere",
