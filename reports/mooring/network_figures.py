@@ -106,7 +106,7 @@ def _growth_caption(data) -> str:
         f"{data['steps']} steps, every {data['every']}th kept, with the force on the body: "
         f"{seconds(first['seconds'])} and {first['memory'] / 1e6:.2g} MB for {first['lines']} lines, "
         f"{seconds(last['seconds'])} and {last['memory'] / 1e6:.2g} MB for {last['lines']}; lines to the power "
-        f"{number(data['exponents']['seconds'], 3)} in time and {number(data['exponents']['memory'], 3)} in memory. "
+        f"{data['exponents']['seconds']:.2f} in time and {data['exponents']['memory']:.2f} in memory. "
         "One core; memory is what a call has at most beyond the lines at rest."
     )
 
