@@ -86,6 +86,9 @@ MOVING_NETWORKS = Section(
         "moving-networks": (
             "io/test_network_scene.py::test_the_examples_are_in_balance",
             "io/test_motion_file.py::test_what_a_moving_network_lacks_is_named",
+            "mooring/test_network.py::test_harmonic_balance_and_time_integration_agree",
+            "mooring/test_network.py::test_random_networks_move_as_another_program_has_them",
+            "mooring/test_random_networks.py::test_random_networks_move_as_they_must",
         )
     },
 )
