@@ -22,7 +22,8 @@ from ..tools.strategies import networks, powers
 
 BALANCE = 1e-9  # of the largest force: the default tolerance
 POSITION_EPS = 16  # eps by which positions of both ends, their difference and the length of an element are rounded
-RESOLVED = 0.7  # of the examples, at least: those where rounded positions resolve forces to BALANCE
+RESOLVED = 0.5  # of the examples, at least: those where rounded positions resolve forces to BALANCE; Hypothesis takes
+# constants of all modules in memory for some: 0.63 in a run of all tests, 0.8 of this file alone
 COMPARED = 0.2  # of the examples, at least: those without a loose node, mostly 0.5 to 0.7
 SPREAD = 1e8  # largest over least stiffness of the free nodes, beyond which a difference quotient shows no loose node
 FEW = settings(max_examples=settings().max_examples // 20)  # some 60 ms each, one set for each transformation
