@@ -152,7 +152,7 @@ class HarmonicResidual:
 
     def coefficients(self, F):
         """The way back from ``vector``: start, cells, end rows (n_r, *, C) and the drift's means; elsewhere zeros."""
-        start, cells, end, means = self._split(F)
+        start, cells, end, means = self.split(F)
         drift, parts = np.zeros(self.drifting), []
         drift[self.mean_constraints] = means
         for part, active, of in (
@@ -177,13 +177,13 @@ class HarmonicResidual:
         slope = self.slope(state)
         if self.n >= SINGLE_PRECISION_FROM:
             factors = BlockChain(*self.jacobian(rows, slope, CELLS_AT_ONCE, np.float32))  # type: ignore[assignment]
-            solve = lambda F: factors.solve(*self._split(F))
+            solve = lambda F: factors.solve(*self.split(F))
             step = solve(F)
             more = solve(F - self.product(rows, slope, step))
             if not factors.singular and abs(more).mean() <= MAX_REFINEMENT * abs(step).mean():
                 return F, lambda right: step + more if right is F else solve(right)
         factors = BlockChain(*self.jacobian(rows, slope, CELLS_AT_ONCE, float))  # type: ignore[assignment]
-        return F, None if factors.singular else lambda F: factors.solve(*self._split(F))
+        return F, None if factors.singular else lambda F: factors.solve(*self.split(F))
 
     def slope(self, state):
         """d(drift)/dy at the samples, (n_d, n_f, N, Nt), or None where no mean is closed with it."""
@@ -219,7 +219,7 @@ class HarmonicResidual:
         mean = np.swapaxes(mean, 1, 2).reshape(len(self.mean_constraints), nodes, -1)
         return *blocks, mean[..., self.of_node].astype(precision)
 
-    def _split(self, F):
+    def split(self, F):
         """Parts of a right-hand side as BlockChain takes them."""
         first, nodes = sum(map(len, self.start_rows)), self.rest.shape[1]
         middle = first + (nodes - 1) * self.n
