@@ -15,6 +15,7 @@ from .io.scene import Scene
 from .mooring.system import MooringSystem, mooring_system
 from .network.model import Element, Network, Node
 from .network.solve import NetworkState, solve_network
+from .stability.curve import ResponseCurve, response_curve
 from .time_domain.history import TimeHistory
 from .time_domain.solve import solve_time_domain
 
@@ -36,6 +37,7 @@ __all__ = [
     "Node",
     "PeriodicResponse",
     "Regime",
+    "ResponseCurve",
     "SampledMotion",
     "Scene",
     "Span",
@@ -45,6 +47,7 @@ __all__ = [
     "__version__",
     "cable_system",
     "mooring_system",
+    "response_curve",
     "solve_network",
     "solve_periodic",
     "solve_span",

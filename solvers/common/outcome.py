@@ -40,6 +40,12 @@ class Status(Enum):
         "use more nodes (over a seabed, where the line touches down) or fewer harmonics, start from a neighbouring "
         "response, or reduce the motion"
     )
+    CURVE_STEP_TOO_SHORT = (
+        "the response curve was not followed further, even in the shortest steps: the last good point is the last one "
+        "of the curve; use more harmonics or samples, or a smaller min_step"
+    )
+    CURVE_RETURNED = "the response curve turned back and left its range at its start: start from another response"
+    CURVE_TOO_LONG = "the response curve has as many points as allowed: raise max_points, or allow a longer max_step"
     NOT_CORRECTED = (
         "the periodic response was found, but its mesh is too coarse or too uneven for a deferred correction: "
         "use more nodes, even out the mesh, or set deferred_correction=False"

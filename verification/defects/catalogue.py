@@ -8,8 +8,9 @@ from .dynamics import DEFECTS as DYNAMICS
 from .mooring import DEFECTS as MOORING
 from .networks import DEFECTS as NETWORKS
 from .spans import DEFECTS as SPANS
+from .stability import DEFECTS as STABILITY
 
-CATALOGUE: tuple[Defect, ...] = (*SPANS, *NETWORKS, *CABLES, *DYNAMICS, *MOORING)
+CATALOGUE: tuple[Defect, ...] = (*SPANS, *NETWORKS, *CABLES, *DYNAMICS, *MOORING, *STABILITY)
 
 # ---------------------------------------------------------------- kinds of checks
 FROZEN = (
@@ -255,6 +256,11 @@ _FILES = {
     "common.response": ("common/test_response.py", "time_domain/test_solve.py", "harmonic_balance/test_solve.py"),
     "harmonic_balance.solve": (*_PERIODIC, "harmonic_balance/test_deferred_correction.py"),
     "harmonic_balance.response": _PERIODIC,
+    **dict.fromkeys(
+        ("stability.family", "stability.bordered", "stability.continuation", "stability.curve"),
+        ("stability/test_curve.py",),
+    ),
+    "stability.floquet": ("stability/test_floquet.py",),
     "io.scene": ("common/test_failures.py", "catenary/test_invariants.py", "io/test_scene.py"),
 }
 

@@ -40,10 +40,12 @@ MAY_IMPORT = {
 }  # fmt: skip
 
 # Rooms of solvers from the lowest to the highest: imports between rooms run only downwards.
-ROOMS = ("common", "numerics", "catenary", "network", "cable", "time_domain", "harmonic_balance", "mooring", "io")
+ROOMS = ("common", "numerics", "catenary", "network", "cable", "time_domain", "harmonic_balance", "stability",
+         "mooring", "io")  # fmt: skip
 # The dynamic solvers know chains only, and no line.
 UNRELATED = {"time_domain": ("catenary", "network", "cable"),
-             "harmonic_balance": ("catenary", "network", "cable", "time_domain")}  # fmt: skip
+             "harmonic_balance": ("catenary", "network", "cable", "time_domain"),
+             "stability": ("catenary", "network", "cable")}  # fmt: skip
 
 # Rooms and modules of reports from the lowest to the highest: imports between them run only downwards. Of the
 # room "page" the modules that name every section stand at the top, all others below the rooms of the sections.

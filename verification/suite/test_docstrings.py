@@ -12,7 +12,8 @@ from solvers.io import load_body_motion, load_moordyn, load_network, read_map_fi
 from solvers.numerics.modes import natural_modes
 
 RETURNED = {"CableSystem", "CatenaryBatch", "CatenaryState", "ConvergenceError", "InputError", "NetworkState",
-            "PeriodicResponse", "Regime", "StaticState", "Status", "TimeHistory", "MooringSystem"}  # fmt: skip
+            "PeriodicResponse", "Regime", "ResponseCurve", "StaticState", "Status", "TimeHistory",
+            "MooringSystem"}  # fmt: skip
 """Public classes that calls return or raise, and callers do not build."""
 
 PUBLIC = {name: getattr(solvers, name) for name in solvers.__all__ if callable(getattr(solvers, name))}

@@ -20,7 +20,7 @@ from verification import IN_REPOSITORY, ROOT
 pytestmark = pytest.mark.skipif(not IN_REPOSITORY, reason="an installed wheel has no README")
 
 PAGES = [ROOT / "README.md", *sorted((ROOT / "solvers").glob("*/theory.md"))]
-ROOMS = ("catenary", "network", "cable", "time_domain", "harmonic_balance")
+ROOMS = ("catenary", "network", "cable", "time_domain", "harmonic_balance", "stability")
 NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 ROUNDING = 1 + 1e-6  # of half a digit: a value in the middle is a double, and may lie on either side of it
 

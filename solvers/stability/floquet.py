@@ -1,0 +1,170 @@
+"""Local stability of a periodic response of a chain: Floquet multipliers by two roads, and their difference.
+
+Monodromy: the linearised chain dF/dydot d' + dF/dy d = 0 is integrated over one period by Radau IIA of order five
+(Hairer, Wanner, Solving Ordinary Differential Equations II, 1996, IV.5), which takes algebraic rows as they are.
+Hill: d(t) = exp(mu t) times a series with the harmonics of the response makes the Jacobian J of the harmonic balance
+J + mu D, D that of the rates alone; mu in one strip of width omega give the multipliers exp(mu T).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.linalg import eig
+from scipy.optimize import linear_sum_assignment
+
+from ..common.outcome import InputError
+from ..common.validation import one_of, whole_number
+from ..harmonic_balance.residual import HarmonicResidual
+
+_ROOT = np.sqrt(6.0)
+NODES = np.array([(4 - _ROOT) / 10, (4 + _ROOT) / 10, 1.0])
+WEIGHTS = np.array([
+    [(88 - 7 * _ROOT) / 360, (296 - 169 * _ROOT) / 1800, (-2 + 3 * _ROOT) / 225],
+    [(296 + 169 * _ROOT) / 1800, (88 + 7 * _ROOT) / 360, (-2 - 3 * _ROOT) / 225],
+    [(16 - _ROOT) / 36, (16 + _ROOT) / 36, 1 / 9],
+])  # fmt: skip
+MAX_UNKNOWNS = 600  # of a chain, or of its harmonic balance, in dense matrices
+MAX_STEPS = 10**6
+INFINITE = 1e8  # times the frequency, a Hill exponent of an algebraic row that rounding made finite
+STRIP_EDGE = 1e-6  # of the frequency: the strip of exponents is moved so far, so that of -1 only one edge is in it
+
+
+@dataclass(frozen=True)
+class FloquetResult:
+    """Multipliers (m,), largest first, complex; by the monodromy matrix where it was asked for, else by Hill.
+
+    hill (m,): those of Hill's problem in the same order; difference: largest distance between the two, which estimates
+    the error of the worse of them; both None with one method alone. constraints: how many multipliers of 1 were taken
+    out that belong to rows which prescribe velocities, not positions.
+    """
+
+    multipliers: np.ndarray
+    period: float
+    constraints: int
+    hill: np.ndarray | None = field(repr=False, default=None)
+    difference: float | None = None
+
+    @property
+    def stable(self) -> bool:
+        """True if every multiplier is less than one in size: small disturbances decay."""
+        return bool(abs(self.multipliers).max(initial=0.0) < 1.0)
+
+    @property
+    def exponents(self) -> np.ndarray:
+        """Floquet exponents (m,), log(multiplier)/T, 1/s; their real parts are the rates of growth."""
+        return np.log(self.multipliers.astype(complex)) / self.period
+
+
+def floquet(response, *, method: str = "both", steps: int = 200) -> FloquetResult:
+    """Return the Floquet multipliers of a PeriodicResponse of a chain, and whether it is stable.
+
+    method: "monodromy", "hill" or "both". steps: of the time integration in the period. Hill's problem takes the
+    harmonics of the response. Both work with dense matrices, for chains of up to ``MAX_UNKNOWNS`` unknowns.
+    Raises InputError for another response, for bad options, and for a chain that is too long.
+    """
+    one_of("method", method, ("both", "monodromy", "hill"))
+    steps = whole_number("steps", steps, 1, MAX_STEPS)
+    system = response.system
+    if hasattr(system, "harmonic_residual"):
+        problem = "a line of nodes and elements has rows with accelerations, which this takes none of; use cable_system"
+        raise InputError(problem, field="response", value=response)
+    size = len(system.fields) * system.nodes * (1 if method == "monodromy" else response.basis.harmonic.size)
+    if size > MAX_UNKNOWNS:
+        problem = f"{size} unknowns are more than {MAX_UNKNOWNS}; take fewer nodes or harmonics, or the monodromy alone"
+        raise InputError(problem, field="response", value=response)
+    drift = system.drift(system.rest_state(), 0.0)
+    constraints = 0 if drift is None else len(drift)
+    period = response.last_period[1]
+    by_hill = None if method == "monodromy" else np.exp(hill_exponents(response) * period)
+    if by_hill is not None and method == "hill":
+        return FloquetResult(_largest_first(by_hill), period, constraints)
+    multipliers = _largest_first(np.linalg.eigvals(monodromy(response, steps)))
+    for _ in range(constraints):
+        multipliers = np.delete(multipliers, np.argmin(abs(multipliers - 1)))
+    if by_hill is None:
+        return FloquetResult(multipliers, period, constraints)
+    multipliers = multipliers[: by_hill.size]
+    distance = abs(multipliers[:, None] - by_hill)
+    pairs = linear_sum_assignment(distance)
+    return FloquetResult(multipliers, period, constraints, by_hill[pairs[1]], float(distance[pairs].max(initial=0.0)))
+
+
+def _largest_first(multipliers):
+    return multipliers[np.argsort(-abs(multipliers), kind="stable")]
+
+
+def assemble(start, cells, end, border=()) -> np.ndarray:
+    """Return the dense matrix of blocks start (p, n, *S), cells (2, N - 1, n, n, *S), end (e, n, *S), border (k, N, n).
+
+    Rows start, cells, end, border; (rows, N n, *S).
+    """
+    (p, n), count = start.shape[:2], cells.shape[1]
+    matrix = np.zeros((p + count * n + len(end) + len(border), (count + 1) * n, *start.shape[2:]))
+    matrix[:p, :n] = start
+    for i in range(count):
+        rows = slice(p + i * n, p + (i + 1) * n)
+        matrix[rows, i * n : (i + 1) * n], matrix[rows, (i + 1) * n : (i + 2) * n] = cells[:, i]
+    last = p + count * n + len(end)
+    matrix[p + count * n : last, count * n :] = end
+    if len(border):
+        matrix[last:] = border.reshape(len(border), -1)
+    return matrix
+
+
+# ---------------------------------------------------------------- by the monodromy matrix
+def monodromy(response, steps) -> np.ndarray:
+    """Return the matrix (n, n) that takes a small disturbance over one period of a response."""
+    system, h = response.system, response.last_period[1] / steps
+    n = len(system.fields) * system.nodes
+    result, eye = np.eye(n), np.eye(len(NODES))
+    for step in range(steps):
+        by_y, by_ydot = _tangents(system, response, (step + NODES) * h)
+        stages = np.einsum("ij,abi->iajb", eye, by_ydot) + h * np.einsum("ij,abi->iajb", WEIGHTS, by_y)
+        right = -np.moveaxis(by_y, -1, 0).reshape(-1, n)
+        rates = np.linalg.solve(stages.reshape(len(right), -1), right).reshape(len(NODES), n, n)
+        result = (np.eye(n) + h * np.tensordot(WEIGHTS[-1], rates, 1)) @ result
+    return result
+
+
+def _tangents(system, response, t):
+    """Return dF/dy and dF/dydot of the chain about its response at times t (S,), (n, n, S) each."""
+    state = response.at(t), response.rate_at(t), t
+    start, cells, end = (part(*state) for part in (system.start, system.cells_or_empty, system.end))
+    each = ((part, np.moveaxis(getattr(cells, part), 3, 1)) for part in ("dy", "dydot"))
+    return tuple(assemble(getattr(start, part), between, getattr(end, part)) for part, between in each)
+
+
+# ---------------------------------------------------------------- by Hill's problem
+def hill_exponents(response) -> np.ndarray:
+    """Return the Floquet exponents (m,) of Hill's problem, imaginary parts within half the frequency, 1/s.
+
+    In the strip there are those of the truncated ends of the series, too: kept are the most central series, as many as
+    the pencil has finite exponents for each harmonic.
+    """
+    basis = response.basis
+    residual = HarmonicResidual(response.system, basis)
+    rows, state = residual.rows(residual.pack(response.z), True)
+    J = assemble(*residual.jacobian(rows, residual.slope(state)))
+    D = assemble(*_rate_blocks(residual, rows))
+    mu, modes = eig(J, -D)
+    is_finite = np.isfinite(mu) & (abs(mu) < INFINITE * basis.omega)
+    mu, modes = mu[is_finite], modes[:, is_finite]
+    energy = abs(modes.reshape(response.system.nodes, -1, basis.harmonic.size, mu.size)) ** 2
+    energy = energy.sum(axis=(0, 1))
+    distance = basis.harmonic @ energy / energy.sum(axis=0)
+    within = (mu.imag > (STRIP_EDGE - 0.5) * basis.omega) & (mu.imag <= (STRIP_EDGE + 0.5) * basis.omega)
+    count = round(mu.size / basis.harmonic.size)
+    return mu[within][np.argsort(distance[within], kind="stable")[:count]]
+
+
+def _rate_blocks(residual, rows):
+    """Return the blocks of the rows' derivatives by rates alone, in the places of the Jacobian's."""
+    parts = []
+    for part, harmonics in zip(rows, residual.row_harmonics, strict=True):
+        by_rate = part.dydot if part.dydot.ndim == 5 else part.dydot[:, :, None]
+        parts.append(residual.blocks(by_rate, np.zeros(by_rate.shape), harmonics, float))
+    start, cells, end = parts
+    border = np.zeros((len(residual.mean_constraints), residual.rest.shape[1], residual.n))
+    return start[0], cells, end[0], border

@@ -1,0 +1,1 @@
+"""Tests of response curves and of the stability of periodic responses."""
