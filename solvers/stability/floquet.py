@@ -3,7 +3,7 @@
 Monodromy: the linearised chain dF/dydot d' + dF/dy d = 0 is integrated over one period by Radau IIA of order five
 (Hairer, Wanner, Solving Ordinary Differential Equations II, 1996, IV.5), which takes algebraic rows as they are.
 Hill: d(t) = exp(mu t) times a series with the harmonics of the response makes the Jacobian J of the harmonic balance
-J + mu D, D that of the rates alone; mu in one strip of width omega give the multipliers exp(mu T).
+J + mu D, D that of the rates alone. Of the mu of a multiplier exp(mu T) that with the most central series counts.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ WEIGHTS = np.array([
 MAX_UNKNOWNS = 600  # of a chain, or of its harmonic balance, in dense matrices
 MAX_STEPS = 10**6
 INFINITE = 1e8  # times the frequency, a Hill exponent of an algebraic row that rounding made finite
-STRIP_EDGE = 1e-6  # of the frequency: the strip of exponents is moved so far, so that of -1 only one edge is in it
+EDGE = 1e-6  # the bounds of a mean harmonic are moved so far: of a negative multiplier, with 1/2 and -1/2, one counts
 
 
 @dataclass(frozen=True)
@@ -138,25 +138,30 @@ def _tangents(system, response, t):
 
 # ---------------------------------------------------------------- by Hill's problem
 def hill_exponents(response) -> np.ndarray:
-    """Return the Floquet exponents (m,) of Hill's problem, imaginary parts within half the frequency, 1/s.
+    """Return the Floquet exponents (m,) of Hill's problem, 1/s: of each multiplier that whose series is most central.
 
-    In the strip there are those of the truncated ends of the series, too: kept are the most central series, as many as
-    the pencil has finite exponents for each harmonic.
+    A multiplier has an exponent for each harmonic, its series moved by one from the next. The mean harmonic of a series
+    lies between -1/2 and 1/2 for one of them alone, also where a wave is faster than every harmonic.
     """
     basis = response.basis
     residual = HarmonicResidual(response.system, basis)
     rows, state = residual.rows(residual.pack(response.z), True)
-    J = assemble(*residual.jacobian(rows, residual.slope(state)))
-    D = assemble(*_rate_blocks(residual, rows))
+    J, D = assemble(*residual.jacobian(rows, residual.slope(state))), assemble(*_rate_blocks(residual, rows))
     mu, modes = eig(J, -D)
-    is_finite = np.isfinite(mu) & (abs(mu) < INFINITE * basis.omega)
-    mu, modes = mu[is_finite], modes[:, is_finite]
-    energy = abs(modes.reshape(response.system.nodes, -1, basis.harmonic.size, mu.size)) ** 2
-    energy = energy.sum(axis=(0, 1))
-    distance = basis.harmonic @ energy / energy.sum(axis=0)
-    within = (mu.imag > (STRIP_EDGE - 0.5) * basis.omega) & (mu.imag <= (STRIP_EDGE + 0.5) * basis.omega)
-    count = round(mu.size / basis.harmonic.size)
-    return mu[within][np.argsort(distance[within], kind="stable")[:count]]
+    is_finite = np.isfinite(mu) & (abs(mu) < INFINITE * basis.omega)  # rows without a rate have infinite ones
+    central = _mean_harmonics(modes[:, is_finite], basis)
+    return mu[is_finite][(central > EDGE - 0.5) & (central <= EDGE + 0.5)]
+
+
+def _mean_harmonics(modes, basis):
+    """Return the mean of the harmonics k of exp(i k omega t) in modes (.. C, m), weighed by their energy, (m,)."""
+    parts = modes.reshape(-1, basis.harmonic.size, modes.shape[1])
+    sine, cosine = parts[:, int(basis.mean) :: 2], parts[:, int(basis.mean) + 1 :: 2]
+    k = np.arange(1, basis.harmonics + 1)
+    energy = lambda part: (abs(part) ** 2).sum(axis=0)
+    forth, back = energy(cosine - 1j * sine) / 4, energy(cosine + 1j * sine) / 4
+    still = energy(parts[:, :1]).sum(axis=0) / 2 if basis.mean else 0.0
+    return k @ (forth - back) / (forth.sum(axis=0) + back.sum(axis=0) + still)
 
 
 def _rate_blocks(residual, rows):

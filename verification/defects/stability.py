@@ -99,8 +99,8 @@ DEFECTS: tuple[Defect, ...] = (
         "Hill's exponents with another sign", _ROADS,
     ),
     _defect(
-        "hill-strip-twice", "floquet", "hill_exponents", "(STRIP_EDGE - 0.5)", "(STRIP_EDGE - 1.0)", "index",
-        "a strip of exponents half as wide again, where some multipliers are twice", _MATHIEU,
+        "hill-series-twice", "floquet", "hill_exponents", "EDGE - 0.5", "EDGE - 1.0", "index",
+        "bounds of a mean harmonic half as wide again, where some multipliers are twice", _MATHIEU,
     ),
     _defect(
         "constraint-multiplier-kept", "floquet", "floquet", "np.delete(multipliers, np.argmin(abs(multipliers - 1)))",
