@@ -1,7 +1,9 @@
-"""Local stability of a periodic response of a chain: Floquet multipliers by two roads, and their difference.
+"""Local stability of a periodic response: Floquet multipliers of a chain by two roads, and their difference.
 
 Monodromy: the linearised chain dF/dydot d' + dF/dy d = 0 is integrated over one period by Radau IIA of order five
-(Hairer, Wanner, Solving Ordinary Differential Equations II, 1996, IV.5), which takes algebraic rows as they are.
+(Hairer, Wanner, Solving Ordinary Differential Equations II, 1996, IV.5), which takes algebraic rows as they are. A line
+of nodes and elements has none and takes Gauss's scheme of order six (ibid.): its axial waves are too fast for any step,
+and this scheme does not damp what it does not resolve.
 Hill: d(t) = exp(mu t) times a series with the harmonics of the response makes the Jacobian J of the harmonic balance
 J + mu D, D that of the rates alone. Of the mu of a multiplier exp(mu T) that with the most central series counts.
 """
@@ -9,6 +11,7 @@ J + mu D, D that of the rates alone. Of the mu of a multiplier exp(mu T) that wi
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import eig
@@ -18,13 +21,38 @@ from ..common.outcome import InputError
 from ..common.validation import one_of, whole_number
 from ..harmonic_balance.residual import HarmonicResidual
 
-_ROOT = np.sqrt(6.0)
-NODES = np.array([(4 - _ROOT) / 10, (4 + _ROOT) / 10, 1.0])
-WEIGHTS = np.array([
-    [(88 - 7 * _ROOT) / 360, (296 - 169 * _ROOT) / 1800, (-2 + 3 * _ROOT) / 225],
-    [(296 + 169 * _ROOT) / 1800, (88 + 7 * _ROOT) / 360, (-2 - 3 * _ROOT) / 225],
-    [(16 - _ROOT) / 36, (16 + _ROOT) / 36, 1 / 9],
-])  # fmt: skip
+
+class Scheme(NamedTuple):
+    """An implicit Runge-Kutta scheme of three stages: nodes (3,), weights (3, 3) of stages, last (3,) of the step."""
+
+    nodes: np.ndarray
+    weights: np.ndarray
+    last: np.ndarray
+
+
+def _radau() -> Scheme:
+    """Return Radau IIA, order five, whose last stage is the end of the step."""
+    r = np.sqrt(6.0)
+    weights = np.array([
+        [(88 - 7 * r) / 360, (296 - 169 * r) / 1800, (-2 + 3 * r) / 225],
+        [(296 + 169 * r) / 1800, (88 + 7 * r) / 360, (-2 - 3 * r) / 225],
+        [(16 - r) / 36, (16 + r) / 36, 1 / 9],
+    ])  # fmt: skip
+    return Scheme(np.array([(4 - r) / 10, (4 + r) / 10, 1.0]), weights, weights[-1])
+
+
+def _gauss() -> Scheme:
+    """Return Gauss's scheme, order six, which damps no wave however short."""
+    r = np.sqrt(15.0)
+    weights = np.array([
+        [5 / 36, 2 / 9 - r / 15, 5 / 36 - r / 30],
+        [5 / 36 + r / 24, 2 / 9, 5 / 36 - r / 24],
+        [5 / 36 + r / 30, 2 / 9 + r / 15, 5 / 36],
+    ])  # fmt: skip
+    return Scheme(np.array([0.5 - r / 10, 0.5, 0.5 + r / 10]), weights, np.array([5 / 18, 4 / 9, 5 / 18]))
+
+
+RADAU, GAUSS = _radau(), _gauss()
 MAX_UNKNOWNS = 600  # of a chain, or of its harmonic balance, in dense matrices
 MAX_STEPS = 10**6
 INFINITE = 1e8  # times the frequency, a Hill exponent of an algebraic row that rounding made finite
@@ -36,8 +64,8 @@ class FloquetResult:
     """Multipliers (m,), largest first, complex; by the monodromy matrix where it was asked for, else by Hill.
 
     hill (m,): those of Hill's problem in the same order; difference: largest distance between the two, which estimates
-    the error of the worse of them; both None with one method alone. constraints: how many multipliers of 1 were taken
-    out that belong to rows which prescribe velocities, not positions.
+    the error of the worse of them. Both are None with one method alone. constraints: how many multipliers of 1 were
+    taken out that belong to rows which prescribe velocities, not positions.
     """
 
     multipliers: np.ndarray
@@ -53,28 +81,31 @@ class FloquetResult:
 
     @property
     def exponents(self) -> np.ndarray:
-        """Floquet exponents (m,), log(multiplier)/T, 1/s; their real parts are the rates of growth."""
-        return np.log(self.multipliers.astype(complex)) / self.period
+        """Floquet exponents (m,), log(multiplier)/T, 1/s, whose real parts are rates of growth: -inf of algebraic rows."""
+        with np.errstate(divide="ignore"):
+            return np.log(self.multipliers.astype(complex)) / self.period
 
 
 def floquet(response, *, method: str = "both", steps: int = 200) -> FloquetResult:
-    """Return the Floquet multipliers of a PeriodicResponse of a chain, and whether it is stable.
+    """Return the Floquet multipliers of a PeriodicResponse, and whether it is stable.
 
-    method: "monodromy", "hill" or "both". steps: of the time integration in the period. Hill's problem takes the
-    harmonics of the response. Both work with dense matrices, for chains of up to ``MAX_UNKNOWNS`` unknowns.
-    Raises InputError for another response, for bad options, and for a chain that is too long.
+    method: "monodromy", "hill" or "both", which of a line of nodes and elements is the monodromy alone. steps: of the
+    time integration in the period. Hill's problem takes the harmonics of the response. Both work with dense matrices,
+    for up to ``MAX_UNKNOWNS`` unknowns. Raises InputError for bad options, and for a chain that is too long.
     """
     one_of("method", method, ("both", "monodromy", "hill"))
     steps = whole_number("steps", steps, 1, MAX_STEPS)
     system = response.system
-    if hasattr(system, "harmonic_residual"):
-        problem = "a line of nodes and elements has rows with accelerations, which this takes none of; use cable_system"
-        raise InputError(problem, field="response", value=response)
+    if hasattr(response, "linearised_at"):  # a line of nodes and elements
+        if method == "hill":
+            problem = "'hill' takes chains of first-order rows; of a line of nodes and elements take 'monodromy'"
+            raise InputError(problem, field="method", value=method)
+        method = "monodromy"
     size = len(system.fields) * system.nodes * (1 if method == "monodromy" else response.basis.harmonic.size)
     if size > MAX_UNKNOWNS:
         problem = f"{size} unknowns are more than {MAX_UNKNOWNS}; take fewer nodes or harmonics, or the monodromy alone"
         raise InputError(problem, field="response", value=response)
-    drift = system.drift(system.rest_state(), 0.0)
+    drift = system.drift(system.rest_state(), 0.0) if hasattr(system, "drift") else None
     constraints = 0 if drift is None else len(drift)
     period = response.last_period[1]
     by_hill = None if method == "monodromy" else np.exp(hill_exponents(response) * period)
@@ -116,20 +147,31 @@ def assemble(start, cells, end, border=()) -> np.ndarray:
 # ---------------------------------------------------------------- by the monodromy matrix
 def monodromy(response, steps) -> np.ndarray:
     """Return the matrix (n, n) that takes a small disturbance over one period of a response."""
-    system, h = response.system, response.last_period[1] / steps
-    n = len(system.fields) * system.nodes
-    result, eye = np.eye(n), np.eye(len(NODES))
+    is_line = hasattr(response, "linearised_at")
+    tangents, (nodes, weights, last) = (_tangents_of_line, GAUSS) if is_line else (_tangents_of_chain, RADAU)
+    h, eye, result = response.last_period[1] / steps, np.eye(len(nodes)), np.ones(())
     for step in range(steps):
-        by_y, by_ydot = _tangents(system, response, (step + NODES) * h)
-        stages = np.einsum("ij,abi->iajb", eye, by_ydot) + h * np.einsum("ij,abi->iajb", WEIGHTS, by_y)
+        by_y, by_ydot = tangents(response, (step + nodes) * h)
+        n = len(by_y)
+        stages = np.einsum("ij,abi->iajb", eye, by_ydot) + h * np.einsum("ij,abi->iajb", weights, by_y)
         right = -np.moveaxis(by_y, -1, 0).reshape(-1, n)
-        rates = np.linalg.solve(stages.reshape(len(right), -1), right).reshape(len(NODES), n, n)
-        result = (np.eye(n) + h * np.tensordot(WEIGHTS[-1], rates, 1)) @ result
+        rates = np.linalg.solve(stages.reshape(len(right), -1), right).reshape(len(nodes), n, n)
+        result = np.dot(np.eye(n) + h * np.tensordot(last, rates, 1), result)
     return result
 
 
-def _tangents(system, response, t):
+def _tangents_of_line(response, t):
+    """Return those of positions r and velocities v of a line of nodes and elements, r' = v, M v' + C v + K r = 0."""
+    K, C, M = response.linearised_at(t)
+    one = np.broadcast_to(np.eye(len(K))[..., None], K.shape)
+    zero = np.zeros(K.shape)
+    join = lambda *rows: np.concatenate([np.concatenate(row, axis=1) for row in rows])
+    return join((zero, -one), (K, C)), join((one, zero), (zero, M))
+
+
+def _tangents_of_chain(response, t):
     """Return dF/dy and dF/dydot of the chain about its response at times t (S,), (n, n, S) each."""
+    system = response.system
     state = response.at(t), response.rate_at(t), t
     start, cells, end = (part(*state) for part in (system.start, system.cells_or_empty, system.end))
     each = ((part, np.moveaxis(getattr(cells, part), 3, 1)) for part in ("dy", "dydot"))

@@ -17,6 +17,8 @@ _MEISSNER = "stability/test_floquet.py::test_meissner_in_closed_form"
 _ORDER = "stability/test_floquet.py::test_meissner_is_of_fifth_order"
 _ROADS = "stability/test_floquet.py::test_liouville_and_two_roads_on_a_nonlinear_orbit"
 _TOWED = "stability/test_floquet.py::test_rows_that_prescribe_a_velocity_have_their_multiplier_taken_out"
+_LINE_MODES = "stability/test_floquet.py::test_a_line_at_rest_swings_in_its_natural_modes"
+_LINE_DECAYS = "stability/test_floquet.py::test_drag_damps_every_disturbance_of_a_moving_line"
 _MATHIEU = "stability/test_floquet.py::test_mathieu_on_its_transition_curves"
 _LINE = "stability/test_curve.py::test_a_line_ends_where_it_is_solved_directly -k frequency"
 
@@ -80,19 +82,27 @@ DEFECTS: tuple[Defect, ...] = (
         "no fold is located", _STABILITY,
     ),
     _defect(
-        "radau-weight", "floquet", "", "(296 - 169 * _ROOT) / 1800", "(296 + 169 * _ROOT) / 1800", "sign",
+        "radau-weight", "floquet", "_radau", "(296 - 169 * r) / 1800", "(296 + 169 * r) / 1800", "sign",
         "a sign in the weights of Radau IIA", _MEISSNER,
     ),
     _defect(
-        "radau-node", "floquet", "", "np.array([(4 - _ROOT) / 10, (4 + _ROOT) / 10, 1.0])",
-        "np.array([(4 - _ROOT) / 10, (4 + _ROOT) / 10, 0.9])", "order",
+        "radau-node", "floquet", "_radau", "np.array([(4 - r) / 10, (4 + r) / 10, 1.0])",
+        "np.array([(4 - r) / 10, (4 + r) / 10, 0.9])", "order",
         "the last stage before the end of the step", _ROADS,
     ),
     _defect(
         "monodromy-product-turned", "floquet", "monodromy",
-        "(np.eye(n) + h * np.tensordot(WEIGHTS[-1], rates, 1)) @ result",
-        "result @ (np.eye(n) + h * np.tensordot(WEIGHTS[-1], rates, 1))", "index",
+        "np.dot(np.eye(n) + h * np.tensordot(last, rates, 1), result)",
+        "np.dot(result, np.eye(n) + h * np.tensordot(last, rates, 1))", "index",
         "the matrices of the steps multiplied in another order", _MEISSNER,
+    ),
+    _defect(
+        "gauss-weight", "floquet", "_gauss", "5 / 36 + r / 24", "5 / 36 - r / 24", "sign",
+        "a sign in the weights of Gauss's scheme", _LINE_MODES,
+    ),
+    _defect(
+        "line-without-damping", "floquet", "_tangents_of_line", "(K, C)", "(K, zero)", "term",
+        "the disturbance of a line not damped by its drag", _LINE_DECAYS,
     ),
     _defect(
         "hill-sign", "floquet", "hill_exponents", "eig(J, -D)", "eig(J, D)", "sign",

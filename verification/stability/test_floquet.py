@@ -10,6 +10,8 @@ from scipy.special import mathieu_a, mathieu_b
 
 from solvers import InputError, Motion, Scene, mooring_system, solve_periodic
 from solvers.common.properties import CableProperties
+from solvers.harmonic_balance.residual import harmonic_residual
+from solvers.numerics.modes import natural_modes
 from solvers.stability import floquet
 from solvers.stability.curve import as_response
 from solvers.stability.family import HarmonicFamily
@@ -24,6 +26,8 @@ CLOSED_FORM = 1e-10  # of matrices of order one: 200 to 400 steps of fifth order
 SMOOTH = 1e-8  # of smooth responses with 15 harmonics and 200 steps, which leave 1e-9
 DEFECTIVE = 1e-6  # a double multiplier with one mode moves by the root of what rounding changes
 WITH_FEW = 1e-4  # what three harmonics are seen to lose at least
+AT_REST = 1e-6  # 400 steps of sixth order in the first four modes; a drag of 1e-9 m of motion is less
+STEP, DIFFERENCES = 1e-5, 1e-7  # m, a central difference, whose error is 1e-9 of the largest row
 ZERO = 1e-12  # a multiplier of an algebraic row
 
 
@@ -136,9 +140,49 @@ def test_algebraic_rows_have_no_multipliers():
     assert result.multipliers.size == 6 and result.difference <= SMOOTH
 
 
+# ---------------------------------------------------------------- lines of nodes and elements
+def line(amplitude, frequency=0.05, cells=10):
+    """The line of OC3 in surge, m and Hz."""
+    chain = CableProperties(EA=384.243e6, diameter=0.09, mass_per_length=77.7066, Cdn=1.6)
+    surge = Motion.harmonic(frequency, (amplitude, 0.0, 0.0))
+    scene = Scene("OC3", chain, 902.2, (0.0, 0.0, -320.0), (848.67, 0.0, -70.0), motion=surge)
+    return mooring_system(scene, cells=cells)
+
+
+def test_a_line_at_rest_swings_in_its_natural_modes():
+    """Nearly at rest drag damps nothing: all multipliers lie on the unit circle, the slow ones at exp(i omega T)."""
+    system = line(1e-9)
+    result = floquet(solve_periodic(system, harmonics=2), steps=400)
+    assert result.multipliers.size == 2 * 2 * 9 and result.hill is None
+    assert abs(abs(result.multipliers) - 1).max() <= AT_REST
+    modes = np.exp(2j * np.pi * natural_modes(system).frequencies[:4] * system.period)
+    assert abs(result.multipliers[:, None] - modes).min(axis=0).max() <= AT_REST
+
+
+def test_the_linearised_line_is_that_of_the_harmonic_balance():
+    """Its derivatives on a disturbance with the harmonics of the response: differences of the rows, moving 3 m."""
+    system = line(3.0)
+    response, free = solve_periodic(system, harmonics=5), ~system.order.is_prescribed
+    basis, dz = response.basis, np.random.default_rng(6).normal(size=response.z.shape)
+    dz[:, ~free] = 0.0
+    rows = lambda z: harmonic_residual(system, basis).residual(np.swapaxes(z, 0, 1).reshape(system.nodes, -1))
+    expected = (rows(response.z + STEP * dz) - rows(response.z - STEP * dz))[free] / (2 * STEP)
+    functions = basis.Q, basis.Q_t, -basis.Q * (basis.omega * basis.harmonic) ** 2
+    moved = [np.swapaxes(dz[:, free] @ f.T, 0, 1).reshape(-1, basis.samples) for f in functions]
+    terms = zip(response.linearised_at(response.time), moved, strict=True)
+    rate = sum(np.einsum("ijs,js->is", matrix, d) for matrix, d in terms) @ basis.P
+    assert abs(rate.reshape(expected.shape) - expected).max() <= DIFFERENCES * abs(expected).max()
+
+
+def test_drag_damps_every_disturbance_of_a_moving_line():
+    """In 3 m of surge the line is stable, its slowest wave damped by far more than the scheme could add."""
+    result = floquet(solve_periodic(line(3.0), harmonics=5), steps=400)
+    assert result.stable and abs(result.multipliers).max() < 0.99
+
+
 # ---------------------------------------------------------------- inputs
 def test_inputs_are_checked():
-    """Another method, no steps, a chain too long for dense matrices, a line of nodes and elements."""
+    """Another method, no steps, a chain too long for dense matrices, Hill's problem of a line."""
     response = solve_periodic(duffing(0.7, 0.3), harmonics=3)
     with pytest.raises(InputError, match=r"method.*'shooting'"):
         floquet(response, method="shooting")
@@ -146,8 +190,5 @@ def test_inputs_are_checked():
         floquet(response, steps=0)
     with pytest.raises(InputError, match=f"more than {MAX_UNKNOWNS}"):
         floquet(solve_periodic(cubic_chain(30), harmonics=3))
-    chain = CableProperties(EA=384.243e6, diameter=0.09, mass_per_length=77.7066, Cdn=1.6)
-    surge = Motion.harmonic(0.05, (1.0, 0.0, 0.0))
-    scene = Scene("line", chain, 902.2, (0.0, 0.0, -320.0), (848.67, 0.0, -70.0), motion=surge)
     with pytest.raises(InputError, match="nodes and elements"):
-        floquet(solve_periodic(mooring_system(scene, cells=10), harmonics=3))
+        floquet(solve_periodic(line(1.0), harmonics=3), method="hill")
