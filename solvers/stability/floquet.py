@@ -81,7 +81,7 @@ class FloquetResult:
 
     @property
     def exponents(self) -> np.ndarray:
-        """Floquet exponents (m,), log(multiplier)/T, 1/s, whose real parts are rates of growth: -inf of algebraic rows."""
+        """Floquet exponents (m,), log(multiplier)/T, 1/s, whose real parts are rates of growth: -inf of a zero."""
         with np.errstate(divide="ignore"):
             return np.log(self.multipliers.astype(complex)) / self.period
 
