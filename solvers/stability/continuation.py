@@ -22,6 +22,7 @@ MAX_NEWTON = 8  # Newton steps of a corrector; more come from a step that is too
 FEW_NEWTON = 4  # up to so many Newton steps the next step is longer, from one more on shorter
 LONGER, SHORTER, HALF = 1.5, 0.7, 0.5
 LEAST_COSINE = 0.9  # of the angle between neighbouring tangents: a larger turn may have missed a part of the curve
+KINK_STEP = 1e-4  # a step below which a large turn is a kink, where a cell goes slack or a node touches the seabed
 FOLD_STEP = 1e-6  # of the step over a fold, to which its place is found: its square is left in the parameter
 
 

@@ -14,7 +14,7 @@ from ..harmonic_balance.response import PeriodicResponse
 from ..harmonic_balance.solve import solve_periodic
 from ..numerics.memory import keep_freed_memory
 from ..numerics.threads import one_blas_thread
-from .continuation import HALF, LEAST_COSINE, CorrectionError, Point, Tracer, next_step
+from .continuation import HALF, KINK_STEP, LEAST_COSINE, CorrectionError, Point, Tracer, next_step
 from .family import UNITS, HarmonicFamily, build_family
 
 INSTANTS_PER_SAMPLE = 4  # instants for each sample at which outputs are taken and a state must be valid
@@ -192,7 +192,7 @@ class _Curve:
             point = self.points[-1]
             try:
                 new, status = self._next(point, step)
-                if new.iterations and self.tracer.cosine(point, new.t, new.u) < LEAST_COSINE:
+                if step > KINK_STEP and self.tracer.cosine(point, new.t, new.u) < LEAST_COSINE:
                     raise CorrectionError("the curve turns too sharply")
                 response = self._checked(new)
                 if new.u * point.u < 0:

@@ -91,7 +91,8 @@ def floquet(response, *, method: str = "both", steps: int = 200) -> FloquetResul
 
     method: "monodromy", "hill" or "both", which of a line of nodes and elements is the monodromy alone. steps: of the
     time integration in the period. Hill's problem takes the harmonics of the response. Both work with dense matrices,
-    for up to ``MAX_UNKNOWNS`` unknowns. Raises InputError for bad options, and for a chain that is too long.
+    for up to ``MAX_UNKNOWNS`` unknowns. Where cells go slack, few harmonics give multipliers that are far too large.
+    Raises InputError for bad options, and for a chain that is too long.
     """
     one_of("method", method, ("both", "monodromy", "hill"))
     steps = whole_number("steps", steps, 1, MAX_STEPS)

@@ -13,6 +13,7 @@ _DERIVATIVE = "stability/test_curve.py::test_derivatives_by_the_parameter"
 _STABILITY = "stability/test_curve.py::test_stability_changes_at_folds"
 _END = "stability/test_curve.py::test_a_curve_says_where_it_ends"
 _BACK = "stability/test_curve.py::test_a_curve_that_comes_back_to_its_start_says_so"
+_KINK = "stability/test_curve.py::test_a_line_is_followed_through_kinks"
 _MEISSNER = "stability/test_floquet.py::test_meissner_in_closed_form"
 _ORDER = "stability/test_floquet.py::test_meissner_is_of_fifth_order"
 _ROADS = "stability/test_floquet.py::test_liouville_and_two_roads_on_a_nonlinear_orbit"
@@ -76,6 +77,10 @@ DEFECTS: tuple[Defect, ...] = (
     _defect(
         "curve-passes-its-start", "curve", "_Curve._next", "Status.CURVE_RETURNED", "Status.SUCCESS", "regime",
         "a curve that came back to its start said to have reached its stop", _BACK,
+    ),
+    _defect(
+        "kink-refused", "curve", "_Curve.follow", "step > KINK_STEP", "step > 0.0", "regime",
+        "a kink, where a cell goes slack, ends the curve", _KINK,
     ),
     _defect(
         "fold-not-noticed", "curve", "_Curve.follow", "new.u * point.u < 0", "False", "regime",

@@ -119,6 +119,15 @@ def test_a_line_ends_where_it_is_solved_directly(parameter, start, stop):
     assert curve.response(-1).tension_harmonics(1) == pytest.approx(direct.tension_harmonics(1), rel=1e-6)
 
 
+def test_a_line_is_followed_through_kinks():
+    """Where cells go slack between two samples or not, the curve has a kink that no shorter step takes away."""
+    line = mooring_system(LINE, cells=10, motion=Motion.harmonic(0.05, (5.0, 0.0, 0.0)))
+    curve = response_curve(line, start=0.02, stop=0.1, harmonics=5)
+    tensions = curve.response(-1).tension_harmonics(1)
+    direct = solve_periodic(curve.response(-1).system, harmonics=5, start=curve.response(-1))
+    assert curve.values[-1] == 0.1 and tensions == pytest.approx(direct.tension_harmonics(1), rel=1e-6)
+
+
 # ---------------------------------------------------------------- the bordered system
 @pytest.mark.parametrize("system", [duffing(0.7, 0.3), cubic_chain(3), towed_chain(4)], ids=["mass", "chain", "towed"])
 @pytest.mark.parametrize("factorise", [factorise_bordered, _solve_twice], ids=["extended", "twice"])
