@@ -64,8 +64,8 @@ class FloquetResult:
     """Multipliers (m,), largest first, complex; by the monodromy matrix where it was asked for, else by Hill.
 
     hill (m,): those of Hill's problem in the same order; difference: largest distance between the two, which estimates
-    the error of the worse of them. Both are None with one method alone. constraints: how many multipliers of 1 were
-    taken out that belong to rows which prescribe velocities, not positions.
+    the error of the worse of them, infinite (and hill None) where Hill's overflow. Both are None with one method alone.
+    constraints: how many multipliers of 1 were taken out that belong to rows which prescribe velocities, not positions.
     """
 
     multipliers: np.ndarray
@@ -109,14 +109,19 @@ def floquet(response, *, method: str = "both", steps: int = 200) -> FloquetResul
     drift = system.drift(system.rest_state(), 0.0) if hasattr(system, "drift") else None
     constraints = 0 if drift is None else len(drift)
     period = response.last_period[1]
-    by_hill = None if method == "monodromy" else np.exp(hill_exponents(response) * period)
-    if by_hill is not None and method == "hill":
+    with np.errstate(over="ignore"):
+        by_hill = None if method == "monodromy" else np.exp(hill_exponents(response) * period)
+    is_finite = by_hill is not None and bool(np.isfinite(by_hill).all())
+    if method == "hill":
+        if not is_finite:
+            problem = "'hill' gives multipliers beyond all numbers: take more harmonics, or 'monodromy'"
+            raise InputError(problem, field="method", value=method)
         return FloquetResult(_largest_first(by_hill), period, constraints)
     multipliers = _largest_first(np.linalg.eigvals(monodromy(response, steps)))
     for _ in range(constraints):
         multipliers = np.delete(multipliers, np.argmin(abs(multipliers - 1)))
-    if by_hill is None:
-        return FloquetResult(multipliers, period, constraints)
+    if by_hill is None or not is_finite:
+        return FloquetResult(multipliers, period, constraints, None, None if by_hill is None else float("inf"))
     multipliers = multipliers[: by_hill.size]
     distance = abs(multipliers[:, None] - by_hill)
     pairs = linear_sum_assignment(distance)

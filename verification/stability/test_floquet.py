@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from importlib.resources import files
 
 import numpy as np
 import pytest
 from scipy.special import mathieu_a, mathieu_b
 
-from solvers import InputError, Motion, Scene, mooring_system, solve_periodic
+from solvers import InputError, Motion, Scene, cable_system, mooring_system, solve_periodic
 from solvers.common.properties import CableProperties
 from solvers.harmonic_balance.residual import harmonic_residual
 from solvers.numerics.modes import natural_modes
@@ -21,6 +22,8 @@ from ..cases import planar_systems as cases
 from ..cases.oscillators import cubic_chain, duffing, towed_chain
 from ..exact import multipliers as exact
 from ..tools.orders import assert_order
+
+SCENE = files("reference_data") / "scenes" / "dynamics" / "hb_case_1.toml"
 
 CLOSED_FORM = 1e-10  # of matrices of order one: 200 to 400 steps of fifth order leave 2e-11 of each wave of a period
 SMOOTH = 1e-8  # of smooth responses with 15 harmonics and 200 steps, which leave 1e-9
@@ -192,3 +195,13 @@ def test_inputs_are_checked():
         floquet(solve_periodic(cubic_chain(30), harmonics=3))
     with pytest.raises(InputError, match="nodes and elements"):
         floquet(solve_periodic(line(1.0), harmonics=3), method="hill")
+
+
+def test_hill_exponents_beyond_all_numbers_are_said():
+    """Of a cable with few harmonics Hill's multipliers overflow: the difference is infinite, that method refused."""
+    response = solve_periodic(cable_system(Scene.load(str(SCENE)), 12), harmonics=5)
+    both, monodromy_alone = (floquet(response, method=method, steps=60) for method in ("both", "monodromy"))
+    assert both.difference == math.inf and both.hill is None and both.stable
+    assert np.array_equal(both.multipliers, monodromy_alone.multipliers)
+    with pytest.raises(InputError, match="more harmonics"):
+        floquet(response, method="hill")
