@@ -289,10 +289,17 @@ def is_red(planar=True) -> bool:
 UNSEEN = {
     "more room than needed, or minus zero": ("nodes - (-(1))", "(-(0.0", "(-(True))"),
     "after a failed prediction": ("0.5 / beta", "(-(kept))"),
-    "of the tension of a slack cell": ("R[c", "T[c]", "(-(nodes)) - 1", "rest[c]", "by_v * line.damping"),
+    "of the tension of a slack cell": (
+        "R[line.last[c]",
+        "R[line.first[c]",
+        "T[c]",
+        "(-(nodes)) - 1",
+        "rest[c]",
+        "by_v * line.damping",
+    ),
     "of a place in the record": ("step + 1", "step + (-(1))"),
     "after fifteen iterations": ("auxiliary[:] = T",),
-    "of how far the seabed is from converged": ("min(r1[i, n - 1]", "r1[i, n - 1] - R[i, n - 1]", "r1[i, n - 1]"),
+    "of how far the seabed is from converged": ("line.floor", "R[i, n - 1]", "r1[i, n - 1]"),
 }
 """Signs that runs of a taut line, all of whose steps succeed, do not show: parts of their faults, by reason."""
 
