@@ -129,9 +129,9 @@ def test_a_network_of_one_line_is_that_line(moordyn):
     expected = moordyn.cable(scene, time, fairlead, 10)
     forces = moordyn.moving_network(network, motion, time, 10)
     assert forces.shape == (1, 3, 101)
-    found = np.linalg.norm(forces[0], axis=0)
+    tension = np.linalg.norm(forces[0], axis=0)
     assert np.ptp(expected) > 0.05 * expected.max()
-    np.testing.assert_allclose(found, expected, rtol=0, atol=SAME * expected.max())
+    np.testing.assert_allclose(tension, expected, rtol=0, atol=SAME * expected.max())
 
 
 def test_yaw_turns_three_equal_lines_alike(moordyn):

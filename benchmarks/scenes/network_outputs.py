@@ -26,7 +26,7 @@ class LastWindow:
         self.start = float(history.time[self.first])
         self.time = history.time[self.first :] - self.start
 
-    def of(self, values) -> np.ndarray:
+    def select(self, values) -> np.ndarray:
         """Return the part of an array (..., K) that belongs to the window."""
         return values[..., self.first :]
 
@@ -48,7 +48,7 @@ def lines(study, names, reference: dict, statics: dict) -> list[dict]:
 
 def _along(history, window, e) -> dict:
     """Return where and when the tension of the cells of a line is greatest and least, and when some are slack."""
-    tension, s = window.of(history.elements[e].tension), history.system.layout.s[e]
+    tension, s = window.select(history.elements[e].tension), history.system.layout.s[e]
     middles = (s[:-1] + s[1:]) / 2
     extremes = {}
     for name, index in (("greatest", tension.argmax()), ("least", tension.argmin())):
@@ -62,7 +62,7 @@ def _along(history, window, e) -> dict:
 def _anchor(study, history, window, e) -> dict:
     """Return the tension at the anchor end, its uplift where the node there is fixed, and the length on the seabed."""
     element, node = history.elements[e], study.network.nodes[study.network.elements[e].ends[0]]
-    force = window.of(element.anchor_force)
+    force = window.select(element.anchor_force)
     row = {"anchor_max": np.linalg.norm(force, axis=0).max(), "uplift": None, "uplift_angle": None, "grounded": None}
     if node.kind == "fixed":
         up = int(force[2].argmax())
@@ -70,7 +70,7 @@ def _anchor(study, history, window, e) -> dict:
         row["uplift_angle"] = np.degrees(np.arctan2(row["uplift"], np.hypot(*force[:2, up])))
     depth = study.network.environment.depth
     if depth is not None:
-        length = grounded_length(window.of(element.r[2]), history.system.layout.s[e], -depth)
+        length = grounded_length(window.select(element.r[2]), history.system.layout.s[e], -depth)
         row["grounded"] = [length.min(), length.max()]
     return row
 
@@ -103,7 +103,7 @@ def body(study, reference: dict) -> list[dict]:
     """Return statistics, and of a periodic motion harmonics, of force (N) and moment (N m) of the lines on the body."""
     history = reference["history"]
     window = LastWindow(history, study.period)
-    both = window.of(np.concatenate([history.body_force, history.body_moment]))
+    both = window.select(np.concatenate([history.body_force, history.body_moment]))
     rows = []
     for name, unit, values in zip(("surge", "sway", "heave", "roll", "pitch", "yaw"), "NNNMMM", both, strict=True):
         row = {"component": name, "unit": {"N": "N", "M": "N m"}[unit], "mean": values.mean(), "min": values.min(),
@@ -131,10 +131,10 @@ def envelope(study, history) -> dict:
     chosen = window.first + np.linspace(0, window.time.size - 1, POSES + 1)[:-1].astype(int)
     layout = history.system.layout
     at_rest = history.system.rest.r
-    moved, rest = [], []
+    moving, resting = [], []
     for s, nodes, element in zip(layout.s, layout.nodes, history.elements, strict=True):
         kept = np.unique(np.linspace(0, s.size - 1, POSE_POINTS).astype(int))
-        moved.append(np.moveaxis(element.r[:, kept][..., chosen], -1, 0))
-        rest.append(at_rest[:, nodes[kept]])
-    travel = [float(np.linalg.norm(m - r, axis=1).max()) for m, r in zip(moved, rest, strict=True)]
-    return {"rest": rest, "poses": [[line[k] for line in moved] for k in range(POSES)], "travel": travel}
+        moving.append(np.moveaxis(element.r[:, kept][..., chosen], -1, 0))
+        resting.append(at_rest[:, nodes[kept]])
+    travel = [float(np.linalg.norm(m - r, axis=1).max()) for m, r in zip(moving, resting, strict=True)]
+    return {"rest": resting, "poses": [[line[k] for line in moving] for k in range(POSES)], "travel": travel}

@@ -87,10 +87,10 @@ def _percent(value: float) -> str:
 def growth(data: dict, folder: Path) -> Group:
     """Return run time and memory by lines."""
     kinds = (("seconds", 1.0, "Run time by lines", "run time, s"), ("memory", 1e6, "Memory by lines", "memory, MB"))
-    return Group(_growth_caption(data), [_grown(data, folder, *kind) for kind in kinds])
+    return Group(_growth_caption(data), [_draw_growth(data, folder, *kind) for kind in kinds])
 
 
-def _grown(data, folder, key, unit, title, label) -> Figure:
+def _draw_growth(data, folder, key, unit, title, label) -> Figure:
     figure, axes = panel(title, "lines", label, xscale="log", yscale="log")
     lines = [row["lines"] for row in data["rows"]]
     axes.plot(lines, [row[key] / unit for row in data["rows"]], linewidth=1, **METHODS["in time"])

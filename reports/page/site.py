@@ -71,12 +71,12 @@ def _render(results: Results, contents: list[tuple[Section, Content]], whole: bo
         questions=PARTS,
         parts=parts,
         answers=answer_questions(contents),
-        titles=[shown["data"]["name"] for key in ("scenes", "networks") for shown in _shown(contents, key)],
-        has_scenes=bool(_shown(contents, "scenes")),
+        titles=[shown["data"]["name"] for key in ("scenes", "networks") for shown in _shown_files(contents, key)],
+        has_scenes=bool(_shown_files(contents, "scenes")),
     )
 
 
-def _shown(contents, key: str) -> list[dict]:
+def _shown_files(contents, key: str) -> list[dict]:
     """Return what the sections show under a key of their templates: files, each with its data."""
     return [shown for section, content in contents if section.template.startswith("scenes/")
             for shown in content.context.get(key) or ()]  # fmt: skip

@@ -87,8 +87,8 @@ def load_moordyn(path: str | PathLike[str]) -> NamedNetwork:
         if error.item is None:
             raise error.located(str(path)) from None
         kind, i = error.item
-        place = sections["POINTS" if kind == "node" else "LINES"][i].where
-        raise error.labelled(f"{'point' if kind == 'node' else 'line'} {i + 1}").located(place) from None
+        location = sections["POINTS" if kind == "node" else "LINES"][i].where
+        raise error.labelled(f"{'point' if kind == 'node' else 'line'} {i + 1}").located(location) from None
 
 
 def _options(rows: list[Row], notes: list[str]) -> dict[str, float]:

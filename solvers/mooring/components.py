@@ -74,11 +74,12 @@ def integrate_components(system, build_history, *, start=None, progress=None, **
     """
     parts, reached, ramp = system.components, {}, settings["ramp"]
     moved, times = system.ramped(ramp) if ramp else system, settings["dt"] * np.arange(settings["count"] + 1)
-    path, place = moved.path(times), np.empty(system.nodes, dtype=int)  # of the body, for all parts at once
-    place[system.prescribed_nodes] = np.arange(system.prescribed_nodes.size)
+    path = moved.path(times)  # of the body, once for all parts
+    column = np.empty(system.nodes, dtype=int)  # of a prescribed node in the path
+    column[system.prescribed_nodes] = np.arange(system.prescribed_nodes.size)
 
     def integrate(part):
-        own_path = np.ascontiguousarray(path[:, :, place[part.nodes[part.system.prescribed_nodes]]])
+        own_path = np.ascontiguousarray(path[:, :, column[part.nodes[part.system.prescribed_nodes]]])
         own_start = None if start is None else [None if y is None else y[:, part.nodes] for y in start]
         report = None
         if progress is not None:

@@ -127,19 +127,19 @@ def start_from_time(system, basis) -> np.ndarray:
     Of three periods; of a line in deep water with coarser iterations, and two where the second ends as the first did.
     """
     steps = max(LEAST_STEPS, STEPS_PER_HARMONIC * basis.harmonics)
-    period, rest = 2 * np.pi / basis.omega, system.rest_state()[..., None]
+    period, y_at_rest = 2 * np.pi / basis.omega, system.rest_state()[..., None]
     is_smooth = system.model.is_line and not system.line.seabed_stiffness.any()
     tolerance = START_TOLERANCE if is_smooth else None
     integrate = partial(solve_time_domain, system, dt=period / steps, tolerance=tolerance, throw=False)
     history = integrate(duration=(2 if is_smooth else 3) * period)
     if is_smooth and history.success:
         change = abs(history.y[..., -1] - history.y[..., -steps - 1]).max()
-        if change > SETTLED * abs(history.y - rest).max():
+        if change > SETTLED * abs(history.y - y_at_rest).max():
             history = integrate(duration=3 * period)
     if not history.success:
         return np.zeros((len(system.axes), system.nodes, basis.harmonic.size))
     t = period * np.arange(steps) / steps
-    return 2 / steps * (history.y[..., -steps - 1 : -1] - rest) @ basis.functions(t)[0]
+    return 2 / steps * (history.y[..., -steps - 1 : -1] - y_at_rest) @ basis.functions(t)[0]
 
 
 def solve_extrapolated(system, **options) -> MooringResponse:

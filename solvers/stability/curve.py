@@ -214,11 +214,11 @@ class _Curve:
         Nh, Nt = self.family.settings
         system = self.family.build(begin)
         self.rows = self.family.rows(begin)
-        found = solve_periodic(system, harmonics=Nh, samples=Nt, subharmonic=self.family.subharmonic, symmetry=False,
+        response = solve_periodic(system, harmonics=Nh, samples=Nt, subharmonic=self.family.subharmonic, symmetry=False,
                                start=self.first, throw=False)  # fmt: skip
-        if not found.success:
-            raise CorrectionError(found.status.value)
-        point = self.tracer.start(self.rows.pack(found.z), begin, np.sign(stop - begin))
+        if not response.success:
+            raise CorrectionError(response.status.value)
+        point = self.tracer.start(self.rows.pack(response.z), begin, np.sign(stop - begin))
         self._add(point, self._checked(point))
 
     def _next(self, point, step):

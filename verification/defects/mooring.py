@@ -566,7 +566,7 @@ DEFECTS = (
     ),
     Defect(
         "a start that has not settled",
-        Fault("mooring.harmonic", "start_from_time", "change > SETTLED * abs(history.y - rest).max()", "False"),
+        Fault("mooring.harmonic", "start_from_time", "change > SETTLED * abs(history.y - y_at_rest).max()", "False"),
         "regime",
         "a lightly damped line starts from two periods, too",
         "mooring/test_periodic.py::test_a_start_that_does_not_settle_takes_one_more_period",

@@ -155,14 +155,14 @@ def renumber(network, nodes=None, lines=None, swapped=None):
         **{k: getattr(network.nodes, k)[nodes] for k in ("position", "mass", "volume", "Ca", "CdA", "force")},
     )
     changed = replace(network, nodes=new_nodes, lines=new_lines)
-    other, place = Mesh(changed), np.argsort(lines)
+    other, new_line = Mesh(changed), np.argsort(lines)
     node, cell = np.empty(mesh.size, int), np.empty(len(mesh.l), int)
     for i, chain in enumerate(mesh.chains):
         step = -1 if swapped[i] else 1
-        node[chain] = other.chains[place[i]][::step]
-        cell[mesh.line == i] = np.flatnonzero(other.line == place[i])[::step]
+        node[chain] = other.chains[new_line[i]][::step]
+        cell[mesh.line == i] = np.flatnonzero(other.line == new_line[i])[::step]
     node[nodes] = np.arange(n)
-    return _unchanged(changed, node=node, cell=cell, line=place, swapped=swapped)
+    return _unchanged(changed, node=node, cell=cell, line=new_line, swapped=swapped)
 
 
 # ---------------------------------------------------------------- n-fold symmetry
