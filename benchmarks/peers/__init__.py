@@ -1,8 +1,8 @@
 """Other codes under the same cases: one small class a code, used as its own documentation says, with its defaults.
 
 Here are the peers, where they are installed, and what is brought: ``python -m reports --solver my_code.py``, or the
-files that the environment variable MOORING_SOLVERS names. adapter.py says what such a class has, program.py what a
-program reads and prints; ``python -m benchmarks.smoke my_code.py`` tries it on a few cases.
+files that the environment variable MOORING_SOLVERS names. verification/conformance/adapter.py says what such a class
+has, program.py there what a program reads and prints.
 """
 
 from __future__ import annotations
@@ -18,10 +18,11 @@ from types import ModuleType
 
 import numpy as np
 
-from .adapter import INSTANTS, LIMITS, Adapter, Refused, SpanAnswer
-from .program import Program
+from verification.conformance import program
+from verification.conformance.adapter import INSTANTS, LIMITS, Adapter, Refused, SpanAnswer
+from verification.conformance.program import Program
 
-__all__ = ["INSTANTS", "LIMITS", "Adapter", "Program", "Refused", "SpanAnswer", "adapters"]
+__all__ = ["INSTANTS", "LIMITS", "Adapter", "Program", "Refused", "SpanAnswer", "adapters", "program"]
 
 PACKAGES = ("moorpy", "pycatenary", "moordyn")
 """Modules here, each named after the package that it needs."""

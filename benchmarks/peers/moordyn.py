@@ -23,8 +23,7 @@ import numpy as np
 
 from solvers.io.moordyn_writer import write_moordyn
 from solvers.network.solve import solve_network
-
-from .adapter import Adapter
+from verification.conformance.adapter import Adapter
 
 DAMPING = -0.1
 STEP = 0.5  # of the time that an axial wave takes through a segment; twice that is beyond the limit of stability

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from importlib import metadata
 
-from .adapter import Adapter, SpanAnswer
+from verification.conformance.adapter import Adapter, SpanAnswer
 
 os.environ["PYTHONBREAKPOINT"] = "0"  # catenary() has breakpoint() calls on its error paths: they must not stop a run
 os.environ.setdefault("MPLBACKEND", "Agg")  # it imports pyplot

@@ -10,7 +10,7 @@ from importlib import metadata
 
 from pycatenary import MooringLine
 
-from .adapter import Adapter, SpanAnswer
+from verification.conformance.adapter import Adapter, SpanAnswer
 
 
 class PyCatenary(Adapter):
