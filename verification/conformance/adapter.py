@@ -76,14 +76,11 @@ class CableAnswer:
     tension : (K,), at the fairlead at each time, N; anchor_tension : (K,), at the anchor
     envelope : (2, n), greatest and least tension at the arc lengths scene.s over the times from scene.window[0] to
     scene.window[1], N
-    fairlead_force, anchor_force : (K, 3), of the line on what holds it, N
     """
 
     tension: Any = None
     anchor_tension: Any = None
     envelope: Any = None
-    fairlead_force: Any = None
-    anchor_force: Any = None
 
 
 @dataclass(frozen=True)
