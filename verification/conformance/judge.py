@@ -94,7 +94,7 @@ class Judgement:
 
     def text(self) -> str:
         """Return the verdict with its bounds, quantity by quantity, and the mistakes that it matches."""
-        lines = [f"{self.case.id}: {self.verdict} ({self.case.title})"]
+        lines = [f"{self.case.id}: {self.verdict} ({self.case.group}: {self.case.title})"]
         if self.words:
             return f"{lines[0]}: {self.words}"
         width = max((len(one.quantity) for one in self.quantities), default=0)

@@ -159,7 +159,7 @@ def _run(words, text: str, limit: float, folder: str) -> tuple[int, str, str]:
     try:
         process = subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                    cwd=folder or None, start_new_session=True,
-                                   preexec_fn=_end_with_parent if sys.platform == "linux" else None)  # fmt: skip
+                                   preexec_fn=end_with_parent if sys.platform == "linux" else None)  # fmt: skip
     except OSError as error:
         raise Refused(f"cannot be started: {error.strerror}: {words[0]}") from None
     heard = {}
@@ -174,14 +174,14 @@ def _run(words, text: str, limit: float, folder: str) -> tuple[int, str, str]:
     except subprocess.TimeoutExpired:
         raise Refused(f"no answer within {limit:g} s") from None
     finally:
-        _end(process)
+        end_process(process)
     if any(len(part) > MOST for part in heard.values()):
         raise Refused(f"printed more than {MOST // 1_000_000} MB")
     return code, *(heard.get(name, b"").decode(errors="replace") for name in ("stdout", "stderr"))
 
 
-def _end_with_parent():
-    """A report that is interrupted, or killed, leaves no program behind that hangs (Linux: PR_SET_PDEATHSIG = 1)."""
+def end_with_parent():
+    """End with the parent, so that one that is killed leaves nothing behind that hangs (Linux: PR_SET_PDEATHSIG)."""
     ctypes.CDLL(None).prctl(1, signal.SIGKILL)
 
 
@@ -194,10 +194,10 @@ def _hear(process, name: str, heard: dict):
     with getattr(process, name) as pipe:
         heard[name] = pipe.read(MOST + 1)
     if len(heard[name]) > MOST:
-        _end(process)
+        end_process(process)
 
 
-def _end(process):
+def end_process(process):
     """Ends the program and all that it started in its session, whether or not it is still there itself."""
     with contextlib.suppress(OSError):
         os.killpg(process.pid, signal.SIGKILL) if hasattr(os, "killpg") else process.kill()
