@@ -74,7 +74,7 @@ class MoorDyn(Adapter):
         """
         environment, cable = scene.environment, scene.cable
         if any(environment.current):
-            raise NotImplementedError("this adapter describes still water")
+            raise NotImplementedError("this adapter gives it no current")
         if environment.depth is not None and (environment.seabed_stiffness is None or any(scene.friction)):
             raise NotImplementedError("this adapter describes an elastic seabed without friction")
         if cable.Cdb != cable.Cdn:
@@ -105,7 +105,7 @@ class MoorDyn(Adapter):
         damping_ratio: of the critical damping of a segment, what lines without internal damping get.
         """
         if any(network.environment.current):
-            raise NotImplementedError("this adapter describes still water")
+            raise NotImplementedError("this adapter gives it no current")
         if any(element.friction for element in network.elements):
             raise NotImplementedError("this adapter describes a seabed without friction")
         coupled = [i for i, node in enumerate(network.nodes) if node.kind == "coupled"]

@@ -27,6 +27,7 @@ def main(name: str):
         hello = {
             "label": adapter.label,
             "version": str(adapter.version),
+            "is_program": isinstance(adapter, Program),
             "is_command": type(adapter) is Program,
             "limits": {problem: adapter.limit(problem) for problem in LIMITS if adapter.solves(problem)},
         }

@@ -21,9 +21,11 @@ _DOTTED = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*:[A-Za-z_]\w*")
 
 def load_solver(name: str) -> Adapter:
     """Return the adapter that a command line names, one of FORMS. Raises ImportError saying what is wrong."""
-    path, _, one = name.partition(".py:") if ".py:" in name else (name.removesuffix(".py"), "", "")
-    if name.endswith(".py") or one:
-        return _only(load_file(Path(f"{path}.py")), one, name)
+    path, one = name, ""
+    if ".py:" in name:
+        path, _, one = name.rpartition(":")
+    if path.endswith(".py") and (Path(path).is_file() or len(name.split()) == 1):  # else the argument of a program
+        return _only(load_file(Path(path)), one, name)
     if _DOTTED.fullmatch(name):
         module, _, one = name.partition(":")
         return _from_package(module, one)

@@ -24,9 +24,14 @@ PACKAGE = "verification"
 def pytest_addoption(parser, pluginmanager):
     """Add the options where the command line names this package, and everywhere in its repository."""
     config = pluginmanager.get_plugin("pytestconfig")
-    words = [str(word) for word in config.invocation_params.args]
-    if IN_REPOSITORY or any(PACKAGE in word or str(HERE.parent) in str(Path(word).absolute()) for word in words):
+    if IN_REPOSITORY or any(_names_package(str(word)) for word in config.invocation_params.args):
         _add_options(parser)
+
+
+def _names_package(word: str) -> bool:
+    """Return whether a word of the command line is this package, a module of it, or a path in it."""
+    name = word.partition("::")[0]
+    return name.partition(".")[0] == PACKAGE or str(HERE.parent) in str(Path(name).absolute())
 
 
 def _add_options(parser):
@@ -140,11 +145,15 @@ class Session:
         if row:
             self.rows[row["id"]] = row
 
-    def pytest_sessionfinish(self):
-        """Write report and badge, in the one process that has all rows."""
+    def pytest_sessionfinish(self, session):
+        """Write report and badge, in the one process that has all rows; a run that judged nothing did not pass."""
         self.run.close()
         if hasattr(self.config, "workerinput"):
             return
+        from .judge import NOT_MODELLED  # here, for it takes numpy, and a plugin is imported in every run of pytest
+
+        if self.rows and all(row["verdict"] == NOT_MODELLED for row in self.rows.values()):
+            session.exitstatus = session.exitstatus or pytest.ExitCode.NO_TESTS_COLLECTED
         from .report import write_badge, write_report
 
         rows = self.run.in_order(self.rows)

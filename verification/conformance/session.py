@@ -46,7 +46,9 @@ class SolverProcess:
     def __init__(self, name: str):
         self.name = name
         self._process, self._lines, self._errors = None, None, None
+        self._margin = 0.0
         hello = self._start()
+        self._margin = MARGIN * hello["is_program"]
         self.label, self.version, self.limits = hello["label"], hello["version"], hello["limits"]
         self.is_command = hello["is_command"]
 
@@ -99,7 +101,7 @@ class SolverProcess:
     def _receive(self, limit: float, late: str) -> dict:
         """Return the next line of the process; where there is none it is ended, and the words say how."""
         try:
-            line = self._lines.get(timeout=limit + MARGIN)
+            line = self._lines.get(timeout=limit + self._margin)
         except queue.Empty:
             self.close()
             return {"refused": f"{late} {limit:g} s"}

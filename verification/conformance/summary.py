@@ -93,8 +93,9 @@ def _feature_text(feature: str, judgements: list[Judgement]) -> str:
         parts.append(f"{'all' if absent == len(faulty) else absent} as if there were none")
     else:
         for diagnosis in name_mistakes(faulty)[:1]:
-            many = len(diagnosis.cases)
-            parts.append(f"{'all' if many == len(faulty) else many} as with {diagnosis.name}")
+            many, name = len(diagnosis.cases), diagnosis.name
+            name = name if name.startswith(WITHOUT) else f"with {name}"
+            parts.append(f"{'all' if many == len(faulty) else many} as {name}")
     return ", ".join(parts)
 
 
