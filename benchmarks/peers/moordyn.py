@@ -222,9 +222,10 @@ class Record:
 
     def take(self, system, k: int, time: float):
         """Take the state at a time: the forces on the end points, and between them the tension of its nodes."""
-        self.ends[:, k] = [np.linalg.norm(moordyn.GetPointForce(moordyn.GetPoint(system, i))) for i in (1, 2)]
+        line, last = moordyn.GetLine(system, 1), len(self.least) - 1
+        on_point = moordyn.GetPointForce(moordyn.GetPoint(system, 2))  # of a fixed point it gives none
+        self.ends[:, k] = [np.linalg.norm(force) for force in (moordyn.GetLineNodeForce(line, 0), on_point)]
         if self.window and self.window[0] <= time <= self.window[1]:
-            line, last = moordyn.GetLine(system, 1), len(self.least) - 1
             inner = [np.linalg.norm(moordyn.GetLineNodeTen(line, i)) for i in range(1, last)]
             along = np.array([self.ends[0, k], *inner, self.ends[1, k]])
             np.maximum(self.greatest, along, out=self.greatest)

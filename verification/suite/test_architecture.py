@@ -18,13 +18,13 @@ import pytest
 from verification import ROOT
 
 OWN = ("solvers", "verification", "benchmarks", "reference_data", "reports")
-TESTING = ("pytest", "hypothesis", "mpmath")
+TESTING = ("pytest", "hypothesis", "mpmath", "jsonschema")
 LONGEST_SOLVER_MODULE = 320  # lines: what one can read at a sitting
 READERS = "solvers/io/"  # the room whose job is to read input files
 
 # Folder, most special first -> what it may import beside the standard library. A name covers all below it.
 MAY_IMPORT = {
-    "verification/conformance": ("numpy", "pytest", "verification.conformance"),
+    "verification/conformance": ("numpy", "pytest", "verification.conformance", "verification.IN_REPOSITORY"),
     "verification/exact": ("numpy", "mpmath", "verification.exact"),
     "verification/cases": ("numpy", "solvers.numerics.chain", "verification.cases"),
     "reference_data/generate": ("numpy", "mpmath", "verification.exact", "reference_data.generate"),
