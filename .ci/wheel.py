@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 import shutil
 import subprocess
 import sys
@@ -31,7 +32,7 @@ anchor = [-853.87, 0.0, -320.0]
 fairlead = [-5.2, 0.0, -70.0]
 """
 
-SOLVER = """from benchmarks.peers import Adapter, SpanAnswer
+SOLVER = """from benchmarks.peers import Adapter, SpanAnswer  # as older adapters do
 from solvers import Span, solve_span
 
 class Mine(Adapter):
@@ -41,6 +42,56 @@ class Mine(Adapter):
         state = solve_span(Span(**case.inputs()))
         return SpanAnswer(state.H, state.V)
 """
+
+WRONG = """import os
+import signal
+import time
+from my_code import MyCode
+from verification.conformance import SpanAnswer
+
+class KiloNewton(MyCode):
+    def span(self, case, tolerance=None):
+        answer = super().span(case)
+        return SpanAnswer(answer.H / 1000, answer.V / 1000)
+
+class Swapped(MyCode):
+    def span(self, case, tolerance=None):
+        answer = super().span(case)
+        return SpanAnswer(answer.H, answer.V - case.w * case.L)  # at the anchor
+
+class InAir(MyCode):
+    def span(self, case, tolerance=None):
+        case.w = case.mass_per_length * case.g
+        return super().span(case)
+
+class Hangs(MyCode):
+    time_limits = {"span": 0.5}
+    def span(self, case, tolerance=None):
+        time.sleep(1000 if case.z == 481.1 or case.L == 600.0 else 0)
+        return super().span(case)
+
+class Crashes(MyCode):
+    def span(self, case, tolerance=None):
+        if case.L == 600.0:
+            os.kill(os.getpid(), signal.SIGSEGV)
+        return super().span(case)
+
+class Nonsense(MyCode):
+    def span(self, case, tolerance=None):
+        return SpanAnswer("5 kN", [1.0])
+"""
+
+VERDICTS = {
+    "KiloNewton": (1, "mistake: kN_for_N"),
+    "Swapped": (1, "mistake: ends_swapped or anchor_force_for_fairlead"),
+    "InAir": (1, "mistake: weight_in_air"),
+    "Hangs": (1, "no answer within 0.5 s"),
+    "Crashes": (1, "ended by SIGSEGV"),
+    "Nonsense": (1, "H = '5 kN', and a number is wanted"),
+}
+"""Class of WRONG -> exit status of the conformance command, and words that it says."""
+
+LONGEST_STATICS = 60  # s
 
 HINT = 'python -m pip install "mooring-verification[report]"'
 SOME_TESTS = ("common/test_motion.py", "catenary/test_references.py::test_table_is_complete")
@@ -53,13 +104,16 @@ class Failure(Exception):
     """What is wrong with the wheel, in words."""
 
 
-def run(words: list, folder: Path, code: int = 0, says: str = "") -> str:
-    """Run a command in the folder; return what it printed. Raises Failure where it ends or speaks otherwise."""
+def run(words: list, folder: Path, code: int = 0, says: str = "", traceback: bool = False) -> str:
+    """Run a command in the folder; return what it printed. Raises Failure where it ends or speaks otherwise.
+
+    traceback: whether one is expected of a command that fails
+    """
     began = time.perf_counter()
     done = subprocess.run([str(word) for word in words], cwd=folder, capture_output=True, text=True)
     text = done.stdout + done.stderr
     shown = " ".join(str(word) for word in words)
-    if done.returncode != code or says not in text or (code and "Traceback" in text):
+    if done.returncode != code or says not in text or (code and not traceback and "Traceback" in text):
         raise Failure(f"{shown}: exit status {done.returncode} for {code}, wanted words {says!r}:\n{text[-3000:]}")
     print(f"{time.perf_counter() - began:5.1f} s  {shown}", flush=True)
     return text
@@ -80,6 +134,12 @@ def build(folder: Path) -> Path:
     return wheel
 
 
+def environment(folder: Path) -> Path:
+    """Return the Python of a new environment."""
+    venv.create(folder, with_pip=True)
+    return folder.resolve() / ("Scripts" if sys.platform == "win32" else "bin") / "python"
+
+
 def files(folder: Path) -> dict[Path, tuple[int, int]]:
     """Return every file below the folder with its size and its time of change; no bytecode, no compiled cache."""
     paths = (path for path in folder.rglob("*") if path.is_file() and "__pycache__" not in path.parts)
@@ -90,8 +150,28 @@ def check_without_extras(python: Path, folder: Path):
     """The solvers work, and each program that needs an extra names it with the command that installs it."""
     run([python, "-c", "import solvers; print(solvers.Span(w=1.0, EA=1e3, L=10.0, x=8.0, z=1.0), solvers.__version__)"],
         folder)  # fmt: skip
-    for module in ("reports", "benchmarks.smoke", "benchmarks.run.machine", "reference_data", "verification.defects"):
+    for module in ("reports", "benchmarks.peers", "benchmarks.run.machine", "reference_data", "verification.defects"):
         run([python, "-m", module], folder, code=1, says=HINT)
+
+
+def check_conformance(python: Path, wheel: Path, folder: Path):
+    """The README's adapter and wrong ones are judged where nothing but numpy, scipy and pytest is installed."""
+    install = [python, "-m", "pip", "install", "-q", "--no-compile", "--disable-pip-version-check"]
+    run([*install, "--no-deps", wheel], folder)
+    run([*install, "numpy", "scipy", "pytest"], folder)
+    run([python, "-c", "import numba"], folder, code=1, says="No module named 'numba'", traceback=True)
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    example = re.search(r"<!-- file: my_code.py -->\n```python\n(.*?)```", text, re.DOTALL)[1]
+    (folder / "my_code.py").write_text(example, encoding="utf-8")
+    (folder / "wrong.py").write_text(WRONG, encoding="utf-8")
+    judge = [python.parent / "pytest", "--pyargs", "verification.conformance", "-p", "no:cacheprovider"]
+    began = time.perf_counter()
+    run([*judge, "--solver", "my_code.py", "--conformance-report", "report.json", "--badge", "badge.svg"], folder,
+        says="right")  # fmt: skip
+    if (seconds := time.perf_counter() - began) > LONGEST_STATICS:
+        raise Failure(f"the statics level takes {seconds:.0f} s with a solver of a few ms a line")
+    for name, (code, words) in VERDICTS.items():
+        run([*judge, "--solver", f"wrong.py:{name}", "--level", "statics"], folder, code=code, says=words)
 
 
 def check_commands(python: Path, folder: Path):
@@ -100,7 +180,6 @@ def check_commands(python: Path, folder: Path):
     (folder / "my_code.py").write_text(SOLVER, encoding="utf-8")
     package = Path(run([python, "-c", "import reports; print(reports.__path__[0])"], folder).strip()).parent
     before = files(package) | files(folder)
-    run([python, "-m", "benchmarks.smoke", "my_code.py"], folder, says="line oc3-floating: right")
     run([python, "-m", "reports", "my_line.toml", "--solver", "my_code.py"], folder, says="scene-my_line.html")
     run([python, "-m", "reports", "compare"], folder, says="nothing is saved in mooring-report/history yet")
     run([python, "-m", "reference_data", "check", "--sample", "10"], folder, says="0 differences")
@@ -128,10 +207,11 @@ def main(argv=None) -> int:
     folder.mkdir(parents=True, exist_ok=True)
     try:
         wheel = build(folder.resolve())
-        venv.create(folder / "venv", with_pip=True)
-        python = folder.resolve() / "venv" / ("Scripts" if sys.platform == "win32" else "bin") / "python"
-        empty = folder.resolve() / "empty"
-        empty.mkdir()
+        judged, empty = folder.resolve() / "judged", folder.resolve() / "empty"
+        for path in (judged, empty):
+            path.mkdir()
+        check_conformance(environment(folder / "bare"), wheel, judged)
+        python = environment(folder / "venv")
         install = [python, "-m", "pip", "install", "-q", "--no-compile", "--disable-pip-version-check"]
         run([*install, wheel], folder)
         check_without_extras(python, empty)

@@ -121,7 +121,9 @@ class Run:
             "verdicts": count_verdicts(judgements),
             "answered": {"quantities": answered, "asked": asked},
             "features": summarise_features(judgements),
-            "mistakes": [asdict(one) | {"cases": list(one.cases)} for one in name_mistakes(judgements)],
+            "mistakes": [
+                asdict(one) | {"cases": list(one.cases), "alike": list(one.alike)} for one in name_mistakes(judgements)
+            ],
             "cases": rows,
         }
 

@@ -12,20 +12,22 @@ FAULTY = (INACCURATE, WRONG)
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """A mistake of a code: ids of the cases that it explains; applicable : cases whose answers it would change."""
+    """A mistake of a code: ids of the cases that it explains; applicable : cases whose answers it would change.
+
+    alike : other mistakes that explain the same cases as well, and cannot be told from it by what was answered
+    """
 
     name: str
     sentence: str
     cases: tuple[str, ...]
     applicable: int
+    alike: tuple[str, ...] = ()
 
     def text(self) -> str:
         """Return it in words."""
         what = f" ({self.sentence})" if self.sentence else ""
-        many = len(self.cases) > 1
-        return (
-            f"{self.name}{what}: {len(self.cases)} case{'s' * many} answered so, of {self.applicable} that it changes"
-        )
+        names = " or ".join((self.name, *self.alike))
+        return f"{names}{what}: the answers of {len(self.cases)} cases, of {self.applicable} that it changes"
 
 
 def name_mistakes(judgements: list[Judgement]) -> list[Diagnosis]:
@@ -41,12 +43,17 @@ def name_mistakes(judgements: list[Judgement]) -> list[Diagnosis]:
     while open_cases:
         count = Counter(match.name for one in open_cases for match in one.matches)
         share = {name: matched[name] / max(1, applicable[name]) for name in count}
-        best = max(count, key=lambda name: (count[name], share[name], not name.startswith(WITHOUT), name))
+        best = max(count, key=lambda name: (count[name], share[name], _is_mistake(name), name))
         mine = [one for one in open_cases if best in _names(one)]
         ids = tuple(one.case.id for one in mine)
-        diagnoses.append(Diagnosis(best, sentences[best], ids, max(applicable[best], len(ids))))
+        alike = sorted(name for name in set.intersection(*map(_names, mine)) if _is_mistake(name) and name != best)
+        diagnoses.append(Diagnosis(best, sentences[best], ids, max(applicable[best], len(ids)), tuple(alike)))
         open_cases = [one for one in open_cases if best not in _names(one)]
     return diagnoses
+
+
+def _is_mistake(name: str) -> bool:
+    return not name.startswith(WITHOUT)
 
 
 def _names(judgement: Judgement) -> set[str]:
