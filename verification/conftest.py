@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, settings
-from threadpoolctl import threadpool_limits
 
-from . import IN_REPOSITORY
+try:
+    from hypothesis import HealthCheck, settings
+    from threadpoolctl import threadpool_limits
+except ModuleNotFoundError:  # verification.conformance, which outside solvers run, needs neither
+    settings = threadpool_limits = None
 
 EXAMPLES = {"default": 500, "deep": 5000}  # as scipy.special against mpmath: 500 points by default, 5000 on request
 
-for _name, _examples in EXAMPLES.items():
+for _name, _examples in EXAMPLES.items() if settings else ():
     settings.register_profile(
         _name,
         max_examples=_examples,
@@ -22,28 +24,28 @@ for _name, _examples in EXAMPLES.items():
     )
 
 
-if not IN_REPOSITORY:
-
-    def pytest_addoption(parser):
-        """The option that conftest.py of the repository adds, which no wheel has."""
-        parser.addoption("--deep", action="store_true", default=False, help="the long version, as in the repository")
-
-
 def pytest_configure(config):
-    config._one_blas_thread = threadpool_limits(1)  # held for the whole run
-    settings.load_profile("deep" if config.getoption("--deep") else "default")
+    if settings:
+        config._one_blas_thread = threadpool_limits(1)  # held for the whole run
+        settings.load_profile("deep" if _is_deep(config) else "default")
 
 
 def pytest_report_header(config):
-    deep = config.getoption("--deep")
-    examples = EXAMPLES["deep" if deep else "default"]
-    return f"verification: {'deep' if deep else 'default'} run, Hypothesis derandomized, {examples} examples, seed 2026"
+    if config.getoption("conformance_solver", default=None):
+        return None  # it is about a solver of another
+    examples = EXAMPLES["deep" if _is_deep(config) else "default"]
+    kind = "deep" if _is_deep(config) else "default"
+    return f"verification: {kind} run, Hypothesis derandomized, {examples} examples, seed 2026"
+
+
+def _is_deep(config) -> bool:
+    return bool(config.getoption("--deep", default=False))
 
 
 @pytest.fixture(scope="session")
 def deep(request) -> bool:
     """True in the long version of the run."""
-    return request.config.getoption("--deep")
+    return _is_deep(request.config)
 
 
 @pytest.fixture(autouse=True)

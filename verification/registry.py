@@ -14,6 +14,23 @@ import numpy as np
 from solvers import Network, NetworkState, Span, solve_network, solve_periodic, solve_span, solve_time_domain
 
 from .cases import cables, networks, spans
+from .conformance.adapter import INSTANTS, SpanAnswer
+
+__all__ = [
+    "INSTANTS",
+    "NETWORK_METHODS",
+    "PROBLEMS",
+    "NetworkMethod",
+    "ProblemType",
+    "SpanAnswer",
+    "catenary",
+    "corrected_harmonic_balance",
+    "extrapolated_time_domain",
+    "harmonic_balance",
+    "instants",
+    "last_period_tension",
+    "time_domain",
+]
 
 
 @dataclass(frozen=True)
@@ -25,22 +42,6 @@ class ProblemType:
 
 
 # ---------------------------------------------------------------- one line at rest
-@dataclass(frozen=True)
-class SpanAnswer:
-    """Fairlead force (H, V) in N as a solver returned it.
-
-    refused : why it returned none; unsupported : why the case is outside its model
-    seconds : of the solve by the solver's own clock, where it has one (a program, without its start)
-    """
-
-    H: float = float("nan")
-    V: float = float("nan")
-    iterations: int | None = None
-    refused: str = ""
-    unsupported: str = ""
-    seconds: float | None = None
-
-
 def catenary(case, tolerance=None) -> SpanAnswer:
     """Return the answer of solvers.solve_span to a case of verification.cases.spans."""
     try:
@@ -81,10 +82,6 @@ NETWORK_METHODS = (
 
 
 # ---------------------------------------------------------------- moving cables
-INSTANTS = 1000
-"""Equal times of a period at which the fairlead tensions of two solvers are compared."""
-
-
 def instants(period: float, count: int = INSTANTS) -> np.ndarray:
     """Return ``count`` equal times in [0, period), s."""
     return period * np.arange(count) / count

@@ -1,27 +1,26 @@
 """Other codes under the same cases: one small class a code, used as its own documentation says, with its defaults.
 
 Here are the peers, where they are installed, and what is brought: ``python -m reports --solver my_code.py``, or the
-files that the environment variable MOORING_SOLVERS names. adapter.py says what such a class has, program.py what a
-program reads and prints; ``python -m benchmarks.smoke my_code.py`` tries it on a few cases.
+files that the environment variable MOORING_SOLVERS names. verification/conformance/adapter.py says what such a class
+has, program.py there what a program reads and prints.
 """
 
 from __future__ import annotations
 
 import importlib
-import importlib.util
-import inspect
 import os
-import sys
 from functools import cache
 from pathlib import Path
 from types import ModuleType
 
 import numpy as np
 
-from .adapter import INSTANTS, LIMITS, Adapter, Refused, SpanAnswer
-from .program import Program
+from verification.conformance import program
+from verification.conformance.adapter import INSTANTS, LIMITS, Adapter, Refused, SpanAnswer
+from verification.conformance.loading import adapters_of, load_file
+from verification.conformance.program import Program
 
-__all__ = ["INSTANTS", "LIMITS", "Adapter", "Program", "Refused", "SpanAnswer", "adapters"]
+__all__ = ["INSTANTS", "LIMITS", "Adapter", "Program", "Refused", "SpanAnswer", "adapters", "program"]
 
 PACKAGES = ("moorpy", "pycatenary", "moordyn")
 """Modules here, each named after the package that it needs."""
@@ -42,8 +41,8 @@ def adapters() -> dict[str, Adapter]:
     """
     adapters_by_name = {}
     files = [Path(name) for name in os.environ.get(BROUGHT, "").split(os.pathsep) if name]
-    for module in (*filter(None, map(_peer, PACKAGES)), *map(_load, files)):
-        for adapter in _classes(module):
+    for module in (*filter(None, map(_peer, PACKAGES)), *map(load_file, files)):
+        for adapter in adapters_of(module):
             taken = {word for one in adapters_by_name.values() for word in (one.name, one.label)}
             for word, what in ((adapter.name, "class"), (adapter.label, "label")):
                 if word in taken or word.startswith(OURS):
@@ -66,47 +65,3 @@ def _peer(package: str) -> ModuleType | None:
         if isinstance(error, ModuleNotFoundError) and error.name == package:
             return None
         raise ImportError(f"{package} is installed but cannot be imported: {error!r}") from error
-
-
-def _load(path: Path) -> ModuleType:
-    """A Python file as a module; what lies beside it can be imported from it, as from a script."""
-    path = path.resolve()
-    if not path.is_file() or path.suffix != ".py":
-        raise ImportError(f"{path}: a solver is brought as a Python file (.py) with an Adapter or Program class in it")
-    if str(path.parent) not in sys.path:
-        sys.path.append(str(path.parent))
-    made = importlib.util.spec_from_file_location(f"brought_{path.stem}", path)
-    module = importlib.util.module_from_spec(made)
-    sys.modules[made.name] = module  # where dataclasses and pickle look for it
-    try:
-        made.loader.exec_module(module)
-    except (Exception, SystemExit) as error:
-        raise ImportError(f"{path}: cannot be imported: {type(error).__name__}: {error}") from error
-    if not list(_classes(module)):
-        raise ImportError(f"{path}: defines no class derived from benchmarks.peers.Adapter or Program")
-    return module
-
-
-def _classes(module: ModuleType):
-    """An adapter of each class that the module itself defines. Raises ImportError naming what is wrong with one."""
-    for one in vars(module).values():
-        if not (inspect.isclass(one) and issubclass(one, Adapter) and one.__module__ == module.__name__):
-            continue
-        try:
-            adapter = one()
-            if isinstance(adapter, Program):
-                adapter.folder = adapter.folder or str(Path(module.__file__).parent)
-                adapter.words()
-            adapter.label = str(adapter.label or one.__name__)
-            _check(adapter)
-        except Exception as error:
-            raise ImportError(f"{module.__file__}: {one.__name__}: {error}") from error
-        yield adapter
-
-
-def _check(adapter: Adapter):
-    if not any(adapter.solves(problem) for problem in LIMITS):
-        raise ValueError("solves nothing: define span, network or cable")
-    for _, steps in adapter.settings:
-        if INSTANTS % steps and steps % INSTANTS:
-            raise ValueError(f"settings: {steps} steps in a period must divide {INSTANTS}, or be a multiple of it")

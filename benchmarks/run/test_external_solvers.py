@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import os
 import re
-import signal
 import subprocess
 import sys
 import time
@@ -127,9 +126,10 @@ def folder(tmp_path_factory):
     return folder
 
 
-def python(*words, code=0):
+def python(*words, code=0, **variables):
     """What a command prints; its exit status is ``code``."""
     environment = {name: value for name, value in os.environ.items() if name != "MOORING_SOLVERS"}
+    environment |= {name: str(value) for name, value in variables.items()}
     run = subprocess.run([sys.executable, "-m", *map(str, words)], cwd=ROOT, env=environment, capture_output=True,
                          text=True)  # fmt: skip
     assert run.returncode == code, run.stdout + run.stderr
@@ -151,25 +151,11 @@ def test_each_stands_in_the_tables_of_a_page(folder, tmp_path):
     assert all(label in page for label in EXPECTED) and "no more memory" in page
 
 
-def test_the_example_of_the_readme_is_short_and_tried(folder):
-    """A complete adapter in less than 30 lines, and what ``benchmarks.smoke`` says of it."""
+def test_the_example_of_the_readme_is_short_and_listed(folder):
+    """A complete adapter in less than 30 lines; verification/suite/test_conformance.py judges it."""
     assert len(example().splitlines()) < MOST_LINES
-    run = python("benchmarks.smoke", folder / "my_code.py")
-    assert "my catenary 0.1 (mycode) solves span" in run
-    assert re.search(r"line oc3-floating: right, error \S+e-1\d\n", run), run
-    assert "line oc3-friction-1: unsupported, it has no seabed" in run
-
-
-@pytest.mark.skipif(os.name != "posix", reason="exit statuses of signals")
-def test_a_crash_of_the_interpreter_ends_the_measuring_and_one_of_a_program_does_not(tmp_path):
-    """As the README says: an adapter that is killed ends the smoke run, a program that is, is refused line by line."""
-    text = "import os, signal, sys\nfrom benchmarks.peers import Adapter, Program\nclass Killed("
-    inside = "Adapter):\n    def span(self, case, tolerance=None):\n        os.kill(os.getpid(), signal.SIGKILL)"
-    outside = "Program):\n    command = (sys.executable, '-c', 'import os; os.kill(os.getpid(), 9)')"
-    for name, kind in (("inside", inside), ("outside", outside)):
-        (tmp_path / f"{name}.py").write_text(text + kind, encoding="utf-8")
-    python("benchmarks.smoke", tmp_path / "inside.py", code=-signal.SIGKILL)
-    assert "oc3-floating: refused, ended by SIGKILL" in python("benchmarks.smoke", tmp_path / "outside.py")
+    run = python("benchmarks.peers", MOORING_SOLVERS=folder / "my_code.py")
+    assert "my catenary 0.1 (mycode) solves span\n" in run
 
 
 def test_its_files_are_what_results_depend_on(folder):
@@ -186,7 +172,7 @@ def test_its_files_are_what_results_depend_on(folder):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("x = 1", "defines no class derived from benchmarks.peers.Adapter or Program"),
+        ("x = 1", "defines no class derived from verification.conformance.Adapter or Program"),
         ("import no_such_package", "cannot be imported: ModuleNotFoundError"),
         ("from benchmarks.peers import Adapter\nclass Empty(Adapter): pass", "Empty: solves nothing"),
         ("from benchmarks.peers import Program\nclass Lost(Program): command = ('no-such-program',)",

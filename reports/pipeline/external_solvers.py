@@ -26,8 +26,8 @@ def set_files(files: list[Path]) -> str:
         os.environ[VARIABLE] = os.pathsep.join(str(path.resolve()) for path in files)
     if not os.environ.get(VARIABLE):
         return ""
-    program = "benchmarks.smoke"
-    done = subprocess.run([*MODULE, program, "--list"], env=child_environment(), capture_output=True, text=True)
+    program = "benchmarks.peers"
+    done = subprocess.run([*MODULE, program], env=child_environment(), capture_output=True, text=True)
     return "" if done.returncode == 0 else (done.stderr.strip() or f"{program}: exit status {done.returncode}")
 
 

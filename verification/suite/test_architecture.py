@@ -18,21 +18,22 @@ import pytest
 from verification import ROOT
 
 OWN = ("solvers", "verification", "benchmarks", "reference_data", "reports")
-TESTING = ("pytest", "hypothesis", "mpmath")
+TESTING = ("pytest", "hypothesis", "mpmath", "jsonschema")
 LONGEST_SOLVER_MODULE = 320  # lines: what one can read at a sitting
 READERS = "solvers/io/"  # the room whose job is to read input files
 
 # Folder, most special first -> what it may import beside the standard library. A name covers all below it.
 MAY_IMPORT = {
+    "verification/conformance": ("numpy", "pytest", "verification.conformance", "verification.IN_REPOSITORY"),
     "verification/exact": ("numpy", "mpmath", "verification.exact"),
     "verification/cases": ("numpy", "solvers.numerics.chain", "verification.cases"),
     "reference_data/generate": ("numpy", "mpmath", "verification.exact", "reference_data.generate"),
     "reference_data": ("numpy", "mpmath", "verification.exact", "reference_data", "tqdm"),
-    "benchmarks/peers": ("numpy", "benchmarks.peers", "verification.cases", "verification.registry",
-                         "verification.reference", "moorpy", "pycatenary", "moordyn", "solvers.io.moordyn_writer",
-                         "solvers.network.solve"),
+    "benchmarks/peers": ("numpy", "benchmarks.peers", "verification.conformance", "verification.cases",
+                         "verification.registry", "verification.reference", "moorpy", "pycatenary", "moordyn",
+                         "solvers.io.moordyn_writer", "solvers.network.solve"),
     "benchmarks": ("numpy", "scipy", "solvers", "verification.cases", "verification.registry", "verification.reference",
-                   "pytest", "threadpoolctl", "mpmath", "tqdm", "benchmarks"),
+                   "verification.conformance", "pytest", "threadpoolctl", "mpmath", "tqdm", "benchmarks"),
     "reports/browser": ("pytest", "playwright", "reports.browser"),
     "reports": ("numpy", "matplotlib", "mpl_toolkits", "jinja2", "tqdm", "reports"),
     "solvers": ("numpy", "scipy", "threadpoolctl", "solvers"),
@@ -81,6 +82,7 @@ ALSO = {
 NEVER = {
     "solvers": ("logging", "subprocess", "multiprocessing", "socket", "warnings"),
     "verification/exact": ("solvers",),
+    "verification/conformance": ("solvers",),
     "reference_data/generate": ("solvers",),
     "reports": ("solvers", "verification", "benchmarks"),
     "benchmarks": ("verification.conftest", "reports"),
