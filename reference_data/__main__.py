@@ -21,11 +21,15 @@ from pathlib import Path
 import mpmath
 from tqdm import tqdm
 
-from reference_data.generate import conformance_common, conformance_statics, spans
+from reference_data.generate import conformance_common, conformance_networks, conformance_statics, spans
 from verification.exact import catenary_mp
 
 HERE = Path(str(files("reference_data")))
-GENERATED = {"spans": spans, "conformance_statics": conformance_statics}
+GENERATED = {
+    "spans": spans,
+    "conformance_statics": conformance_statics,
+    "conformance_networks": conformance_networks,
+}
 """Set -> its generator: design() gives rows with a name, compute(row) a dict. The table is data.csv of the set's folder
 with the generator's COLUMNS; or its PATH, of cases of JSON, whose text its render(rows) gives."""
 SHOWN_DIFFERENCES = 40

@@ -1,4 +1,4 @@
-"""Conformance cases of one line at rest, with what typical mistakes make of each: reference_data/conformance/statics.json.
+"""Conformance cases of one line at rest, and what typical mistakes make of them: conformance/statics.json.
 
 Truth is the oracle's to 30 digits, kept as doubles. A mistake is the oracle's answer to mistaken inputs, or its answer
 given out wrongly; where friction acts with the wrong sign or without a limit, the stretch of the grounded part is that
@@ -133,8 +133,8 @@ def _everyday():
                200.0, friction=0.6)  # fmt: skip
     yield case("chain-200m-storm", "140 mm chain in 200 m of water, lifted from its anchor", "elastic", c140, 760.0,
                733.0, 200.0)  # fmt: skip
-    yield case("buoy-chain", "16 mm chain of a buoy in 12 m of water, friction 0.8", "contact friction", c16, 36.0, 32.0,
-               12.0, friction=0.8)  # fmt: skip
+    yield case("buoy-chain", "16 mm chain of a buoy in 12 m of water, friction 0.8", "contact friction", c16, 36.0,
+               32.0, 12.0, friction=0.8)  # fmt: skip
     yield case("buoy-chain-slack", "16 mm chain of a buoy, hanging slack", "slack contact", c16, 36.0, 20.0, 12.0,
                places=(0.7, 0.8, 0.9))  # fmt: skip
     yield case("laboratory-chain", "chain of a laboratory in 3 m of fresh water", "contact", lab, 33.0, 32.6, 3.3)
@@ -143,8 +143,8 @@ def _everyday():
     yield case("chain-slack", "84 mm chain hanging slack in 100 m of water", "slack contact", c84, 400.0, 250.0, 100.0,
                places=(0.78, 0.85, 0.95))  # fmt: skip
     yield case("wire-hanging", "wire rope, both ends free of the seabed", "elastic", common.WIRE, 600.0, 480.0, 330.0)
-    yield case("wire-ground", "wire rope on the seabed in 150 m of water", "contact friction elastic", common.WIRE, 720.0, 680.0,
-               150.0, friction=0.4)  # fmt: skip
+    yield case("wire-ground", "wire rope on the seabed in 150 m of water", "contact friction elastic", common.WIRE,
+               720.0, 680.0, 150.0, friction=0.4)  # fmt: skip
     yield case("polyester-taut", "polyester rope, taut, in 2000 m of water", "taut elastic", common.POLYESTER, 2520.0,
                1600.0, 1980.0)  # fmt: skip
     yield case("polyester-slacker", "polyester rope in 2000 m of water, 25 m in", "elastic", common.POLYESTER, 2580.0,
@@ -165,10 +165,10 @@ def _everyday():
                420.0, 395.0, 90.0, clearance=4.0)  # fmt: skip
     yield case("raised-anchor-sag", "wire rope from a pile 30 m high, sagging to the seabed", "clearance contact",
                common.WIRE, 440.0, 375.0, 60.0, clearance=30.0)  # fmt: skip
-    yield case("raised-level", "16 mm chain between two piles, lying between them", "clearance contact", c16, 80.0, 74.0,
-               0.0, clearance=6.0)  # fmt: skip
-    yield case("raised-slack", "84 mm chain from a block 10 m high, hanging slack", "clearance slack contact", c84, 300.0,
-               120.0, 60.0, clearance=10.0, places=(0.01, 0.8, 0.95))  # fmt: skip
+    yield case("raised-level", "16 mm chain between two piles, lying between them", "clearance contact", c16, 80.0,
+               74.0, 0.0, clearance=6.0)  # fmt: skip
+    yield case("raised-slack", "84 mm chain from a block 10 m high, hanging slack", "clearance slack contact", c84,
+               300.0, 120.0, 60.0, clearance=10.0, places=(0.01, 0.8, 0.95))  # fmt: skip
     yield case("tether", "tether of a tension-leg platform", "vertical taut", common.TETHER, 480.0, 0.0, 481.1)
     yield case("tether-offset", "tether of a tension-leg platform, 24 m offset", "taut elastic", common.TETHER, 480.0,
                24.0, 480.5)  # fmt: skip
@@ -178,8 +178,8 @@ def _everyday():
                common.UMBILICAL, 90.0, 0.0, 30.0, seabed=False)  # fmt: skip
     yield case("rope-pulled-flat", "wire rope pulled along the seabed, friction 0.5 overcome", "contact friction",
                common.WIRE, 300.0, 300.2, 0.0, friction=0.5)  # fmt: skip
-    yield case("wire-slack", "wire rope hanging slack in 60 m of water", "slack contact", common.WIRE, 200.0, 90.0, 60.0,
-               places=(0.75, 0.85, 0.95))  # fmt: skip
+    yield case("wire-slack", "wire rope hanging slack in 60 m of water", "slack contact", common.WIRE, 200.0, 90.0,
+               60.0, places=(0.75, 0.85, 0.95))  # fmt: skip
 
 
 def _extreme():
@@ -208,7 +208,7 @@ def _extreme():
     yield case("nearly-vertical", "wire rope 0.1 mm off the vertical, taut", "taut", common.WIRE, 200.0, 1e-4, 200.3)
     yield case("nearly-vertical-folded", "hose in a fold, its ends 0.1 mm apart", "elastic", common.HOSE, 90.0,
                1e-4, 30.0, seabed=False)  # fmt: skip
-    yield case("friction-1000", "84 mm chain, friction 1000: two metres before touchdown are pulled", "contact friction",
+    yield case("friction-1000", "84 mm chain, friction 1000: 0.1 m before touchdown is pulled", "contact friction",
                c84, 400.0, 362.0, 100.0, friction=1000.0)  # fmt: skip
     yield case("flat-part", "wire rope pulled along the seabed: friction takes all before the anchor",
                "contact friction", replace(common.WIRE, EA=2e7), 300.0, 300.1, 0.0, friction=0.8)  # fmt: skip

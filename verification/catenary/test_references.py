@@ -493,7 +493,8 @@ def test_operations_of_table_2_follow_from_5_6():
     assert abs(value["nested", "operations"] / value["operations", "monolithic"] - 2.67) <= 0.005
 
 
-@pytest.mark.parametrize("name", ["spans", "openfast_r_test", "msqs_two_line", "msqs_paper", "other_codes"])
+@pytest.mark.parametrize("name", ["spans", "openfast_r_test", "msqs_two_line", "msqs_paper", "other_codes",
+                                  "peer_tests", "conformance"])  # fmt: skip
 def test_provenance_is_stated(name):
     about = source(name)
     assert {"title", "kind", "citation", "how_obtained", "uncertainty", "date", "units", "signs"} <= about.keys()

@@ -155,7 +155,7 @@ def measure_error(case: Case, name: str, value, reference=None) -> float:
         difference = np.abs(a - b)
         if case.level == "motion" and name in SERIES:
             difference = np.sqrt((difference**2).mean(axis=-1))
-        return float(np.max(difference)) / case.scale[name]
+        return float(np.max(difference / np.asarray(case.scale[name])))
 
 
 def _as_phasors(name: str, array):

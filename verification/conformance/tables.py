@@ -10,6 +10,8 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from importlib.resources import files
 
+import numpy as np
+
 LEVELS = ("statics", "network", "motion")
 """In the order in which they are judged; each is a file of the same name."""
 
@@ -24,7 +26,8 @@ class Case:
     """One row of a table.
 
     inputs : what the adapter is given, SI
-    truth, scale, bound : quantity -> its value, the size over which its error is taken, and (right, wrong): the
+    truth, scale, bound : quantity -> its value, the size over which its error is taken (a number, or one an entry where
+    entries have units of their own), and (right, wrong): the
     greatest error of a right answer, and beyond which it is wrong
     mistakes : name -> quantity -> the answer of a code that makes this mistake alone
     without : feature -> quantity -> the answer of a code that leaves the feature out
@@ -89,7 +92,7 @@ def _read_case(level: str, row: dict) -> Case:
         if quantity not in case.scale or quantity not in case.bound:
             raise ValueError(f"{case.id}: {quantity} has no scale or no bound")
         right, wrong = case.bound[quantity]
-        if not (0 < right <= wrong and case.scale[quantity] > 0):
+        if not (0 < right <= wrong and np.min(case.scale[quantity]) > 0):
             raise ValueError(f"{case.id}: {quantity}: scale > 0 and 0 < right <= wrong are wanted")
     return case
 

@@ -64,6 +64,48 @@ def solve(case, start, digits=40):
     raise ArithmeticError(f"no equilibrium to {digits} digits: residual {mp.nstr(residual, 5)}")
 
 
+def body_stiffness(case, state, reference):
+    """(free nodes follow, free nodes held): 6 x 6 mp matrices of a rigid body on the coupled nodes of a solved case.
+
+    -d(force, moment on the body)/d(translation, rotation), N/m, N, N m, the moment about the moved ``reference`` (3,).
+    """
+    network = _Network(case, state.r)
+    network.r = [list(row) for row in state.r]
+    coupled = [i for i, node in enumerate(case.nodes) if node.kind == "coupled"]
+    places = [(i, axis) for i in coupled for axis in range(3)] + network.unknown
+    spans = list(zip(state.H, state.V, state.H_anchor, state.V_anchor, strict=True))
+    with mp.workdps(MATRIX_DIGITS):
+        D, n = network.derivatives(network.r, spans, places), 3 * len(coupled)
+        arms = [[c - mpf(float(o)) for c, o in zip(network.r[i], reference, strict=True)] for i in coupled]
+        held = _about(arms, [state.force[i] for i in coupled], D[:n, :n])
+        if not network.unknown:
+            return held, held
+        following = D[:n, :n] - D[:n, n:] * mp.inverse(D[n:, n:]) * D[n:, :n]
+        return _about(arms, [state.force[i] for i in coupled], following), held
+
+
+def _about(arms, forces, D):
+    """Stiffness 6 x 6 from d(force)/dr of points at ``arms`` on which ``forces`` act."""
+    motion = mp.matrix(D.rows, 6)
+    for node, arm in enumerate(arms):
+        cross = _cross(arm)
+        for i in range(3):
+            motion[3 * node + i, i] = mpf(1)
+            for j in range(3):
+                motion[3 * node + i, 3 + j] = -cross[i, j]
+    K = -motion.T * D * motion
+    for arm, force in zip(arms, forces, strict=True):
+        turned = _cross(force) * _cross(arm)
+        for i in range(3):
+            for j in range(3):
+                K[3 + i, 3 + j] -= turned[i, j]
+    return K
+
+
+def _cross(a):
+    return mp.matrix([[0, -a[2], a[1]], [a[2], 0, -a[0]], [-a[1], a[0], 0]])
+
+
 class _Network:
     def __init__(self, case, start):
         env = case.environment
@@ -125,10 +167,14 @@ class _Network:
         return max((abs(force[i][axis]) for i, axis in self.unknown), default=mpf(0))
 
     def matrix(self, r, spans):
-        """d(force)/d(unknown) by forward differences, only the elements of the moved node solved again."""
+        """d(force)/d(unknown), or None where nothing is unknown."""
+        return self.derivatives(r, spans, self.unknown) if self.unknown else None
+
+    def derivatives(self, r, spans, places):
+        """d(force)/dr at ``places``, (node, axis) each, by forward differences; only moved elements are solved."""
         with mp.workdps(MATRIX_DIGITS):
             columns = []
-            for node, axis in self.unknown:
+            for node, axis in places:
                 touched = [e for e, line in enumerate(self.case.elements) if node in line.ends]
                 step = STEP * min(self.case.elements[e].L for e in touched)
                 moved = [list(row) for row in r]
@@ -140,8 +186,8 @@ class _Network:
                     after = self.pulls(e, moved, self.span(e, moved, MATRIX_DIGITS, start))
                     for end, p, q in zip(self.case.elements[e].ends, before, after, strict=True):
                         change[end] = [c + (b - a) / step for c, a, b in zip(change[end], p, q, strict=True)]
-                columns.append([change[i][k] for i, k in self.unknown])
-            return mp.matrix(columns).T if columns else None
+                columns.append([change[i][k] for i, k in places])
+            return mp.matrix(columns).T
 
     def step(self, matrix, force):
         return list(mp.lu_solve(matrix, mp.matrix([-force[i][k] for i, k in self.unknown]))) if self.unknown else []
