@@ -446,6 +446,16 @@ def test_a_project_with_the_same_options_is_left_alone(folder, site, tmp_path):
     assert str(site / "verification" / "conformance" / "plugin.py") in done.stdout  # it was there
 
 
+def test_the_plugin_alone_imports_no_numpy():
+    """It is imported in every run of pytest where it is installed."""
+    code = "import sys, verification.conformance.plugin; print('numpy' in sys.modules, 'solvers' in sys.modules)"
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    done = subprocess.run(
+        [sys.executable, "-c", code], env=environment, capture_output=True, text=True, timeout=LONGEST
+    )
+    assert done.stdout == "False False\n", done.stdout + done.stderr
+
+
 # ---------------------------------------------------------------- judging
 def example(level="statics", **changes) -> Case:
     """Return a case of one line with two mistakes, of which the second changes H alone."""
