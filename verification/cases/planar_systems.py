@@ -76,3 +76,18 @@ def stuart_landau(growth, omega) -> PlanarSystem:
         return np.array([[size - 2 * a * a, -omega - 2 * a * b], [omega - 2 * a * b, size - 2 * b * b]])
 
     return PlanarSystem(rate, slope, 2 * math.pi / omega)
+
+
+def forced_oscillator(omega, P, c=0.0, e=0.0, k=1.0, b=0.0) -> PlanarSystem:
+    """Return x'' + (c + e x^2) x' + k x + b x^3 = P cos(omega t): Duffing's, van der Pol's, or both."""
+
+    def rate(y, t):
+        x, v = y
+        return np.array([v, P * np.cos(omega * np.asarray(t)) - (c + e * x * x) * v - (k + b * x * x) * x])
+
+    def slope(y, t):
+        x, v = y
+        by_x = -2 * e * x * v - k - 3 * b * x * x
+        return np.array([[np.zeros(x.shape), np.ones(x.shape)], [by_x, -(c + e * x * x)]])
+
+    return PlanarSystem(rate, slope, 2 * math.pi / omega)

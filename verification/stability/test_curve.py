@@ -227,7 +227,7 @@ def test_a_parameter_that_leaves_its_physical_range_ends_the_curve():
         return duffing(1.1, 0.18, c=0.3, k=k)
 
     curve = response_curve(parameter=build, start=1.0, stop=0.2, harmonics=5, throw=False)
-    assert curve.status is Status.CURVE_STEP_TOO_SHORT and "k: " in curve.end
+    assert curve.status is Status.CURVE_LEFT_RANGE and "k: " in curve.end
     assert 0.5 <= curve.values[-1] < 0.51
 
 
