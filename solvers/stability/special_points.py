@@ -13,9 +13,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from scipy.interpolate import BarycentricInterpolator
 from scipy.optimize import brentq
 
-from .continuation import CorrectionError
+from .continuation import CorrectionError, Point
 from .family import double_period
 
 FOLD, BRANCH_POINT = "fold", "branch point"
@@ -26,10 +27,10 @@ PLACE = 1e-9  # of the step, to which other special points are located
 NOISE = 1e-6  # a multiplier that stays so near the circle passes it by rounding: of motions without damping
 REAL = 1e-3  # rad from 1 or -1, within which a multiplier on the circle is taken for real
 LEAST_SIZE = 1e-300  # of a multiplier whose logarithm is taken
-FIRST_SECANT = 1e-3  # of the step, of the secant method
+BISECTIONS = 6  # of a step in which a multiplier passes the circle, before its kind is looked at
+NEIGHBOURHOOD = 1.0  # of what is left after them, beyond which the secant method looks no further
 MAX_SECANT = 20
-BEYOND = 0.1  # of the step, how far beyond it the secant method may look
-VANISHED = 1e-4  # of a test function at the end of its step, above which it did not vanish
+NODES = np.array([-3.0, -2.0, -1.0, 1.0, 2.0, 3.0])  # of the interpolation over a branch point, clear of it
 
 
 class SpecialPoint(NamedTuple):
@@ -78,10 +79,10 @@ class CurveSegment:
 
 
 def locate_special_points(segment, has_multipliers) -> list[tuple]:
-    """Return (kind, s) of the special points of a CurveSegment in their order. Raises CorrectionError."""
+    """Return (kind, s, Point) of the special points of a CurveSegment in their order. Raises CorrectionError."""
     located = []
     if segment.at(0.0).u * segment.at(segment.length).u < 0:
-        located.append((FOLD, _locate_fold(segment)))
+        located.append(_locate_fold(segment))
     if has_multipliers:
         located += _locate_crossings(segment)
     return sorted(located, key=lambda each: each[1])
@@ -89,54 +90,84 @@ def locate_special_points(segment, has_multipliers) -> list[tuple]:
 
 def _locate_fold(segment):
     brentq(lambda s: segment.at(s).u, 0.0, segment.length, xtol=FOLD_STEP * segment.length, rtol=FOLD_STEP)
-    return min(segment.points, key=lambda s: abs(segment.points[s].u))
+    s = min(segment.points, key=lambda s: abs(segment.points[s].u))
+    return FOLD, s, segment.at(s)
 
 
 def _locate_crossings(segment):
-    """Return (kind, s) where multipliers pass the unit circle, those of folds left out."""
-    ends, located = (0.0, segment.length), []
-    outside = [int((abs(segment.multipliers_at(s)) > 1).sum()) for s in ends]
+    """Return (kind, s, Point) where multipliers pass the unit circle, those of folds left out."""
+    located = []
+    outside = [int((abs(segment.multipliers_at(s)) > 1).sum()) for s in (0.0, segment.length)]
     k = min(outside)
     while k < max(outside):
-        growth = [segment.growth_at(s, k) for s in ends]
+        growth = [segment.growth_at(s, k) for s in (0.0, segment.length)]
         if max(map(abs, growth)) <= NOISE or growth[0] * growth[1] > 0:
             k += 1
             continue
-        s = brentq(segment.growth_at, *ends, args=(k,), xtol=PLACE * segment.length, rtol=PLACE)
-        angle = abs(np.angle(segment.multipliers_at(s)[k]))
-        kind, test = _kind(segment, angle)
-        if test is not None:
-            refined = _refine(test, s, segment.length)
-            s = s if refined is None and kind == PERIOD_DOUBLING else refined
-        if s is not None:
-            located.append((kind, s))
-        k += 2 if kind == NEIMARK_SACKER else 1
+        low, high = _bisect(segment, k, growth[0])
+        angle = min(abs(np.angle(segment.multipliers_at(s)[k])) for s in (low, high))
+        if angle <= REAL:
+            located += _locate_branch_point(segment, (low + high) / 2)
+        else:
+            is_doubling = angle >= np.pi - REAL
+            locate = _locate_doubling if is_doubling else _locate_neimark_sacker
+            located.append(locate(segment, low, high, k))
+        k += 2 if located and located[-1][0] == NEIMARK_SACKER else 1
     return located
 
 
-def _kind(segment, angle):
-    """Return the kind of a multiplier on the unit circle with an angle, and its bordered test function or None."""
-    if angle <= REAL:
-        return BRANCH_POINT, BranchTest(segment.tracer, segment.at)
-    if angle >= np.pi - REAL:
-        return PERIOD_DOUBLING, DoublingTest(segment.tracer, segment.at)
-    return NEIMARK_SACKER, None
+def _bisect(segment, k, first):
+    """Return the ends of a part of the segment in which the k-th multiplier passes the circle; first: its growth."""
+    low, high = 0.0, segment.length
+    for _ in range(BISECTIONS):
+        middle = (low + high) / 2
+        if segment.growth_at(middle, k) * first > 0:
+            low = middle
+        else:
+            high = middle
+    return low, high
 
 
-def _refine(test, s, length):
-    """Return the zero near s of a test function by the secant method, None where it has none in the segment."""
-    at_end, other = abs(test(length)), s + FIRST_SECANT * (length if s < length / 2 else -length)
+def _locate_neimark_sacker(segment, low, high, k):
+    s = brentq(segment.growth_at, low, high, args=(k,), xtol=PLACE * segment.length, rtol=PLACE)
+    return NEIMARK_SACKER, s, segment.at(s)
+
+
+def _locate_doubling(segment, low, high, k):
+    """Return the zero of the test function, or that of the multiplier where the secant method finds none beside it."""
+    test, width = DoublingTest(segment.tracer, segment.at), high - low
+    other, s = low, high
     before, value = test(other), test(s)
     for _ in range(MAX_SECANT):
-        if value == 0 or abs(other - s) <= PLACE * abs(length):
+        if value == 0 or abs(s - other) <= PLACE * segment.length:
+            return PERIOD_DOUBLING, s, segment.at(s)
+        slope = (value - before) / (s - other)
+        other, before = s, value
+        s = s - value / slope if slope else np.inf
+        if not low - NEIGHBOURHOOD * width <= s <= high + NEIGHBOURHOOD * width:
             break
-        if value == before:
-            return None
-        other, s, before = s, s - value * (s - other) / (value - before), value
-        if not -BEYOND <= s / length <= 1 + BEYOND:
-            return None
         value = test(s)
-    return s if abs(value) <= VANISHED * max(at_end, abs(test(0.0))) else None
+    s = brentq(segment.growth_at, low, high, args=(k,), xtol=PLACE * segment.length, rtol=PLACE)
+    return PERIOD_DOUBLING, s, segment.at(s)
+
+
+def _locate_branch_point(segment, near):
+    """Return the branch point near s in a list, or none where the test function does not vanish: a fold, or rounding.
+
+    Points beside it are interpolated: at the branch point itself Newton's method has a singular matrix.
+    """
+    test, width = BranchTest(segment.tracer, segment.at), segment.length * 2.0 ** (1 - BISECTIONS)
+    places = near + width * NODES
+    values = np.array([test(s) for s in places])
+    inner, outer = values[[2, 3]], values[[0, 5]]
+    if inner[0] * inner[1] > 0 or (abs(inner) > abs(outer)).any():  # no change of sign, or one at a pole
+        return []
+    place = brentq(BarycentricInterpolator(NODES, values), NODES[2], NODES[3], xtol=PLACE)
+    points = [segment.at(s) for s in places]
+    between = lambda name: BarycentricInterpolator(NODES, np.array([getattr(p, name) for p in points]))(place)
+    x, value, t, u = (between(name) for name in ("x", "value", "t", "u"))
+    s = near + width * place
+    return [(BRANCH_POINT, s, Point(x, float(value), t, float(u), 0))]
 
 
 class BranchTest:

@@ -216,8 +216,7 @@ class CurveTrace:
         if self.has_stability:
             segment.set_multipliers(self.points[-1].multipliers, multipliers)
         result = []
-        for kind, s in locate_special_points(segment, self.has_stability):
-            at = segment.at(s)
+        for kind, _, at in locate_special_points(segment, self.has_stability):
             result.append(SpecialPoint(kind, at.value, unpack(at.x), of_point(at), len(self.points) - 1))
         return tuple(result)
 

@@ -13,11 +13,15 @@ from solvers.numerics.chain import ChainSystem, Residual
 
 @dataclass(frozen=True, eq=False)
 class PlanarSystem(ChainSystem):
-    """y' = f(y, t) for y = (y_0, y_1); rate: y (2, *S), t (*S) -> (2, *S); slope: df/dy (2, 2, *S); period in s."""
+    """y' = f(y, t) for y = (y_0, y_1); rate: y (2, *S), t (*S) -> (2, *S); slope: df/dy (2, 2, *S); period in s.
+
+    rescale: factor -> the system with its driving multiplied by it, or None.
+    """
 
     rate: Callable
     slope: Callable
     period: float
+    rescale: Callable | None = None
 
     fields = ("first", "second")
     nodes = 1
@@ -38,6 +42,10 @@ class PlanarSystem(ChainSystem):
     def end(self, y, ydot, t, tangents=True) -> Residual:
         """Return the row of the second equation."""
         return self._row(1, y, ydot, t, tangents)
+
+    def scaled(self, load_factor) -> PlanarSystem:
+        """Return the same system with its driving multiplied by a number."""
+        return super().scaled(load_factor) if self.rescale is None else self.rescale(load_factor)
 
 
 def parametric(stiffness, damping, period) -> PlanarSystem:
@@ -78,16 +86,17 @@ def stuart_landau(growth, omega) -> PlanarSystem:
     return PlanarSystem(rate, slope, 2 * math.pi / omega)
 
 
-def forced_oscillator(omega, P, c=0.0, e=0.0, k=1.0, b=0.0) -> PlanarSystem:
-    """Return x'' + (c + e x^2) x' + k x + b x^3 = P cos(omega t): Duffing's, van der Pol's, or both."""
+def forced_oscillator(omega, P, c=0.0, e=0.0, k=1.0, a=0.0, b=0.0) -> PlanarSystem:
+    """Return x'' + (c + e x^2) x' + k x + a x^2 + b x^3 = P cos(omega t): Duffing's, van der Pol's, Helmholtz's."""
 
     def rate(y, t):
         x, v = y
-        return np.array([v, P * np.cos(omega * np.asarray(t)) - (c + e * x * x) * v - (k + b * x * x) * x])
+        return np.array([v, P * np.cos(omega * np.asarray(t)) - (c + e * x * x) * v - (k + (a + b * x) * x) * x])
 
     def slope(y, t):
         x, v = y
-        by_x = -2 * e * x * v - k - 3 * b * x * x
+        by_x = -2 * e * x * v - k - 2 * a * x - 3 * b * x * x
         return np.array([[np.zeros(x.shape), np.ones(x.shape)], [by_x, -(c + e * x * x)]])
 
-    return PlanarSystem(rate, slope, 2 * math.pi / omega)
+    again = lambda factor: forced_oscillator(omega, factor * P, c, e, k, a, b)
+    return PlanarSystem(rate, slope, 2 * math.pi / omega, again)
