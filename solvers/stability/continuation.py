@@ -138,10 +138,11 @@ class Tracer:
         step = (value - point.value) / point.u
         return self.correct(point.x + step * point.t, value, np.zeros_like(point.x), 1.0, point)
 
-    def refined(self, point) -> Point:
-        """Return a point that other harmonics gave, solved with these."""
+    def refined(self, point, is_end) -> Point:
+        """Return a point that other harmonics gave, solved with these; an end at the same value of the parameter."""
         point = self.resized(point)
-        return self.correct(point.x, point.value, *self.plane(point.t, point.u), point)
+        row, corner = (np.zeros_like(point.x), 1.0) if is_end else self.plane(point.t, point.u)
+        return self.correct(point.x, point.value, row, corner, point)
 
     def distance(self, point, other) -> float:
         """Return how far another point is along the tangent of a point."""

@@ -174,6 +174,8 @@ def _points_to_resume(curve, name, start, stability):
     if given != (curve.parameter, float(curve.values[0]), curve.multipliers is not None):
         problem = f"a curve over {curve.parameter} from {curve.values[0]:g} has other settings than these"
         raise InputError(problem, field="resume", value=curve)
+    if curve.success:
+        raise InputError("has reached its end", field="resume", value=curve)
     return list(curve.points), curve.state
 
 
@@ -192,7 +194,7 @@ def assemble_curve(family, name, points, state, status, end) -> ResponseCurve:
     has_multipliers = bool(points) and points[0].multipliers is not None
     multipliers = tuple(point.multipliers for point in points) if has_multipliers else None
     norm = points[-1].residual_norm if points else np.nan
-    arrays = *(column(name) for name in ("value", "omega")), z, *(column(n) for n in ("greatest", "least", "tangent"))
     steps = sum(point.iterations for point in points)
-    return ResponseCurve(name, *arrays, harmonics, column("error"), special, multipliers, status, steps, norm, end,
-                         family, state, tuple(points))  # fmt: skip
+    return ResponseCurve(
+        name, column("value"), column("omega"), z, column("greatest"), column("least"), column("tangent"), harmonics,
+        column("error"), special, multipliers, status, steps, norm, end, family, state, tuple(points))  # fmt: skip

@@ -45,14 +45,15 @@ def switch_branch(curve, point, step=0.02, tolerance=1e-10) -> BranchStart:
     span = abs(curve.values[-1] - curve.values[0]) or 1.0
     tracer = Tracer(family, span, tolerance, point.value, curve.state.norms)
     try:
-        x, t, u = tracer.pack(point.z), *_tangent_beside(tracer, curve, point)
+        x = tracer.pack(point.z)
+        t, u = _tangent_beside(tracer, curve, point)
         at = Point(x, point.value, t, u, 0)
         test = (DoublingTest if point.kind == PERIOD_DOUBLING else BranchTest)(tracer, lambda _: at)
-        test(0.0)
+        test(0.0)  # at any number: the point is there
         if test.direction is None:
             raise CorrectionError("the Jacobian is singular to the last digit")
         if point.kind == PERIOD_DOUBLING:
-            tracer, x = tracer.doubled(), None
+            tracer = tracer.doubled()
             x = tracer.pack(double_period(point.z))
         dx, dp = test.direction
         length = np.sqrt(tracer.product(dx, dp, dx, dp))

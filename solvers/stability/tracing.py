@@ -6,7 +6,7 @@ it had not.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -83,7 +83,7 @@ class CurveTrace:
         self.span, self.first = abs(ends[1] - ends[0]), first
         self.tracer = Tracer(family, self.span, tolerance, ends[0])
         self.accuracy, self.most_harmonics, self.has_stability = accuracy, most_harmonics, has_stability
-        self.gathered: tuple[list[CurvePoint], TraceState | None] = ([], None)  # replaced as one: never half a point
+        self.gathered: tuple[list[CurvePoint], Any] = ([], None)  # and TraceState; replaced as one: never half a point
 
     @property
     def points(self) -> list[CurvePoint]:
@@ -144,11 +144,11 @@ class CurveTrace:
             raise CorrectionError(response.status.value)
         try:
             point = self.tracer.start(self.tracer.pack(response.z), begin, np.sign(stop - begin))
-        except CorrectionError as error:
-            raise _SingularStartError from error
+        except CorrectionError as reason:
+            raise _SingularStartError from reason
         if abs(point.u) / self.span < UPRIGHT:
             raise _SingularStartError
-        point, error = self._accurate(point)
+        point, error = self._accurate(point, True)
         response = self._checked(point)
         self._add(point, self._record(point, response, error, self._multipliers(response), ()), step)
 
@@ -160,7 +160,7 @@ class CurveTrace:
         new, status = self._predicted(point, step)
         if step > KINK_STEP and self.tracer.product(point.t, point.u, new.t, new.u) < LEAST_COSINE:
             raise CorrectionError("the curve turns too sharply")
-        coarse, (new, error) = self.tracer, self._accurate(new)
+        coarse, (new, error) = self.tracer, self._accurate(new, status is not None)
         response = self._checked(new)
         multipliers = self._multipliers(response)
         special = self._special_points(self.tracer.resized(point) if coarse is not self.tracer else point, new,
@@ -183,7 +183,7 @@ class CurveTrace:
             return self.tracer.end(point, begin), Status.CURVE_RETURNED
         return new, None
 
-    def _accurate(self, point):
+    def _accurate(self, point, is_end):
         """Return a point and its error; with an accuracy that is met, or as many harmonics as are allowed."""
         error = estimate_error(self.tracer, point)
         while self.accuracy is not None and error > self.accuracy:
@@ -191,7 +191,7 @@ class CurveTrace:
             if harmonics <= self.tracer.family.settings[0]:
                 break
             self.tracer = self.tracer.with_harmonics(harmonics)
-            point = self.tracer.refined(point)
+            point = self.tracer.refined(point, is_end)
             error = estimate_error(self.tracer, point)
         return point, error
 
