@@ -21,12 +21,14 @@ from .family import double_period
 
 FOLD, BRANCH_POINT = "fold", "branch point"
 PERIOD_DOUBLING, NEIMARK_SACKER = "period doubling", "Neimark-Sacker"
+JUMP = "jump"
 
 FOLD_STEP = 1e-6  # of the step over a fold, to which its place is found: its square is left in the parameter
 PLACE = 1e-9  # of the step, to which other special points are located
-NOISE = 1e-6  # a multiplier that stays so near the circle passes it by rounding: of motions without damping
+NOISE = 1e-6  # multipliers so near the circle are on it: those of free phases, and of motions without damping
 REAL = 1e-3  # rad from 1 or -1, within which a multiplier on the circle is taken for real
 LEAST_SIZE = 1e-300  # of a multiplier whose logarithm is taken
+JUMPS = 0.1  # share of the change of a multiplier over a step that a 64th of it may have, for there it should be 1/64
 BISECTIONS = 6  # of a step in which a multiplier passes the circle, before its kind is looked at
 NEIGHBOURHOOD = 1.0  # of what is left after them, beyond which the secant method looks no further
 MAX_SECANT = 20
@@ -36,7 +38,9 @@ NODES = np.array([-3.0, -2.0, -1.0, 1.0, 2.0, 3.0])  # of the interpolation over
 class SpecialPoint(NamedTuple):
     """A special point: its kind, value of the parameter, coefficients z (n_f, N, C), and number of the point before it.
 
-    kind: "fold", "branch point", "period doubling" or "Neimark-Sacker". multipliers: there, largest first, or None.
+    kind: "fold", "branch point", "period doubling", "Neimark-Sacker", or "jump" where multipliers jump over the circle:
+    a contact begins, a cell goes slack, or time steps are too few for such a kink. multipliers: there, largest first,
+    or None.
     """
 
     kind: str
@@ -54,7 +58,10 @@ class CurveSegment:
 
     def __init__(self, tracer, point, other, multipliers=None):
         self.tracer, self.length = tracer, tracer.distance(point, other)
-        self.points, self._multipliers, self._sizes = {0.0: point, self.length: other}, multipliers, {}
+        if not self.length > 0:
+            raise CorrectionError("the curve leads back on itself")
+        self.points, self._multipliers, self._known = {0.0: point, self.length: other}, multipliers, {}
+        self.on_circle = 0
 
     def at(self, s):
         """Return the point at s."""
@@ -63,19 +70,26 @@ class CurveSegment:
         return self.points[s]
 
     def multipliers_at(self, s) -> np.ndarray:
-        """Return the multipliers at s, largest first."""
-        if s not in self._sizes:
-            self._sizes[s] = self._multipliers(self.at(s))
-        return self._sizes[s]
+        """Return the multipliers at s, largest first, without those that stay on the circle."""
+        if s not in self._known:
+            self._known[s] = self._multipliers(self.at(s))
+        values = self._known[s]
+        return np.delete(values, np.argsort(_distance(values), kind="stable")[: self.on_circle])
 
     def set_multipliers(self, first, last):
-        """Take multipliers at both ends that are known."""
-        self._sizes |= {0.0: first, self.length: last}
+        """Take multipliers at both ends that are known; as many as lie on the circle at both stay there."""
+        self._known |= {0.0: first, self.length: last}
+        self.on_circle = min(int((_distance(values) <= NOISE).sum()) for values in (first, last))
 
     def growth_at(self, s, k) -> float:
         """Return the logarithm of the size of the k-th largest multiplier at s."""
         sizes = abs(self.multipliers_at(s))
         return float(np.log(max(sizes[k] if k < sizes.size else 0.0, LEAST_SIZE)))
+
+
+def _distance(multipliers):
+    """Return how far the sizes of multipliers are from one, as logarithms."""
+    return abs(np.log(np.maximum(abs(multipliers), LEAST_SIZE)))
 
 
 def locate_special_points(segment, has_multipliers) -> list[tuple]:
@@ -101,10 +115,15 @@ def _locate_crossings(segment):
     k = min(outside)
     while k < max(outside):
         growth = [segment.growth_at(s, k) for s in (0.0, segment.length)]
-        if max(map(abs, growth)) <= NOISE or growth[0] * growth[1] > 0:
+        if growth[0] * growth[1] > 0:
             k += 1
             continue
         low, high = _bisect(segment, k, growth[0])
+        if abs(segment.growth_at(high, k) - segment.growth_at(low, k)) > JUMPS * abs(growth[1] - growth[0]):
+            is_pair = abs(segment.multipliers_at(high)[k].imag) > 0
+            located.append((JUMP, high, segment.at(high)))
+            k += 2 if is_pair else 1
+            continue
         angle = min(abs(np.angle(segment.multipliers_at(s)[k])) for s in (low, high))
         if angle <= REAL:
             located += _locate_branch_point(segment, (low + high) / 2)
