@@ -19,6 +19,7 @@ MAX_NEWTON = 8  # Newton steps of a corrector; more come from a step that is too
 FEW_NEWTON = 4  # up to so many Newton steps the next step is longer, from one more on shorter
 LONGER, SHORTER, HALF = 1.5, 0.7, 0.5
 LEAST_COSINE = 0.9  # of the angle between neighbouring tangents: a larger turn may have missed a part of the curve
+UPRIGHT = 1e-4  # share of the parameter in a unit tangent below which a start is a fold, within its square
 KINK_STEP = 1e-4  # a step below which a large turn is a kink, where a cell goes slack or a node touches the seabed
 
 
@@ -127,6 +128,12 @@ class Tracer:
         """Return the point at a value of the parameter; direction +1.0 or -1.0: where its tangent leads."""
         self.measure(x)
         return self.correct(x, value, np.zeros_like(x), 1.0, float(direction))
+
+    def upright(self, x, value) -> bool:
+        """Return whether the curve has next to no direction in the parameter at (x, value), as at a fold."""
+        self.measure(x)
+        F, solve = self.linearise(x, value, np.zeros_like(x), 1.0)
+        return abs(self._tangent(solve, F, 1.0)[1]) / self.span < UPRIGHT
 
     def advance(self, point, step) -> Point:
         """Return the point a step along the tangent of the last one."""

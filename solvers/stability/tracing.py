@@ -14,13 +14,24 @@ from ..common.outcome import Status
 from ..harmonic_balance.response import PeriodicResponse
 from ..harmonic_balance.solve import solve_periodic
 from .adaptivity import estimate_error, more_harmonics, needed_harmonics
-from .continuation import HALF, KINK_STEP, LEAST_COSINE, CorrectionError, Point, RefusedError, Tracer, next_step
+from .continuation import (
+    HALF,
+    KINK_STEP,
+    LEAST_COSINE,
+    UPRIGHT,
+    CorrectionError,
+    Point,
+    RefusedError,
+    Tracer,
+    next_step,
+)
 from .floquet import floquet
 from .special_points import FOLD, CurveSegment, SpecialPoint, locate_special_points
 
 INSTANTS_PER_SAMPLE = 4  # instants for each sample at which outputs are taken and a state must be valid
 AT_STOP = 1e-8  # of the range: a fold so near the stop is taken to lie there
-UPRIGHT = 1e-6  # share of the parameter in a unit tangent below which a start is a fold
+SAME_FREQUENCY = 1e-12  # relative, of a response that a curve may start from
+FEW_ITERATIONS = 4  # Newton steps after which a response that was given is not the start
 
 
 class TraceState(NamedTuple):
@@ -136,6 +147,33 @@ class CurveTrace:
 
     def _begin(self, step):
         """Add the point at the start. Raises CorrectionError without a response there."""
+        point = self._start_at_first() or self._start_from_rest()
+        if abs(point.u) / self.span < UPRIGHT:
+            raise _SingularStartError
+        point, error = self._accurate(point, True)
+        response = self._checked(point)
+        self._add(point, self._record(point, response, error, self._multipliers(response), ()), step)
+
+    def _start_at_first(self):
+        """Return the start where the response that was given is one already, else None: a solve might leave it."""
+        begin, stop = self.ends
+        basis = self.family.basis(self.family.build(begin))
+        z, old = getattr(self.first, "z", None), getattr(self.first, "basis", None)
+        if z is None or z.shape[-1] != basis.harmonic.size or abs(old.omega / basis.omega - 1) > SAME_FREQUENCY:
+            return None
+        try:
+            if self.tracer.upright(self.tracer.pack(z), begin):  # Newton's method would lead anywhere
+                raise _SingularStartError
+            point = self.tracer.start(self.tracer.pack(z), begin, np.sign(stop - begin))
+        except CorrectionError:
+            point = None
+        if point is None or point.iterations > FEW_ITERATIONS:
+            self.tracer.norms = None
+            return None
+        return point
+
+    def _start_from_rest(self):
+        """Return the start as ``solve_periodic`` gives it. Raises CorrectionError where it gives none."""
         begin, stop = self.ends
         Nh, Nt = self.family.settings
         response = solve_periodic(self.family.build(begin), harmonics=Nh, samples=Nt, symmetry=False, start=self.first,
@@ -143,14 +181,9 @@ class CurveTrace:
         if not response.success:
             raise CorrectionError(response.status.value)
         try:
-            point = self.tracer.start(self.tracer.pack(response.z), begin, np.sign(stop - begin))
+            return self.tracer.start(self.tracer.pack(response.z), begin, np.sign(stop - begin))
         except CorrectionError as reason:
             raise _SingularStartError from reason
-        if abs(point.u) / self.span < UPRIGHT:
-            raise _SingularStartError
-        point, error = self._accurate(point, True)
-        response = self._checked(point)
-        self._add(point, self._record(point, response, error, self._multipliers(response), ()), step)
 
     def _next(self, point, step):
         """Return the next point, the status of the curve where it is the last one, and its CurvePoint.

@@ -135,14 +135,14 @@ def unilateral_spring(omega, mass, damping, stiffness, force, contact, gap) -> P
 
 
 class FeedbackSystem(PlanarSystem):
-    """A PlanarSystem without driving whose last unknown is a parameter, constant in time, at the frequency that is given.
+    """A PlanarSystem without driving whose last unknown is a parameter, constant in time, at a frequency that is given.
 
     Its mean row is that of the phase: the first unknown has no sine of the frequency.
     """
 
     def drift(self, y, t):
         """Return sin(omega t) times the first unknown, whose mean fixes the phase, (1, *S)."""
-        return (y[0] * np.sin(2 * math.pi / self.period * np.asarray(t)))
+        return y[0] * np.sin(2 * math.pi / self.period * np.asarray(t))
 
     def drift_tangent(self, y) -> np.ndarray:
         """Return d(drift)/dy, (1, n, 1, S), at S equal times of the period."""
@@ -153,7 +153,7 @@ class FeedbackSystem(PlanarSystem):
 
 
 def lure(omega) -> FeedbackSystem:
-    """Return Lur'e's system, x(3) + alpha x(2) + x(1) + x = x^2 in derivatives of x, in cycles of a frequency, alpha its last unknown."""
+    """Return Lur'e's system in cycles of a frequency, alpha its last unknown: x(3) + alpha x(2) + x(1) + x = x^2."""
 
     def rate(y, t):
         x, v, a, alpha = y

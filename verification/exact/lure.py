@@ -55,7 +55,9 @@ def _series_step(state, alpha, h, order):
     for n in range(order):
         square, twice = product(x, x, n), [2 * product(x, dx, n) for dx, _, _ in columns]
         rates = [(y[n], z[n], -alpha * z[n] - y[n] - x[n] + square)]
-        rates += [(dy[n], dz[n], -alpha * dz[n] - dy[n] - dx[n] + s) for (dx, dy, dz), s in zip(columns, twice, strict=True)]
+        rates += [
+            (dy[n], dz[n], -alpha * dz[n] - dy[n] - dx[n] + s) for (dx, dy, dz), s in zip(columns, twice, strict=True)
+        ]
         for series, rate in zip([(x, y, z), *columns], rates, strict=True):
             for part, value in zip(series, rate, strict=True):
                 part.append(value / (n + 1))

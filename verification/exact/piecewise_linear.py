@@ -73,7 +73,7 @@ class ClosedOrbit:
 
 
 def orbit(masses, omega, start) -> ClosedOrbit:
-    """Return the orbit of one period of the drive near a start. Raises ArithmeticError where Newton does not close it."""
+    """Return the orbit of one period of the drive near a start. Raises ArithmeticError where it does not close."""
     y = np.array(start, dtype=float)
     for _ in range(MOST_NEWTON):
         end, monodromy, pieces = _march(masses, omega, y)
@@ -108,13 +108,12 @@ def _until_contact_changes(place, touches, most, step):
     sign, s = 1.0 if touches else -1.0, 0.0
     while s < most:
         ahead = min(s + step, most)
-        if sign * place(ahead).real < 0 and (s > 0 or sign * place(ahead / 2).real < 0 or ahead > 0):
+        if sign * place(ahead).real < 0:
             low, high = s, ahead
             for _ in range(HALVINGS):
                 middle = (low + high) / 2
                 low, high = (middle, high) if sign * place(middle).real > 0 else (low, middle)
-            if high > 0.5 * step * 1e-6:
-                return high, True
+            return high, True
         s = ahead
     return most, False
 
