@@ -143,8 +143,8 @@ DEFECTS: tuple[Defect, ...] = (
         "translation and rotation of a body at one frequency", _BODY,
     ),
     _defect(
-        "doubled-harmonics-misplaced", "family", "double_period", "doubled[..., 4::4]", "doubled[..., 2::4]", "index",
-        "cosines of a response at the odd harmonics of twice its period", _DOUBLED,
+        "doubled-harmonics-misplaced", "family", "double_period", "z[..., 2::2]", "-z[..., 2::2]", "sign",
+        "cosines of a response with another sign once its period is doubled", _DOUBLED,
     ),
     _defect(
         "doubling-by-every-harmonic", "special_points", "DoublingTest.__call__",
@@ -160,13 +160,14 @@ DEFECTS: tuple[Defect, ...] = (
         "near + 20 * width * NODES", "order", "a branch point interpolated over a wide part of the curve", _POINTS,
     ),
     _defect(
-        "neimark-sacker-loosely", "special_points", "_locate_neimark_sacker", "xtol=PLACE * segment.length, rtol=PLACE",
-        "xtol=0.01 * segment.length, rtol=PLACE", "tolerance", "a Neimark-Sacker bifurcation to a hundredth of a step",
+        "neimark-sacker-loosely", "special_points", "_locate_neimark_sacker", "brentq(segment.growth_at, low, high, args=(k,), xtol=PLACE * segment.length, rtol=PLACE)",
+        "(low + high) / 2", "tolerance", "a Neimark-Sacker bifurcation to a hundredth of a step",
         _POINTS,
     ),
     _defect(
-        "crossings-not-noticed", "special_points", "locate_special_points", "if has_multipliers", "if False", "regime",
-        "no multiplier is looked at", _CHANGES,
+        "crossings-not-noticed", "special_points", "CurveSegment.growth_at", "sizes[k] if k < sizes.size else 0.0", "0.5",
+        "term",
+        "multipliers that never grow", _CHANGES,
     ),
     _defect(
         "multipliers-on-the-circle-counted", "special_points", "CurveSegment.set_multipliers",
@@ -187,7 +188,7 @@ DEFECTS: tuple[Defect, ...] = (
         "the error of a response by the harmonics that it has", _ERRORS,
     ),
     _defect(
-        "harmonics-never-fewer", "adaptivity", "needed_harmonics", "if small.size else Nh", "if False else Nh",
+        "harmonics-never-fewer", "adaptivity", "needed_harmonics", "small.size", "False",
         "regime", "harmonics that are not needed are kept", _ACCURACY,
     ),
     _defect(
@@ -195,9 +196,8 @@ DEFECTS: tuple[Defect, ...] = (
         "harmonics that an accuracy needs are not added", _ACCURACY,
     ),
     _defect(
-        "state-before-normalisation", "tracing", "CurveTrace._add", "state = TraceState(point.x, point.t, point.u",
-        "state = TraceState(point.x, 1.001 * point.t, point.u", "factor",
-        "a tangent that is not of unit length", _FOLDS,
+        "tangent-not-normalised", "tracing", "CurveTrace._add", "tracer.normalised(point)", "point", "factor",
+        "a tangent that is of unit length in older weights alone", _FOLDS,
     ),
     _defect(
         "resumed-with-the-first-step", "tracing", "CurveTrace._advance", "step = self.gathered[1].step",
@@ -212,7 +212,7 @@ DEFECTS: tuple[Defect, ...] = (
         "a curve that goes on past a fold at its stop", _AT_STOP,
     ),
     _defect(
-        "start-at-a-fold", "continuation", "Tracer.upright", "< UPRIGHT", "< 0.0", "regime",
+        "start-at-a-fold", "continuation", "Tracer.upright", "abs(self._tangent(solve, F, 1.0)[1]) / self.span < UPRIGHT", "False", "regime",
         "a curve started at a fold", _SINGULAR,
     ),
     _defect(
@@ -221,7 +221,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     Defect(
         "curve-file-without-tangent",
-        Fault("io.curve_file", "load_curve", "= float(numbers[key])", "= 0.999 * float(numbers[key])"),
+        Fault("io.curve_file", "load_curve", "float(numbers[key])", "0.999 * float(numbers[key])"),
         "factor", "numbers of the state changed on their way from a file", _FILE,
     ),
 )  # fmt: skip
