@@ -158,8 +158,10 @@ class CurveTrace:
         """Return the start where the response that was given is one already, else None: a solve might leave it."""
         begin, stop = self.ends
         basis = self.family.basis(self.family.build(begin))
-        z, old = getattr(self.first, "z", None), getattr(self.first, "basis", None)
-        if z is None or z.shape[-1] != basis.harmonic.size or abs(old.omega / basis.omega - 1) > SAME_FREQUENCY:
+        if not isinstance(self.first, PeriodicResponse):
+            return None
+        z, old = self.first.z, self.first.basis
+        if z.shape[-1] != basis.harmonic.size or abs(old.omega / basis.omega - 1) > SAME_FREQUENCY:
             return None
         try:
             if self.tracer.upright(self.tracer.pack(z), begin):  # Newton's method would lead anywhere

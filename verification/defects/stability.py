@@ -160,13 +160,14 @@ DEFECTS: tuple[Defect, ...] = (
         "near + 20 * width * NODES", "order", "a branch point interpolated over a wide part of the curve", _POINTS,
     ),
     _defect(
-        "neimark-sacker-loosely", "special_points", "_locate_neimark_sacker", "brentq(segment.growth_at, low, high, args=(k,), xtol=PLACE * segment.length, rtol=PLACE)",
-        "(low + high) / 2", "tolerance", "a Neimark-Sacker bifurcation to a hundredth of a step",
+        "neimark-sacker-loosely", "special_points", "_locate_neimark_sacker",
+        "brentq(segment.growth_at, low, high, args=(k,), xtol=PLACE * segment.length, rtol=PLACE)", "(low + high) / 2",
+        "tolerance", "a Neimark-Sacker bifurcation to a hundredth of a step",
         _POINTS,
     ),
     _defect(
-        "crossings-not-noticed", "special_points", "CurveSegment.growth_at", "sizes[k] if k < sizes.size else 0.0", "0.5",
-        "term",
+        "crossings-not-noticed", "special_points", "CurveSegment.growth_at",
+        "sizes[k] if k < sizes.size else 0.0", "0.5", "term",
         "multipliers that never grow", _CHANGES,
     ),
     _defect(
@@ -212,12 +213,13 @@ DEFECTS: tuple[Defect, ...] = (
         "a curve that goes on past a fold at its stop", _AT_STOP,
     ),
     _defect(
-        "start-at-a-fold", "continuation", "Tracer.upright", "abs(self._tangent(solve, F, 1.0)[1]) / self.span < UPRIGHT", "False", "regime",
-        "a curve started at a fold", _SINGULAR,
+        "start-at-a-fold", "continuation", "Tracer.upright",
+        "abs(self._tangent(solve, F, 1.0)[1]) / self.span < UPRIGHT", "False", "regime", "a curve started at a fold",
+        _SINGULAR,
     ),
     _defect(
-        "refusal-taken-for-a-short-step", "tracing", "_reason", "isinstance(error, RefusedError)", "False", "regime",
-        "a parameter that the system refuses said to be a short step", _REFUSED,
+        "refusal-taken-for-a-short-step", "tracing", "_reason", "isinstance(error, RefusedError)", "False",
+        "regime", "a parameter that the system refuses said to be a short step", _REFUSED,
     ),
     Defect(
         "curve-file-without-tangent",
