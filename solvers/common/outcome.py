@@ -44,8 +44,25 @@ class Status(Enum):
         "the response curve was not followed further, even in the shortest steps: the last good point is the last one "
         "of the curve; use more harmonics or samples, or a smaller min_step"
     )
+    CURVE_LEFT_RANGE = (
+        "the system refuses the parameter beyond the last good point, which is the last one of the curve: "
+        "end the range before it"
+    )
+    CURVE_FOLD_AT_STOP = (
+        "the response curve has a fold at the stop of its range, where it turns back: "
+        "the last good point is the last one of the curve; move the stop"
+    )
+    CURVE_SINGULAR_START = (
+        "the response curve starts at a fold or a branch point, where its direction is not determined: move the start"
+    )
+    CURVE_INTERRUPTED = (
+        "the response curve was interrupted: its points are kept, and response_curve(..., resume=curve) goes on"
+    )
     CURVE_RETURNED = "the response curve turned back and left its range at its start: start from another response"
-    CURVE_TOO_LONG = "the response curve has as many points as allowed: raise max_points, or allow a longer max_step"
+    CURVE_TOO_LONG = (
+        "the response curve has as many points as allowed: raise max_points and go on with resume=curve, "
+        "or allow a longer max_step"
+    )
     NOT_CORRECTED = (
         "the periodic response was found, but its mesh is too coarse or too uneven for a deferred correction: "
         "use more nodes, even out the mesh, or set deferred_correction=False"

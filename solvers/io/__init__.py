@@ -1,5 +1,6 @@
-"""Readers of input files: scenes and networks in TOML, motions in CSV, MAP++ and MoorDyn files."""
+"""Readers of input files: scenes and networks in TOML, motions in CSV, MAP++ and MoorDyn files; response curves."""
 
+from .curve_file import load_curve, save_curve
 from .map_file import read_map_file
 from .moordyn_file import load_moordyn
 from .moordyn_writer import write_moordyn
@@ -10,8 +11,10 @@ from .scene import Scene
 __all__ = [
     "Scene",
     "load_body_motion",
+    "load_curve",
     "load_moordyn",
     "load_network",
     "read_map_file",
+    "save_curve",
     "write_moordyn",
 ]

@@ -1,32 +1,23 @@
-"""Response curves: periodic responses over a parameter, followed through folds, which are located."""
+"""Response curves: periodic responses over a parameter, followed through folds, their special points and stability."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from ..common.outcome import InputError, Outcome, Status
 from ..common.validation import flags, positive_number, real_number, whole_number
 from ..harmonic_balance.response import PeriodicResponse
-from ..harmonic_balance.solve import solve_periodic
 from ..numerics.memory import keep_freed_memory
 from ..numerics.threads import one_blas_thread
-from .continuation import HALF, KINK_STEP, LEAST_COSINE, CorrectionError, Point, Tracer, next_step
-from .family import UNITS, HarmonicFamily, build_family
+from .family import UNITS, HarmonicFamily, build_family, resize_harmonics
+from .special_points import FOLD, SpecialPoint
+from .tracing import CurvePoint, CurveTrace, TraceState, as_response, instants_of
 
-INSTANTS_PER_SAMPLE = 4  # instants for each sample at which outputs are taken and a state must be valid
 MAX_COUNT = 10**5  # harmonics, samples or points, far beyond what memory holds
-
-
-class Fold(NamedTuple):
-    """A fold: value of the parameter, coefficients z (n_f, N, C) there, and the number of the point before it."""
-
-    value: float
-    z: np.ndarray
-    after: int
 
 
 @dataclass(frozen=True)
@@ -34,10 +25,13 @@ class ResponseCurve(Outcome):
     """P periodic responses along a curve, from the start of the parameter's range on; see ``response_curve``.
 
     values (P,): of the parameter; omega (P,): angular frequency of the response, rad/s; z (P, n_f, N, C): coefficients
-    as those of PeriodicResponse; greatest, least (P, m): of the m outputs over the period; tangents (P,): share of the
-    parameter in the unit tangent, whose sign tells which way the curve leads. folds: in their order. iterations: Newton
-    steps in total; residual_norm: largest coefficient of the rows at the last point.
+    as those of PeriodicResponse, zeros beyond the ``harmonics`` (P,) of a point; greatest, least (P, m): of the m
+    outputs over the period; tangents (P,): share of the parameter in the unit tangent, whose sign tells which way the
+    curve leads; errors (P,): the change that a third more harmonics would make, over the largest response so far.
+    special: SpecialPoints in their order; multipliers: an array for each point, largest first, or None.
+    iterations: Newton steps in total; residual_norm: largest coefficient of the rows at the last point.
     end: what ended a curve that does not reach the stop of its range, or "". Its last point is the last good one.
+    state: what the next point depends on.
     """
 
     parameter: str
@@ -47,12 +41,29 @@ class ResponseCurve(Outcome):
     greatest: np.ndarray = field(repr=False)
     least: np.ndarray = field(repr=False)
     tangents: np.ndarray = field(repr=False)
-    folds: tuple[Fold, ...] = field(repr=False)
+    harmonics: np.ndarray = field(repr=False)
+    errors: np.ndarray = field(repr=False)
+    special: tuple[SpecialPoint, ...] = field(repr=False)
+    multipliers: tuple[np.ndarray, ...] | None = field(repr=False)
     status: Status
     iterations: int
     residual_norm: float
     end: str
     family: Any = field(repr=False, compare=False)
+    state: TraceState | None = field(repr=False, compare=False)
+    points: tuple[CurvePoint, ...] = field(repr=False, compare=False)
+
+    @property
+    def folds(self) -> tuple[SpecialPoint, ...]:
+        """The folds among the special points."""
+        return tuple(point for point in self.special if point.kind == FOLD)
+
+    @property
+    def stable(self) -> np.ndarray | None:
+        """Whether each response is stable, (P,): all multipliers are below one in size; None without multipliers."""
+        if self.multipliers is None:
+            return None
+        return np.array([abs(each).max(initial=0.0) < 1.0 for each in self.multipliers], dtype=bool)
 
     def harmonic(self, k, component=0, node=-1) -> np.ndarray:
         """Return amplitudes (P,) of harmonic k >= 1 of a field at a node."""
@@ -60,18 +71,9 @@ class ResponseCurve(Outcome):
         return np.hypot(z[:, 2 * k - 1], z[:, 2 * k])
 
     def response(self, point) -> PeriodicResponse:
-        """Return the PeriodicResponse at a point, or at a Fold."""
-        value, z = (point.value, point.z) if isinstance(point, Fold) else (self.values[point], self.z[point])
-        return as_response(self.family, float(value), z)
-
-
-def as_response(family, value, z) -> PeriodicResponse:
-    """Return the PeriodicResponse of the system at a value of the parameter that has coefficients z."""
-    system = family.build(value)
-    basis, rows = family.basis(system), family.rows(value)
-    norm = float(abs(rows.residual(rows.pack(z))).max())
-    result = getattr(system, "periodic_response", PeriodicResponse)
-    return result(system, basis, z, family.subharmonic, Status.SUCCESS, 0, 0, norm, (), 1.0, True, False)
+        """Return the PeriodicResponse at a point, or at a SpecialPoint."""
+        of = point if isinstance(point, SpecialPoint) else self.points[point]
+        return as_response(self.family, float(of.value), of.z)
 
 
 def response_curve(
@@ -89,19 +91,28 @@ def response_curve(
     min_step: float = 1e-6,
     max_points: int = 1000,
     tolerance: float = 1e-10,
+    stability: bool = False,
+    accuracy: float | None = None,
+    max_harmonics: int = 100,
     output: Callable | None = None,
     progress: Callable | None = None,
+    resume: ResponseCurve | None = None,
     throw: bool = True,
 ) -> ResponseCurve:
     """Return the curve of periodic responses from ``start`` to ``stop`` of a parameter, through its folds.
 
-    parameter: "frequency" of the system's Motion in Hz; "amplitude", a factor of its driving; or a function from the
-    value to the system, then without ``system``. harmonics, samples, subharmonic, tolerance: as of ``solve_periodic``,
-    which gives the response at ``start``, from the response ``first`` where there is one.
+    parameter: "frequency" of the system's Motion or BodyMotion in Hz; "amplitude", a factor of its driving; or a
+    function from the value to the system, then without ``system``. harmonics, samples, subharmonic, tolerance: as of
+    ``solve_periodic``, which gives the response at ``start``, from the response ``first`` where there is one.
     step, max_step, min_step: along the curve, in units of the parameter's range and of the largest response so far: the
-    first one, the longest, and the shortest that is tried. output: response -> (m, S) or (S,), whose greatest and least
-    are kept; by default the fields, each over all nodes. progress: called with (number of the point, value, what of the
-    range is left, as a share) after each point.
+    first one, the longest, and the shortest that is tried. stability: whether to take the Floquet multipliers of each
+    point, and to locate branch points, period doublings and Neimark-Sacker bifurcations, beside folds.
+    accuracy: the error of each point (``errors``) that harmonics are raised for, up to max_harmonics, and lowered
+    again; ``harmonics`` are then those of the start.
+    output: response -> (m, S) or (S,), whose greatest and least are kept; by default the fields, each over all nodes.
+    progress: called with (number of the point, value, what of the range is left, as a share) after each point.
+    resume: a curve of the same system and settings that was interrupted, or has max_points: it goes on as if it had not
+    ended. KeyboardInterrupt ends a curve with a status, its points kept.
     Raises InputError for bad input, ConvergenceError for a curve that ends before its stop (``throw=False``: the curve
     to its last good point, whose status and ``end`` say why).
 
@@ -123,14 +134,18 @@ def response_curve(
     Nh, nu, limit = (whole_number(*each, 1, MAX_COUNT) for each in counts)
     Nt = max(4 * Nh, 8) if samples is None else whole_number("samples", samples, 2 * Nh + 1, MAX_COUNT)
     tolerance = positive_number("tolerance", tolerance, "(mean change of a coefficient)")
-    flags(throw=throw)
+    flags(stability=stability, throw=throw)
+    accuracy = None if accuracy is None else positive_number("accuracy", accuracy, "(of the largest response)")
+    most = whole_number("max_harmonics", max_harmonics, Nh if accuracy is not None else 1, MAX_COUNT)
     family = HarmonicFamily(build, Nh, Nt, nu)
     keep_freed_memory()
     with one_blas_thread(), np.errstate(all="ignore"):  # a diverging step is found by its size
-        run = _Curve(family, ends, tolerance, output or _fields, progress, first)
-        status, end = run.follow(lengths, limit)
-        curve = run.result(name, status, end)
-    return curve.or_raise(f"{ends[0]:g} to {ends[1]:g} {unit}; {run.describe_end(end)}") if throw else curve
+        trace = CurveTrace(family, ends, tolerance, output or _fields, progress, first, accuracy, most, stability)
+        if resume is not None:
+            trace.gathered = _points_to_resume(resume, name, ends[0], stability)
+        status, end = trace.follow(lengths, limit)
+        curve = assemble_curve(family, name, *trace.gathered, status, end)
+    return curve.or_raise(f"{ends[0]:g} to {ends[1]:g} {unit}; {trace.describe_end(end)}") if throw else curve
 
 
 def _ends(start, stop, unit):
@@ -151,120 +166,35 @@ def _lengths(step, max_step, min_step):
     return lengths
 
 
-def _instants(response):
-    """Return times (S,) in the period of a response, s, more than it has samples."""
-    count = INSTANTS_PER_SAMPLE * response.basis.samples
-    return response.last_period[1] * np.arange(count) / count
+def _points_to_resume(curve, name, start, stability):
+    """Return the points of a curve and its state. Raises InputError where it is of another kind, or has no points."""
+    if not isinstance(curve, ResponseCurve) or curve.state is None:
+        raise InputError("must be a ResponseCurve that has points", field="resume", value=curve)
+    given = (name, start, bool(stability))
+    if given != (curve.parameter, float(curve.values[0]), curve.multipliers is not None):
+        problem = f"a curve over {curve.parameter} from {curve.values[0]:g} has other settings than these"
+        raise InputError(problem, field="resume", value=curve)
+    if curve.success:
+        raise InputError("has reached its end", field="resume", value=curve)
+    return list(curve.points), curve.state
 
 
 def _fields(response):
     """Return the greatest and least of each field over the nodes, (2 n_f, S)."""
-    y = response.at(_instants(response))
+    y = response.at(instants_of(response))
     return np.concatenate([y.max(axis=1), y.min(axis=1)])
 
 
-class _Curve:
-    """The points of one curve as they are gathered."""
-
-    def __init__(self, family, ends, tolerance, output, progress, first):
-        self.family, self.ends, self.output, self.progress = family, ends, output, progress
-        self.span, self.first = abs(ends[1] - ends[0]), first
-        self.tracer = Tracer(family, self.span, tolerance, self._field_norms)
-        self.points: list[Point] = []
-        self.responses: list[tuple] = []
-        self.folds: list[Fold] = []
-        self.iterations = 0
-
-    def _field_norms(self, x):
-        """Return the norm of the field of each unknown."""
-        z = self.rows.unpack(x)
-        norms = np.sqrt((z**2).sum(axis=(1, 2), keepdims=True))
-        return self.rows.pack(np.broadcast_to(norms, z.shape))
-
-    def follow(self, lengths, limit):
-        """Gather points until the range ends; return the status and what ended the curve."""
-        least, step, most = lengths
-        try:
-            self._begin()
-        except CorrectionError as error:
-            return Status.NO_PERIODIC_RESPONSE, str(error)
-        while len(self.points) < limit:
-            point = self.points[-1]
-            try:
-                new, status = self._next(point, step)
-                if step > KINK_STEP and self.tracer.cosine(point, new.t, new.u) < LEAST_COSINE:
-                    raise CorrectionError("the curve turns too sharply")
-                response = self._checked(new)
-                if new.u * point.u < 0:
-                    self._locate_fold(point, step, new)
-            except CorrectionError as error:
-                step *= HALF
-                if step < least:
-                    return Status.CURVE_STEP_TOO_SHORT, str(error)
-                continue
-            self._add(new, response)
-            if status is not None:
-                return status, "" if status is Status.SUCCESS else "it came back to its start"
-            step = next_step(step, new.iterations, most)
-        return Status.CURVE_TOO_LONG, f"{limit} points"
-
-    def _begin(self):
-        """Add the point at the start. Raises CorrectionError without a response there."""
-        begin, stop = self.ends
-        Nh, Nt = self.family.settings
-        system = self.family.build(begin)
-        self.rows = self.family.rows(begin)
-        response = solve_periodic(system, harmonics=Nh, samples=Nt, subharmonic=self.family.subharmonic, symmetry=False,
-                               start=self.first, throw=False)  # fmt: skip
-        if not response.success:
-            raise CorrectionError(response.status.value)
-        point = self.tracer.start(self.rows.pack(response.z), begin, np.sign(stop - begin))
-        self._add(point, self._checked(point))
-
-    def _next(self, point, step):
-        """Return the next point and, where it is the last one, the status of the curve."""
-        new = self.tracer.advance(point, step)
-        (begin, stop), side = self.ends, np.sign(self.ends[1] - self.ends[0])
-        if side * (new.value - stop) >= 0:
-            return self.tracer.end(point, stop), Status.SUCCESS
-        if side * (new.value - begin) <= 0 and new.u * side < 0:
-            return self.tracer.end(point, begin), Status.CURVE_RETURNED
-        return new, None
-
-    def _checked(self, point):
-        """Return the response at a point. Raises CorrectionError where its states are invalid."""
-        response = as_response(self.family, point.value, self.rows.unpack(point.x))
-        invalid = response.system.invalid(response.at(_instants(response)))
-        if invalid is not None:
-            raise CorrectionError(invalid[0].value)
-        return response
-
-    def _locate_fold(self, point, step, new):
-        fold = self.tracer.fold(point, step, new)
-        self.folds.append(Fold(fold.value, self.rows.unpack(fold.x), len(self.points) - 1))
-
-    def _add(self, point, response):
-        self.tracer.measure(point.x)
-        self.points.append(self.tracer.normalised(point))
-        outputs = np.atleast_2d(self.output(response))
-        self.responses.append((response.basis.omega, response.z, outputs.max(axis=1), outputs.min(axis=1)))
-        self.iterations += point.iterations
-        self.residual_norm = response.residual_norm
-        if self.progress is not None:
-            left = abs(self.ends[1] - point.value) / self.span
-            self.progress(len(self.points), point.value, left)
-
-    def describe_end(self, end) -> str:
-        """Return the last good point and what ended the curve, for a message."""
-        if not self.points:
-            return f"no response at the start: {end}"
-        return f"{len(self.points)} points, the last one at {self.points[-1].value:.6g}: {end}"
-
-    def result(self, name, status, end) -> ResponseCurve:
-        """Return the curve."""
-        columns: Any = [np.array(column) for column in zip(*self.responses, strict=True)] or [np.empty(0)] * 4
-        values, tangents = np.array([(p.value, p.u / self.span) for p in self.points]).reshape(-1, 2).T
-        norm = getattr(self, "residual_norm", np.nan)
-        omega, z, greatest, least = columns
-        points = values, omega, z, greatest, least, tangents
-        return ResponseCurve(name, *points, tuple(self.folds), status, self.iterations, norm, end, self.family)
+def assemble_curve(family, name, points, state, status, end) -> ResponseCurve:
+    """Return the ResponseCurve of CurvePoints."""
+    column = lambda name: np.array([getattr(point, name) for point in points])
+    harmonics = np.array([point.z.shape[-1] // 2 for point in points], dtype=int)
+    z = np.array([resize_harmonics(point.z, harmonics.max()) for point in points])
+    special = tuple(each for point in points for each in point.special)
+    has_multipliers = bool(points) and points[0].multipliers is not None
+    multipliers = tuple(point.multipliers for point in points) if has_multipliers else None
+    norm = points[-1].residual_norm if points else np.nan
+    steps = sum(point.iterations for point in points)
+    return ResponseCurve(
+        name, column("value"), column("omega"), z, column("greatest"), column("least"), column("tangent"), harmonics,
+        column("error"), special, multipliers, status, steps, norm, end, family, state, tuple(points))  # fmt: skip

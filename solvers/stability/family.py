@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
+from ..common.body_motion import BodyMotion
 from ..common.motion import Motion
 from ..common.outcome import InputError
 from ..common.types import as_system
@@ -23,8 +25,9 @@ DIFFERENCE = np.finfo(float).eps ** (1 / 3)  # of the parameter: central differe
 def build_family(system, parameter) -> Callable:
     """Return a function from values of a parameter to systems.
 
-    parameter: "frequency" of a Motion in Hz, "amplitude", a factor of the driving as it is, or the function itself.
-    Raises InputError for another parameter, or for the frequency of a system that no Motion drives.
+    parameter: "frequency" of a Motion or BodyMotion in Hz, of a BodyMotion that of its period; "amplitude", a factor of
+    the driving as it is; or the function itself. Raises InputError for another parameter, or for the frequency of a
+    system that no such motion drives.
     """
     if callable(parameter):
         return lambda value: as_system(parameter(value))
@@ -32,12 +35,26 @@ def build_family(system, parameter) -> Callable:
     system = as_system(system)
     if parameter == "amplitude":
         return system.scaled
-    motion = system.motion
-    if not isinstance(motion, Motion):
+    tune = _tunable(system.motion)
+    if tune is None:
         problem = "'frequency' takes a system that a Motion drives; give a function from the frequency to the system"
         raise InputError(problem, field="parameter", value=parameter)
     move = getattr(system, "with_motion", None) or (lambda motion: system.replace(motion=motion))
-    return lambda value: move(replace(motion, frequency=value))
+    return lambda value: move(tune(value))
+
+
+def _tunable(motion) -> Callable | None:
+    """Return a function from a frequency in Hz to the motion at that frequency, None where it has none."""
+    if isinstance(motion, Motion):
+        return lambda value: replace(motion, frequency=value)
+    if not isinstance(motion, BodyMotion):
+        return None
+    parts = {name: getattr(motion, name) for name in ("translation", "rotation") if getattr(motion, name) is not None}
+    if not all(isinstance(part, Motion) for part in parts.values()):
+        return None
+    times = {name: round(part.frequency * motion.period) for name, part in parts.items()}  # of the common period
+    at = lambda value: {name: replace(part, frequency=value * times[name]) for name, part in parts.items()}
+    return lambda value: replace(motion, **at(value))
 
 
 class HarmonicFamily:
@@ -50,6 +67,18 @@ class HarmonicFamily:
 
     def __init__(self, build, harmonics, samples, subharmonic):
         self.build, self.settings, self.subharmonic = build, (harmonics, samples), subharmonic
+        self.density = samples, harmonics  # which stays, however many harmonics there are
+
+    def with_harmonics(self, harmonics) -> HarmonicFamily:
+        """Return the same family with other harmonics, and as many samples for each of them."""
+        other, (samples, per) = copy.copy(self), self.density
+        other.settings = harmonics, max(-(-samples * harmonics // per), 2 * harmonics + 1)
+        return other
+
+    def doubled(self) -> HarmonicFamily:
+        """Return the family of responses of twice the period, up to the same frequency."""
+        Nh, Nt = self.settings
+        return HarmonicFamily(self.build, 2 * Nh, 2 * Nt, 2 * self.subharmonic)
 
     def basis(self, system) -> Basis:
         """Return the Fourier functions of the response of a system. Raises InputError where it has no period."""
@@ -71,3 +100,18 @@ class HarmonicFamily:
     def linearise(self, x, value, row, corner, scale):
         """Return the rows at (x, value) and a solve of the bordered Jacobian, see ``factorise_bordered``."""
         return factorise_bordered(self.rows(value), x, self.derivative(x, value, scale), row, corner)
+
+
+def resize_harmonics(z, harmonics) -> np.ndarray:
+    """Return coefficients z (.., C) with other harmonics: cut, or filled with zeros."""
+    resized = np.zeros((*z.shape[:-1], 2 * harmonics + 1))
+    count = min(z.shape[-1], resized.shape[-1])
+    resized[..., :count] = z[..., :count]
+    return resized
+
+
+def double_period(z) -> np.ndarray:
+    """Return coefficients z (.., 2 Nh + 1) as those (.., 4 Nh + 1) of a response of twice the period."""
+    doubled = np.zeros((*z.shape[:-1], 2 * z.shape[-1] - 1))
+    doubled[..., 0], doubled[..., 3::4], doubled[..., 4::4] = z[..., 0], z[..., 1::2], z[..., 2::2]
+    return doubled

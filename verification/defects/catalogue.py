@@ -257,9 +257,13 @@ _FILES = {
     "harmonic_balance.solve": (*_PERIODIC, "harmonic_balance/test_deferred_correction.py"),
     "harmonic_balance.response": _PERIODIC,
     **dict.fromkeys(
-        ("stability.family", "stability.bordered", "stability.continuation", "stability.curve"),
-        ("stability/test_curve.py",),
+        ("stability.family", "stability.bordered", "stability.continuation", "stability.curve", "stability.tracing"),
+        ("stability/test_curve.py", "stability/test_resume.py", "stability/test_special_points.py"),
     ),
+    "stability.special_points": ("stability/test_special_points.py", "stability/test_known_curves.py"),
+    "stability.switching": ("stability/test_special_points.py",),
+    "stability.adaptivity": ("stability/test_resume.py",),
+    "io.curve_file": ("stability/test_resume.py",),
     "stability.floquet": ("stability/test_floquet.py",),
     "io.scene": ("common/test_failures.py", "catenary/test_invariants.py", "io/test_scene.py"),
 }

@@ -1,4 +1,4 @@
-"""Defects of response curves and of the stability of responses: family, bordered, continuation, curve, floquet."""
+"""Defects of response curves, their special points and branches, and of the stability of responses."""
 
 from __future__ import annotations
 
@@ -22,6 +22,21 @@ _LINE_MODES = "stability/test_floquet.py::test_a_line_at_rest_swings_in_its_natu
 _LINE_DECAYS = "stability/test_floquet.py::test_drag_damps_every_disturbance_of_a_moving_line"
 _MATHIEU = "stability/test_floquet.py::test_mathieu_on_its_transition_curves"
 _LINE = "stability/test_curve.py::test_a_line_ends_where_it_is_solved_directly -k frequency"
+
+_POINTS = "stability/test_special_points.py::test_special_points_are_those_of_shooting"
+_MIRRORED = "stability/test_special_points.py::test_both_sides_of_a_broken_symmetry"
+_CHANGES = "stability/test_special_points.py::test_stability_changes_where_special_points_are"
+_DOUBLED = "stability/test_special_points.py::test_a_doubled_branch_leads_to_the_next_doubling"
+_CIRCLE = "stability/test_special_points.py::test_multipliers_that_stay_on_the_circle_pass_nothing"
+_RESUMED = "stability/test_resume.py::test_an_interrupted_curve_goes_on_bit_for_bit"
+_FILE = "stability/test_resume.py::test_a_curve_goes_on_from_its_file"
+_ERRORS = "stability/test_resume.py::test_errors_are_those_against_many_harmonics"
+_ACCURACY = "stability/test_resume.py::test_harmonics_follow_the_accuracy"
+_BODY = "stability/test_resume.py::test_the_frequency_of_a_body_that_carries_a_line"
+_LURE = "stability/test_known_curves.py::test_the_period_doubling_of_lures_system"
+_AT_STOP = "stability/test_known_curves.py::test_a_fold_at_the_stop_ends_the_curve"
+_SINGULAR = "stability/test_known_curves.py::test_a_start_at_a_fold_is_singular"
+_REFUSED = "stability/test_curve.py::test_a_parameter_that_leaves_its_physical_range_ends_the_curve"
 
 
 def _defect(name, module, function, old, new, kind, what, check, **place):
@@ -51,11 +66,12 @@ DEFECTS: tuple[Defect, ...] = (
         "the part of the parameter added to the solution of the bordering algorithm", _ROWS,
     ),
     _defect(
-        "fold-at-the-next-point", "continuation", "Tracer.fold", "min(points.values(), key=lambda p: abs(p.u))",
-        "after", "regime", "the point after a fold for the fold itself", _FOLDS,
+        "fold-at-the-next-point", "special_points", "_locate_fold",
+        "min(segment.points, key=lambda s: abs(segment.points[s].u))", "segment.length", "regime",
+        "the point after a fold for the fold itself", _FOLDS,
     ),
     _defect(
-        "fold-loosely-located", "continuation", "", "FOLD_STEP = 1e-6", "FOLD_STEP = 1e-1", "tolerance",
+        "fold-loosely-located", "special_points", "", "FOLD_STEP = 1e-6", "FOLD_STEP = 1e-1", "tolerance",
         "the place of a fold along the curve to a tenth of a step", _SHOOTING,
     ),
     _defect(
@@ -67,23 +83,24 @@ DEFECTS: tuple[Defect, ...] = (
         "the first tangent leads away from the stop", _LINEAR,
     ),
     _defect(
-        "curve-goes-on-where-states-are-invalid", "curve", "_Curve._checked", "invalid is not None", "False", "regime",
-        "states that are invalid are points of the curve", _END,
+        "curve-goes-on-where-states-are-invalid", "tracing", "CurveTrace._checked", "invalid is not None", "False",
+        "regime", "states that are invalid are points of the curve", _END,
     ),
     _defect(
         "curve-harmonic-index", "curve", "ResponseCurve.harmonic", "z[:, 2 * k]", "z[:, 2 * k + 1]", "index",
         "the sine of the next harmonic for the cosine of this one", _LINEAR,
     ),
     _defect(
-        "curve-passes-its-start", "curve", "_Curve._next", "Status.CURVE_RETURNED", "Status.SUCCESS", "regime",
-        "a curve that came back to its start said to have reached its stop", _BACK,
+        "curve-passes-its-start", "tracing", "CurveTrace._predicted", "Status.CURVE_RETURNED", "Status.SUCCESS",
+        "regime", "a curve that came back to its start said to have reached its stop", _BACK,
     ),
     _defect(
-        "kink-refused", "curve", "_Curve.follow", "step > KINK_STEP", "step > 0.0", "regime",
+        "kink-refused", "tracing", "CurveTrace._next", "step > KINK_STEP", "step > 0.0", "regime",
         "a kink, where a cell goes slack, ends the curve", _KINK,
     ),
     _defect(
-        "fold-not-noticed", "curve", "_Curve.follow", "new.u * point.u < 0", "False", "regime",
+        "fold-not-noticed", "special_points", "locate_special_points",
+        "segment.at(0.0).u * segment.at(segment.length).u < 0", "False", "regime",
         "no fold is located", _STABILITY,
     ),
     _defect(
@@ -120,5 +137,93 @@ DEFECTS: tuple[Defect, ...] = (
     _defect(
         "constraint-multiplier-kept", "floquet", "floquet", "np.delete(multipliers, np.argmin(abs(multipliers - 1)))",
         "multipliers", "term", "the multiplier of a prescribed velocity kept among the others", _TOWED,
+    ),
+    _defect(
+        "body-frequencies-alike", "family", "_tunable", "value * times[name]", "value", "factor",
+        "translation and rotation of a body at one frequency", _BODY,
+    ),
+    _defect(
+        "doubled-harmonics-misplaced", "family", "double_period", "z[..., 2::2]", "-z[..., 2::2]", "sign",
+        "cosines of a response with another sign once its period is doubled", _DOUBLED,
+    ),
+    _defect(
+        "doubling-by-every-harmonic", "special_points", "DoublingTest.__call__",
+        "z[..., 0::4], z[..., 3::4] = 0.0, 0.0", "z[..., 1::4], z[..., 2::4] = 0.0, 0.0", "index",
+        "the harmonics of the period itself in the test function of a doubling", _DOUBLED,
+    ),
+    _defect(
+        "branch-point-at-any-crossing", "special_points", "_locate_branch_point", "inner[0] * inner[1] > 0", "False",
+        "regime", "a fold taken for a branch point where its multiplier passes one", _POINTS,
+    ),
+    _defect(
+        "branch-point-between-two-nodes", "special_points", "_locate_branch_point", "near + width * NODES",
+        "near + 20 * width * NODES", "order", "a branch point interpolated over a wide part of the curve", _POINTS,
+    ),
+    _defect(
+        "neimark-sacker-loosely", "special_points", "_locate_neimark_sacker",
+        "brentq(segment.growth_at, low, high, args=(k,), xtol=PLACE * segment.length, rtol=PLACE)", "(low + high) / 2",
+        "tolerance", "a Neimark-Sacker bifurcation to a hundredth of a step",
+        _POINTS,
+    ),
+    _defect(
+        "crossings-not-noticed", "special_points", "CurveSegment.growth_at",
+        "sizes[k] if k < sizes.size else 0.0", "0.5", "term",
+        "multipliers that never grow", _CHANGES,
+    ),
+    _defect(
+        "multipliers-on-the-circle-counted", "special_points", "CurveSegment.set_multipliers",
+        "int((_distance(values) <= NOISE).sum())", "0", "regime",
+        "multipliers that rounding moves over one are bifurcations", _LURE,
+    ),
+    _defect(
+        "circle-too-wide", "special_points", "", "NOISE = 1e-6", "NOISE = 1e-12", "tolerance",
+        "multipliers of a free phase taken for others", _CIRCLE,
+    ),
+    _defect(
+        "branch-along-the-curve", "switching", "switch_branch", "dx, dp = test.direction", "dx, dp = t, u", "regime",
+        "a branch started along the curve itself", _MIRRORED,
+    ),
+    _defect(
+        "error-without-more-harmonics", "adaptivity", "estimate_error",
+        "tracer.with_harmonics(more_harmonics(tracer.family.settings[0]))", "tracer", "term",
+        "the error of a response by the harmonics that it has", _ERRORS,
+    ),
+    _defect(
+        "harmonics-never-fewer", "adaptivity", "needed_harmonics", "small.size", "False",
+        "regime", "harmonics that are not needed are kept", _ACCURACY,
+    ),
+    _defect(
+        "accuracy-not-asked", "tracing", "CurveTrace._accurate", "error > self.accuracy", "False", "regime",
+        "harmonics that an accuracy needs are not added", _ACCURACY,
+    ),
+    _defect(
+        "tangent-not-normalised", "tracing", "CurveTrace._add", "tracer.normalised(point)", "point", "factor",
+        "a tangent that is of unit length in older weights alone", _FOLDS,
+    ),
+    _defect(
+        "resumed-with-the-first-step", "tracing", "CurveTrace._advance", "step = self.gathered[1].step",
+        "step = lengths[1]", "input", "a curve that goes on with its first step", _RESUMED,
+    ),
+    _defect(
+        "interrupt-lost", "tracing", "CurveTrace.follow", "Status.CURVE_INTERRUPTED", "Status.SUCCESS", "regime",
+        "an interrupted curve said to have reached its stop", _RESUMED,
+    ),
+    _defect(
+        "fold-at-stop-passed", "tracing", "CurveTrace._next", "each.kind == FOLD", "False", "regime",
+        "a curve that goes on past a fold at its stop", _AT_STOP,
+    ),
+    _defect(
+        "start-at-a-fold", "continuation", "Tracer.upright",
+        "abs(self._tangent(solve, F, 1.0)[1]) / self.span < UPRIGHT", "False", "regime", "a curve started at a fold",
+        _SINGULAR,
+    ),
+    _defect(
+        "refusal-taken-for-a-short-step", "tracing", "_reason", "isinstance(error, RefusedError)", "False",
+        "regime", "a parameter that the system refuses said to be a short step", _REFUSED,
+    ),
+    Defect(
+        "curve-file-without-tangent",
+        Fault("io.curve_file", "load_curve", "float(numbers[key])", "0.999 * float(numbers[key])"),
+        "factor", "numbers of the state changed on their way from a file", _FILE,
     ),
 )  # fmt: skip

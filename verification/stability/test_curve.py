@@ -17,7 +17,7 @@ from solvers.stability.bordered import _solve_twice, factorise_bordered
 from solvers.stability.family import HarmonicFamily, build_family
 
 from ..cases.oscillators import MassChain, cubic_chain, duffing, harmonic_force, towed_chain
-from ..exact import duffing_folds
+from ..exact import duffing_bifurcations
 
 FOLD = 1e-12  # of a fold in the parameter: its place along the curve is found to 1e-6 of a step, which enters squared
 AMPLITUDE = 1e-8  # of a harmonic at a fold, into which that place enters as it is
@@ -43,17 +43,18 @@ def resonance_curve(start=0.8, stop=1.6, harmonics=15, max_step=0.1):
 def test_folds_are_those_of_shooting(which):
     """Frequency and first harmonic of both folds, against Taylor series and shooting in 20 digits."""
     fold = resonance_curve().folds[which]
-    omega, amplitude = duffing_folds.fold(duffing_folds.Duffing(), *STARTS[which], digits=20)
+    omega, amplitude = duffing_bifurcations.fold(duffing_bifurcations.Oscillator(), *STARTS[which], digits=20)
     assert fold.value == pytest.approx(float(omega), rel=FOLD)
     assert np.hypot(*fold.z[0, 0, 1:3]) == pytest.approx(float(amplitude), rel=AMPLITUDE)
 
 
 def test_digits_of_the_oracle_agree():
     """The series of 15 and of 25 digits give one fold to 15 digits: neither order nor steps are left in it."""
-    coarse, fine = (duffing_folds.fold(duffing_folds.Duffing(), *STARTS[0], digits=d) for d in (15, 25))
+    oscillator = duffing_bifurcations.Oscillator()
+    coarse, fine = (duffing_bifurcations.fold(oscillator, *STARTS[0], digits=digits) for digits in (15, 25))
     assert all(abs(a - b) < 1e-15 for a, b in zip(coarse, fine, strict=True))
     with pytest.raises(ValueError, match="no fold near"):
-        duffing_folds.fold(duffing_folds.Duffing(b="0"), "0.5", "0", "0", digits=15)
+        duffing_bifurcations.fold(duffing_bifurcations.Oscillator(b="0"), "0.5", "0", "0", digits=15)
 
 
 @pytest.mark.parametrize("options", [{"start": 1.6, "stop": 0.8}, {"max_step": 0.03}, {"harmonics": 12}])
@@ -227,7 +228,7 @@ def test_a_parameter_that_leaves_its_physical_range_ends_the_curve():
         return duffing(1.1, 0.18, c=0.3, k=k)
 
     curve = response_curve(parameter=build, start=1.0, stop=0.2, harmonics=5, throw=False)
-    assert curve.status is Status.CURVE_STEP_TOO_SHORT and "k: " in curve.end
+    assert curve.status is Status.CURVE_LEFT_RANGE and "k: " in curve.end
     assert 0.5 <= curve.values[-1] < 0.51
 
 

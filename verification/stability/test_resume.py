@@ -1,0 +1,187 @@
+"""Does a curve that ended early go on bit for bit, from memory and from a file, and meet an accuracy with harmonics?"""
+
+from __future__ import annotations
+
+from functools import cache, partial
+
+import numpy as np
+import pytest
+
+from solvers import BodyMotion, InputError, Motion, ResponseCurve, Scene, Status, mooring_system, response_curve
+from solvers.common.properties import CableProperties
+from solvers.io import load_curve, save_curve
+from solvers.stability import switch_branch
+
+from ..cases.planar_systems import forced_oscillator
+
+ARRAYS = "values", "omega", "z", "greatest", "least", "tangents", "harmonics", "errors"
+LINE = Scene(
+    "OC3", CableProperties(EA=384.243e6, diameter=0.09, mass_per_length=77.7066, Cdn=1.6), 902.2,
+    (0.0, 0.0, -320.0), (848.67, 0.0, -70.0), motion=Motion.harmonic(0.05, (3.0, 0.0, 0.0)))  # fmt: skip
+TRUE_ERROR = 3.0  # of an estimate against the change to many harmonics: those left out decay by a third each step
+PARTLY = 0.1  # of it: the estimate sees the next harmonics only
+
+
+def resonance(omega):
+    """Duffing's oscillator with two folds."""
+    return forced_oscillator(omega, 0.18, c=0.05, b=0.1)
+
+
+def interrupt_at(number):
+    """Return a progress function that interrupts after a point."""
+
+    def progress(count, *_):
+        if count == number:
+            raise KeyboardInterrupt
+
+    return progress
+
+
+RESONANCE = partial(response_curve, parameter=resonance, start=0.8, stop=1.6, harmonics=7, throw=False)
+WAYS = {
+    "resonance": RESONANCE,
+    "stability": partial(RESONANCE, stability=True),
+    "accuracy": partial(RESONANCE, accuracy=1e-7, harmonics=3),
+    "line": partial(response_curve, mooring_system(LINE, cells=6), start=0.02, stop=0.05, harmonics=3, throw=False),
+}
+
+
+@cache
+def whole(way):
+    return WAYS[way]()
+
+
+def assert_same(curve, other):
+    """All numbers of two curves are the same to the last bit."""
+    for name in ARRAYS:
+        assert np.array_equal(getattr(curve, name), getattr(other, name)), name
+    assert (curve.status, curve.iterations) == (other.status, other.iterations)
+    assert len(curve.special) == len(other.special)
+    for one, two in zip(curve.special, other.special, strict=True):
+        assert (one.kind, one.value, one.after) == (two.kind, two.value, two.after) and np.array_equal(one.z, two.z)
+    assert (curve.multipliers is None) == (other.multipliers is None)
+    for one, two in zip(curve.multipliers or (), other.multipliers or (), strict=True):
+        assert np.array_equal(one, two)
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_an_interrupted_curve_goes_on_bit_for_bit(way):
+    """After KeyboardInterrupt, and after max_points: as if it had not ended."""
+    first = WAYS[way](progress=interrupt_at(5))
+    assert first.status is Status.CURVE_INTERRUPTED and len(first.values) == 5
+    second = WAYS[way](max_points=11, resume=first)
+    assert second.status is Status.CURVE_TOO_LONG and len(second.values) == 11
+    assert_same(WAYS[way](resume=second), whole(way))
+
+
+@pytest.mark.parametrize("way", ["stability", "accuracy", "line"])
+def test_a_curve_goes_on_from_its_file(way, tmp_path):
+    """What is saved is what is loaded, and goes on bit for bit."""
+    first = WAYS[way](max_points=9)
+    save_curve(first, tmp_path / "curve.npz")
+    system, parameter = (mooring_system(LINE, cells=6), "frequency") if way == "line" else (None, resonance)
+    loaded = load_curve(tmp_path / "curve.npz", system, parameter)
+    assert_same(loaded, first)
+    assert np.array_equal(loaded.response(-1).y, first.response(-1).y)
+    assert_same(WAYS[way](resume=loaded), whole(way))
+
+
+def test_what_is_interrupted_in_the_middle_of_a_point_is_not_half_there():
+    """The interrupt comes out of the system itself, while Newton's method runs."""
+    calls = []
+
+    def build(omega):
+        calls.append(omega)
+        if len(calls) == 400:
+            raise KeyboardInterrupt
+        return resonance(omega)
+
+    first = RESONANCE(parameter=build)
+    assert first.status is Status.CURVE_INTERRUPTED and 1 < len(first.values) < len(whole("resonance").values)
+    assert_same(RESONANCE(resume=first), whole("resonance"))
+
+
+def test_a_curve_that_is_complete_does_not_go_on():
+    """It is refused: nothing is left to do."""
+    curve = whole("resonance")
+    with pytest.raises(InputError, match="resume: has reached its end"):
+        RESONANCE(resume=curve)
+
+
+def test_inputs_of_files_and_of_what_goes_on_are_checked(tmp_path):
+    """Another parameter, another start, no curve; a file that is none, or of another parameter."""
+    first = RESONANCE(max_points=5)
+    for changes in ({"start": 0.9}, {"stability": True}, {"resume": 3}):
+        with pytest.raises(InputError, match="resume: "):
+            RESONANCE(**{"resume": first} | changes)
+    save_curve(first, tmp_path / "curve.npz")
+    with pytest.raises(InputError, match="parameter: the file is over 'value'"):
+        load_curve(tmp_path / "curve.npz", mooring_system(LINE, cells=6))
+    np.savez(tmp_path / "other.npz", format=7)
+    (tmp_path / "text.npz").write_text("no curve")
+    for name in ("other.npz", "text.npz", "none.npz"):
+        with pytest.raises(InputError, match="path: "):
+            load_curve(tmp_path / name, None, resonance)
+    with pytest.raises(InputError, match="curve: must be a ResponseCurve"):
+        save_curve(3, tmp_path / "curve.npz")
+
+
+# ---------------------------------------------------------------- harmonics
+def test_errors_are_those_against_many_harmonics():
+    """The estimate of each point against the response with four times as many harmonics at the same parameter."""
+    curve = RESONANCE(harmonics=3, max_points=30)
+    assert (curve.errors > 0).all()
+    for i in (5, 15, 25):
+        size = np.sqrt((curve.z[: i + 1] ** 2).sum(axis=(2, 3)).max(axis=0))
+        fine = RESONANCE(start=float(curve.values[i]), harmonics=12, first=curve.response(i), max_points=1)
+        change = np.array(fine.z[0])
+        change[..., : curve.z.shape[-1]] -= curve.z[i]
+        true = (np.sqrt((change**2).sum(axis=(1, 2))) / size).max()
+        assert PARTLY * true <= curve.errors[i] <= TRUE_ERROR * true
+
+
+@pytest.mark.parametrize("accuracy", [1e-4, 1e-8])
+def test_harmonics_follow_the_accuracy(accuracy):
+    """Each point meets it; more harmonics for more digits, more at resonance than at the ends."""
+    curve = RESONANCE(harmonics=2, accuracy=accuracy)
+    assert curve.success and (curve.errors <= accuracy).all()
+    at_resonance = int(np.argmax(curve.harmonic(1)))
+    assert curve.harmonics[at_resonance] > max(curve.harmonics[0], curve.harmonics[-1])
+    assert curve.values[0] == 0.8 and curve.values[-1] == 1.6
+    fixed = RESONANCE(harmonics=int(curve.harmonics.max()))
+    folds, exact = ([p.value for p in c.folds] for c in (curve, fixed))
+    assert folds == pytest.approx(exact, abs=accuracy)
+    assert curve.response(at_resonance).basis.harmonics == curve.harmonics[at_resonance]
+
+
+def test_more_accuracy_takes_more_harmonics():
+    """From four to eight digits, and no more of them than are allowed."""
+    few, many = (RESONANCE(harmonics=2, accuracy=accuracy).harmonics.max() for accuracy in (1e-4, 1e-8))
+    assert few < many
+    limited = RESONANCE(harmonics=2, accuracy=1e-8, max_harmonics=4)
+    assert limited.harmonics.max() == 4 and limited.errors.max() > 1e-8
+    with pytest.raises(InputError, match="max_harmonics: 2"):
+        RESONANCE(harmonics=4, accuracy=1e-8, max_harmonics=2)
+    with pytest.raises(InputError, match="accuracy: 0"):
+        RESONANCE(accuracy=0.0)
+
+
+def test_a_branch_of_a_curve_with_adapted_harmonics():
+    """A special point has the harmonics of its own place, and a branch starts from them."""
+    build = lambda P: forced_oscillator(0.85, P, c=0.1, a=-1.0)
+    curve = response_curve(parameter=build, start=0.02, stop=0.12, harmonics=5, accuracy=1e-9, stability=True)
+    doubling = curve.special[-1]
+    _, response = switch_branch(curve, doubling)
+    assert response.basis.harmonics == doubling.z.shape[-1] - 1 > 10
+
+
+# ---------------------------------------------------------------- frequency of a body
+def test_the_frequency_of_a_body_that_carries_a_line():
+    """Surge and pitch of a BodyMotion, one at twice the frequency of the other: both follow the parameter."""
+    surge, pitch = Motion.harmonic(0.05, (2.0, 0.0, 0.0)), Motion.harmonic(0.1, (0.0, 0.01, 0.0))
+    line = mooring_system(LINE, cells=6, motion=BodyMotion(surge, pitch, (848.67, 0.0, -50.0)))
+    curve = response_curve(line, start=0.05, stop=0.04, harmonics=4)
+    assert isinstance(curve, ResponseCurve) and curve.success
+    moved = curve.response(-1).system.motion
+    assert (moved.translation.frequency, moved.rotation.frequency) == (0.04, 0.08)
+    assert curve.omega == pytest.approx(2 * np.pi * curve.values, rel=1e-15)
