@@ -118,16 +118,20 @@ class MoorDyn(Adapter):
         positions = positions - [0.0, 0.0, down]
         forces = np.empty((len(coupled), 3, len(time)))
         is_case = hasattr(network, "body")
+        tension = np.empty((len(network.elements) if is_case else 0, 2, len(time)))
         lowered = let_down_as_given(network, down) if is_case else let_down(network, down)
         start = RELAXATION if is_case else {"TmaxIC": 0}
         with _system(lowered, cells, {"tScheme": "RK2"} | start, damping_ratio, positions[0]) as (system, every):
             points = [every[i] for i in coupled]
+            lines = [moordyn.GetLine(system, i + 1) for i in range(len(network.elements))] if is_case else []
+            tension[..., 0] = end_tensions(lines)
             forces[..., 0] = [moordyn.GetPointForce(point) for point in points]
             for k in range(len(time) - 1):
                 x, v = positions[k].ravel(), velocity[k].ravel()
                 moordyn.Step(system, list(x), list(v), time[k], step)
                 forces[..., k + 1] = [moordyn.GetPointForce(point) for point in points]
-        return MovingNetworkAnswer(forces) if is_case else forces
+                tension[..., k + 1] = end_tensions(lines)
+        return MovingNetworkAnswer(forces, tension) if is_case else forces
 
     def forces_at_rest(self, network, cells, seconds=600.0):
         """As the function of this name: where motions start, and no solver of networks at rest."""
@@ -211,6 +215,12 @@ def _places_at_rest(network):
     from solvers.network.solve import solve_network
 
     return solve_network(network).r
+
+
+def end_tensions(lines) -> np.ndarray:
+    """Return the size of the force of each line on the points at its ends, (e, 2), N."""
+    ends = [(line, end) for line in lines for end in (0, moordyn.GetLineN(line))]
+    return np.array([np.linalg.norm(moordyn.GetLineNodeForce(*end)) for end in ends]).reshape(-1, 2)
 
 
 class Record:

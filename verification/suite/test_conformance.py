@@ -18,7 +18,7 @@ import pytest
 from solvers import BodyMotion
 from solvers.common.motion import Motion, Ramped
 from verification import IN_REPOSITORY, ROOT
-from verification.conformance import answers, problems, summary
+from verification.conformance import answers, problems, report, summary
 from verification.conformance.adapter import Refused, SpanAnswer
 from verification.conformance.judge import (
     INACCURATE,
@@ -217,17 +217,19 @@ def folder(tmp_path_factory):
 
 def run(folder, solver, *options, code=0, path=ROOT, **variables):
     """Run the command in the folder; return what it printed and its report. Its exit status is ``code``, None: any."""
-    report = folder / "report.json"
-    report.unlink(missing_ok=True)
+    path_of_report = folder / "report.json"
+    path_of_report.unlink(missing_ok=True)
     words = [] if solver is None else ["--solver", str(solver)]
-    words += [] if solver is None or "--conformance-report" in options else ["--conformance-report", str(report)]
+    words += (
+        [] if solver is None or "--conformance-report" in options else ["--conformance-report", str(path_of_report)]
+    )
     environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST_")}
     environment |= {"PYTHONPATH": str(path)} | variables
     done = subprocess.run([sys.executable, *COMMAND, *words, *map(str, options)], cwd=folder, env=environment,
                           capture_output=True, text=True, timeout=LONGEST)  # fmt: skip
     text = done.stdout + done.stderr
     assert code in (None, done.returncode), text
-    return text, json.loads(report.read_text(encoding="utf-8")) if report.exists() else None
+    return text, json.loads(path_of_report.read_text(encoding="utf-8")) if path_of_report.exists() else None
 
 
 def rows(report):
@@ -360,9 +362,8 @@ def test_processes_side_by_side_give_the_same_report(folder):
     """pytest -n 2: rows come from both."""
     words = ("codes.py:LookedWithoutFriction", "-k", "friction")
     reports = [run(folder, *words, *more, code=1)[1] for more in ((), ("-n", "2"))]
-    for report in reports:
-        for row in report["cases"]:
-            row["seconds"] = None
+    for row in (row for one in reports for row in one["cases"]):
+        row["seconds"] = None
     assert reports[0] == reports[1] and len(reports[0]["cases"]) >= 5
 
 
@@ -545,6 +546,17 @@ def test_each_faulty_case_is_explained_by_one_mistake_over_all():
     assert (second.name, second.cases) == ("without friction", ("statics/2",))
 
 
+def test_of_mistakes_that_explain_as_many_cases_the_better_fit_is_named():
+    """A code that makes a mistake makes it wherever it changes the answer."""
+    answer = {"H": 120.0}
+    both = {"z in all": answer, "a in some": answer}
+    cases = [example(id=f"statics/{i}", mistakes=both, without={}) for i in range(2)]
+    cases.append(example(id="statics/2", mistakes={"z in all": answer}, without={}))
+    judgements = [judge(case, {"H": H}) for case, H in zip(cases, (120.0, 120.0, 100.0), strict=True)]
+    (named,) = summary.name_mistakes(judgements)
+    assert (named.name, named.alike, named.applicable) == ("a in some", ("z in all",), 2)
+
+
 def test_a_table_with_a_missing_bound_or_an_id_twice_is_refused():
     """By the id of the case."""
     one = {name: getattr(example(), name) for name in Case.__dataclass_fields__ if name not in ("level", "uncertainty")}
@@ -558,6 +570,23 @@ def test_a_table_with_a_missing_bound_or_an_id_twice_is_refused():
     ):
         with pytest.raises(ValueError, match=words):
             read_table(table | {"cases": cases})
+
+
+@pytest.mark.parametrize(
+    ("verdicts", "passed", "words", "colour"),
+    [
+        ({"right": 9, "not modelled": 3}, True, "9 of 9 right", report.GREEN),
+        ({"right": 8, "inaccurate": 1}, True, "8 of 9 right, 1 inaccurate", report.AMBER),
+        ({"right": 8, "refused": 1}, True, "8 of 9 right", report.AMBER),
+        ({"right": 8, "wrong": 1}, True, "8 of 9 right, 1 wrong", report.RED),
+        ({"right": 8, "refused": 1}, False, "8 of 9 right", report.RED),
+        ({"not modelled": 9}, True, "nothing judged", report.RED),
+    ],
+)
+def test_a_badge_has_the_colour_of_the_worst(verdicts, passed, words, colour):
+    """Red also where a test failed that was expected to fail and did not."""
+    badge = report.draw_badge({"set": "2026.11", "verdicts": verdicts, "passed": passed})
+    assert f">{words}</text>" in badge and f'fill="{colour}"' in badge
 
 
 # ---------------------------------------------------------------- what adapters are given and return
