@@ -20,7 +20,7 @@ import pytest
 from verification import ROOT
 
 from ..defects import campaign
-from ..defects.catalogue import CATALOGUE, FROZEN, LONG, PLANTING, WIDER, frozen, whole
+from ..defects.catalogue import CATALOGUE, FROZEN, LONG, PLANTING, WIDER, draw, frozen, whole
 from ..defects.defect import KINDS, Defect, arguments
 from ..defects.interpreter import Interpreter, Stopped
 from ..defects.mutants import changes, mutant, sample
@@ -73,6 +73,18 @@ def test_words_are_there():
         assert defect.what and defect.check and defect.kind in KINDS, defect.name
         assert (defect.kind == "misprint") == bool(defect.misprint), defect.name
         assert not (defect.blind and defect.survives), defect.name
+
+
+def test_a_draw_has_every_misprint_and_most_modules():
+    """Misprints and blind spots always, others from each module in turn; one seed gives one draw, another another."""
+    drawn, all_names = draw(100, "a"), {d.name for d in CATALOGUE}
+    always = [d for d in CATALOGUE if d.misprint or d.blind]
+    assert drawn == draw(100, "a") and {d.name for d in drawn} != {d.name for d in draw(100, "b")}
+    assert len(drawn) == len(always) + 100 and all(d in drawn for d in always)
+    modules = {d.module for d in CATALOGUE if d not in always}
+    assert len(modules) <= 100 and modules <= {d.module for d in drawn}
+    assert {d.name for d in draw(len(CATALOGUE), "a")} == all_names
+    assert {d.name for seed in range(40) for d in draw(100, str(seed))} == all_names
 
 
 @cache
@@ -597,7 +609,7 @@ def test_the_page_shows_the_results_of_the_catalogue(tmp_path):
     page = Page((tmp_path / "index.html").read_text(encoding="utf-8"))
     shown = section(page.text, "defects")
     real = [d for d in defects if not d.blind]
-    assert f"{len(real)} mistakes over every module" in shown and "It was left to show this sentence." in shown
+    assert f"{len(real)} mistakes over the modules" in shown and "It was left to show this sentence." in shown
     assert shown.count('<td class="mark own">●</td>') == len(real) - 1
     matrix = json.loads((tmp_path / "tables" / "defects_matrix.json").read_text(encoding="utf-8"))
     assert matrix[-1]["planted"] == len(real) and matrix[-1]["found"] == len(real) - 1
