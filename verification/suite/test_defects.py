@@ -502,12 +502,18 @@ def test_judgements_are_of_mutants_of_the_solvers():
         module, fault = judged.fault.module, judged.fault
         text = (ROOT / fault.path).read_text(encoding="utf-8")
         patched = fault.apply_to(text).encode()
-        begin = len(os.path.commonprefix([text.encode(), patched]))
-        end = len(text.encode()) - len(os.path.commonprefix([text.encode()[::-1], patched[::-1]]))
+        begin = _common_length(text.encode(), patched)
+        end = len(text.encode()) - _common_length(text.encode()[::-1], patched[::-1])
         near = [place for place in changes(text) if place[0] <= end and place[1] >= begin]  # others change other code
         changed = module_syntax(patched)
         assert any(changed == _changed(text, *place) for place in near), f"{module}: {fault} is no mutant"
         assert judged.reason.endswith(".") and judged.reason[0].isupper() and len(judged.reason.split()) > 3, fault
+
+
+def _common_length(one: bytes, other: bytes) -> int:
+    """Number of bytes with which both begin."""
+    pairs = zip(one, other, strict=False)
+    return next((i for i, (a, b) in enumerate(pairs) if a != b), min(len(one), len(other)))
 
 
 def _changed(text, start, end, new) -> tuple[str, ...]:
