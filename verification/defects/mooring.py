@@ -668,6 +668,13 @@ DEFECTS = (
     ),
     # ------------------------------------------------------------ history, diagnostics
     Defect(
+        "polynomials of degree four between the steps",
+        Fault("mooring.history", "", "_STENCIL = 6", "_STENCIL = 5"),
+        "order",
+        "the tension between the steps is of an order less",
+        "mooring/test_time_domain.py::test_tension_between_steps_is_of_degree_five",
+    ),
+    Defect(
         "slack that ends a state late",
         Fault("mooring.history", "MooringHistory.slack", "some[:-1] & ~some[1:]", "some[1:] & ~some[:-1]"),
         "index",
