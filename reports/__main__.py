@@ -91,7 +91,7 @@ def main(argv=None) -> int:
     stages, name = _plan(arguments, out)
     stages = external_solvers.add_sources(stages)
     wanted = arguments.only or [group for group in GROUPS if not (arguments.quick and group in SLOW)]
-    chosen = [stage for stage in stages if stage.group in wanted]
+    chosen = [stage for stage in stages if stage.group in wanted and stage.runs]
     if not chosen:
         there = ", ".join(dict.fromkeys(stage.group for stage in stages))
         print(f"nothing to run: of the stages {there} of this page, --only names none", file=sys.stderr)
@@ -119,7 +119,9 @@ def _plan(arguments, out: Path) -> tuple[list[Stage], str]:
     if arguments.scenes:
         stages = scene_plan(arguments.scenes, arguments.depth, arguments.motion)
         return stages, f"scene-{'-'.join(path.stem for path in arguments.scenes)}.html"
-    return plan(arguments.quick, published.write_scenes(out / "published")), "index.html"
+    from .page.registry import claimed_tests  # and matplotlib, which a page about somebody's lines may not need
+
+    return plan(arguments.quick, published.write_scenes(out / "published"), claimed_tests()), "index.html"
 
 
 def _page(out: Path, name: str, stages: list[Stage], ended: list[Ended], whole: bool) -> Path:

@@ -26,7 +26,7 @@ LINES = {
 """Line -> amplitudes or radii in m and periods in s, each taken as surge, heave and circle."""
 QUICK_LINES = ("oc3", "soft_clay", "wave_energy")
 KINDS = ("surge", "heave", "circle")
-CELLS, STEPS, FINER, HALVED, SHORTEST = 50, 200, 4, 2, 8
+CELLS, STEPS, FINER, HALVED, SHORTEST = 50, 200, 4, 2, 4
 PERIODS, HARMONICS = 6, 12
 PERIODIC = 1e-2  # change of the last period from the one before, over the range, below which a history is periodic
 LARGE = 0.03  # rms error over the range that a user should be warned of

@@ -18,7 +18,14 @@ def build(inputs: Inputs) -> Content:
         f"{plural(claims, 'claim')} in {plural(len(questions), 'test file')}, each with its test: "
         f"{', '.join(f'{number(counts[outcome])} {outcome}' for outcome in OUTCOMES)}."
     )
-    context = {"questions": questions, "counts": counts, "table": claim_table(questions).write(inputs.tables)}
+    left = sum(claim.state == "not run" for question in questions for claim in question.claims)
+    context = {
+        "questions": questions,
+        "counts": counts,
+        "claims": claims,
+        "left": left,
+        "table": claim_table(questions).write(inputs.tables),
+    }
     return Content(context, [_verdict(counts)] if any(counts.values()) else [], [text])
 
 

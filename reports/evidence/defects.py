@@ -41,6 +41,7 @@ def build(inputs: Inputs) -> Content:
         "everything": everything,
         "kinds": kinds,
         "summary": data["summary"],
+        "left": data.get("catalogue", len(data["defects"])) - len(data["defects"]),
         "matrix": matrix,
         "groups": {module: _group(rows, module) for module in sorted({row["module"] for row in rows})},
         "misprints": [row for row in rows if row["misprint"]],
@@ -50,7 +51,8 @@ def build(inputs: Inputs) -> Content:
     }
     counts = data["summary"]
     planted = plural(counts["defects"], "planted mistake")
-    text = f"The checks themselves are checked: {counts['caught']} of {planted} are found."
+    drawn = f", drawn from {data['catalogue']}" if defects["left"] else ""
+    text = f"The checks themselves are checked: {counts['caught']} of {planted}{drawn} are found."
     return Content({"defects": defects}, verdicts(counts), [text])
 
 

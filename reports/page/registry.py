@@ -13,9 +13,9 @@ from ..harmonic_balance.section import HARMONIC
 from ..mooring.networks import MOORING_NETWORKS
 from ..mooring.section import MOORING
 from ..network.section import NETWORKS
-from ..papers.errata import ERRATA
+from ..papers.errata import ERRATA, read_errata
 from ..papers.published import PUBLISHED
-from ..papers.section import ITEMS
+from ..papers.section import ITEMS, entries
 from ..scenes.networks import MOVING_NETWORKS
 from ..scenes.section import SCENES
 from ..stability.section import STABILITY
@@ -29,6 +29,15 @@ SECTIONS = (
     MACHINE,
 )  # fmt: skip
 """Of the whole report; the sections of one part stand together, in the order of the parts."""
+
+
+def claimed_tests() -> set[str]:
+    """Return the tests that the page names for what it says: of sections, of items of the papers and of misprints."""
+    of_sections = (test for section in SECTIONS for tests in section.tests.values() for test in tests)
+    of_items = (test for entry in entries() for test in entry.tests)
+    of_errata = (row["test"].removeprefix("verification/") for row in read_errata()["erratum"])
+    return {*of_sections, *of_items, *of_errata}
+
 
 SCENE_SECTIONS = (SCENES, MOVING_NETWORKS, MACHINE)
 """Of the page about somebody's own lines and networks."""

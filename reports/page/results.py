@@ -60,7 +60,8 @@ class Results:
     @cached_property
     def questions(self) -> list[Question]:
         """The test files with their claims, and the outcomes that the stages of tests left."""
-        paths = (self.folder / stage.output for stage in self.stages if stage.group == "tests")
+        stages = [stage for stage in self.stages if stage.group == "tests"]
+        paths = (self.folder / stage.output for stage in stages if stage.runs or self.ledger.current(stage))
         return read_questions(ROOT / "verification", [path for path in paths if path.exists()])
 
     def _notes(self, group: str) -> list[str]:
@@ -72,6 +73,8 @@ class Results:
         return [f"{trouble}: {', '.join(titles)}." for trouble, titles in troubles.items()]
 
     def _trouble(self, stage: Stage) -> str:
+        if not stage.runs:
+            return ""
         end, exists = self.ended.get(stage.name), (self.folder / stage.output).exists()
         if end and end.state == "failed":
             return "Failed in this run; the page shows an earlier result" if exists else "Failed; nothing to show"
@@ -90,7 +93,7 @@ class Results:
     def stage_table(self) -> list[dict]:
         """Return the stages as they ran last, those of tests as one."""
         rows = [self._stage_row(stage) for stage in self.stages if stage.group != "tests"]
-        tests = [self._stage_row(stage) for stage in self.stages if stage.group == "tests"]
+        tests = [self._stage_row(stage) for stage in self.stages if stage.group == "tests" and stage.runs]
         ran = [row for row in tests if row["finished"]]
         if not tests:
             return rows

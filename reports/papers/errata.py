@@ -13,11 +13,15 @@ from ..pipeline.sources import ROOT
 
 def build(inputs: Inputs) -> Content:
     """Return the table of misprints, and how many of them a test shows."""
-    errata = tomllib.loads((ROOT / "reference_data" / "errata.toml").read_text(encoding="utf-8"))
-    table = errata_table(errata, inputs.results["tests"]).write(inputs.tables)
+    table = errata_table(read_errata(), inputs.results["tests"]).write(inputs.tables)
     passed = sum(row["result"] == "passed" for row in table.rows)
     text = f"{plural(len(table.rows), 'misprint')} found in the papers, {passed} of them shown by a test that passed."
     return Content({"errata": table}, sentences=[text])
+
+
+def read_errata() -> dict:
+    """Return the table of misprints, each with the test that shows it."""
+    return tomllib.loads((ROOT / "reference_data" / "errata.toml").read_text(encoding="utf-8"))
 
 
 def errata_table(data: dict, questions: list[Question]) -> Table:

@@ -15,7 +15,7 @@ from .items import AGREES, CORRECTED, DIFFERS, MISSING, Item, evaluate, read_sou
 def build(inputs: Inputs) -> Content:
     """Return the items in the order of the papers, each with links to its tests, their table, and how many agree."""
     sources = read_sources(*(inputs.results[name] for name in ("dynamics", "harmonic_balance", "networks")))
-    items = [evaluate(entry, sources) for entry in (*harmonic_items.ENTRIES, *network_items.ENTRIES)]
+    items = [evaluate(entry, sources) for entry in entries()]
     columns = {key: key for key in ("paper", "item", "prints", "outcome", "verdict", "why", "section", "tests")}
     rows = [asdict(item) | {"tests": " ".join(item.tests)} for item in items]
     context = {
@@ -23,6 +23,11 @@ def build(inputs: Inputs) -> Content:
         "table": Table("papers", "Items of the papers", columns, rows).write(inputs.tables),
     }
     return Content(context, [_verdict(items)], [_sentence(items)])
+
+
+def entries() -> tuple:
+    """Return every item of both papers, in their order."""
+    return (*harmonic_items.ENTRIES, *network_items.ENTRIES)
 
 
 def _verdict(items: list[Item]) -> Verdict:

@@ -106,7 +106,7 @@ class Ledger:
 
     def current(self, stage: Stage) -> bool:
         """Return whether the result is as it was written, no failure, and nothing that it depends on has changed."""
-        keys = [key(stage, arguments) for arguments in (stage.arguments, stage.better) if arguments]
+        keys = [key(stage, arguments) for arguments in (stage.arguments, *stage.better)]
         entry = self.entries.get(stage.name, {})
         return bool(entry.get("good") and entry.get("key") in keys and entry.get("result") == self._result(stage))
 

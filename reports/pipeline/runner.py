@@ -46,7 +46,7 @@ class Ended:
 
 def run_all(stages: list[Stage], results: Path, fresh: bool) -> list[Ended]:
     """Run what is not current; a failure does not stop the others. Raises BusyError."""
-    with _only_run(results):
+    with only_run(results):
         ledger = Ledger(results)
         todo = [stage for stage in stages if fresh or not ledger.current(stage)]
         for left in (path for stage in todo for path in _unfinished(results, stage)):
@@ -67,7 +67,7 @@ def _unfinished(results: Path, stage: Stage) -> list[Path]:
 
 
 @contextlib.contextmanager
-def _only_run(results: Path):
+def only_run(results: Path):
     """Hold the folder's lock, which the system takes back however this process ends (where it has such locks)."""
     try:
         import fcntl

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 from importlib.resources import files
 from pathlib import Path
 
@@ -45,7 +45,8 @@ class Stage:
     timed : a timing, which belongs to one machine and runs alone, pinned to a core
     seconds : expected time before the first run; jobs : cores that it keeps busy
     codes : exit statuses with a result (pytest: 1 = some tests fail)
-    better : arguments of a longer run whose result serves as well
+    better : arguments of longer runs whose results serve as well
+    runs : whether the report runs it; else its result is shown where another command has left it
     """
 
     name: str
@@ -59,7 +60,8 @@ class Stage:
     seconds: float = 3.0
     jobs: int = 1
     codes: tuple[int, ...] = (0,)
-    better: tuple[str, ...] = ()
+    better: tuple[tuple[str, ...], ...] = ()
+    runs: bool = True
 
     def command_line(self, results: Path) -> str:
         """Return the command as a reader would type it, its results in that folder."""
@@ -81,32 +83,18 @@ def _typed(word: str | Path) -> str:
 
 
 # ---------------------------------------------------------------- tests
-LONG_TESTS = {
-    "catenary/test_exact": 50,
-    "network/test_solve": 20,
-    "harmonic_balance/test_solve": 15,
-    "suite/test_stability": 13,
-    "common/test_failures": 14,
-    "catenary/test_invariants": 13,
-    "time_domain/test_solve": 12,
-    "cable/test_exact": 12,
-    "network/test_properties": 12,
-    "cable/test_order": 11,
-    "network/test_checks": 11,
-    "catenary/test_checks": 9,
-    "cable/test_invariants": 8,
-    "harmonic_balance/test_oscillators": 8,
-    "catenary/test_references": 7,
-    "cable/test_failures": 6,
-    "harmonic_balance/test_start": 6,
-    "cable/test_statics": 5,
-    "suite/test_fuzz": 5,
-}
-"""Test files that take long -> expected seconds."""
-IN_QUICK = {"catenary/test_exact": "not 50_digits and not random_lines"}
-"""Files among them that the quick run takes in part: what pytest -k chooses."""
-WHOLE_TREE = {"suite/test_architecture": ("solvers", "verification", "benchmarks", "reference_data", "reports")}
-"""Tests that read sources which they do not name one by one."""
+ALONE = {"catenary/test_exact": 20, "suite/test_stability": 10, "time_domain/test_solve": 12}
+"""Files whose claims take longest, each a stage of its own -> expected seconds."""
+NOT_IN_QUICK = (
+    "catenary/test_exact.py::test_any_line_over_a_seabed_agrees_with_50_digits",
+    "catenary/test_exact.py::test_random_lines",
+    "mooring/test_random_networks.py::test_random_networks_move_as_they_must",
+    "suite/test_stability.py::test_harmonic_balance_at_the_limits",
+    "suite/test_stability.py::test_spans_at_the_limits_against_50_digits",
+    "time_domain/test_solve.py::test_the_converged_line_meets_the_reference",
+    "time_domain/test_solve.py::test_the_fairlead_stays_where_it_is_prescribed",
+)
+"""Claims that take longest."""
 
 ELSEWHERE = (
     "suite/test_report",
@@ -120,44 +108,46 @@ ELSEWHERE = (
 """Tests of what makes a report, which show nothing in one that it does not show itself; `pytest` runs them."""
 
 
-def _tests(quick: bool) -> list[Stage]:
-    """Return a stage for each long file; the others together, since starting pytest costs more than most of them."""
+def stages_of_claims(claimed: Iterable[str], quick: bool = False) -> list[Stage]:
+    """Return the stages of the tests that the page names, as "room/test_x.py" or "room/test_x.py::test_y".
+
+    Whole files, as `pytest` runs them, serve as well. The last stage is of the files that the page does not name: their
+    outcomes are shown where `pytest` has left them.
+    """
     files = (path.relative_to(TESTS).with_suffix("").as_posix() for path in sorted(TESTS.rglob("test_*.py")))
     stems = [stem for stem in files if stem not in ELSEWHERE]
-    alone = [stem for stem in stems if stem in WHOLE_TREE or (stem in LONG_TESTS and (not quick or stem in IN_QUICK))]
-    short = tuple(f"verification/{stem}.py" for stem in stems if stem not in LONG_TESTS and stem not in WHOLE_TREE)
-    typed = (f"{{root}}/{file}" for file in short)
-    together = Stage(
-        "test_short",
-        "tests",
-        "tests: short files",
-        (*PYTEST, *typed, *JUNIT),
-        "tests/test_short.xml",
-        (*short, "verification/conftest.py"),
-        ("pyproject.toml", "conftest.py"),
-        seconds=75,
-        codes=(0, 1),
-    )
-    return [*(_test(stem, quick) for stem in alone), together]
+    named: dict[str, list[str]] = {stem: [] for stem in stems}
+    for test in sorted(set(claimed)):
+        if (stem := test.partition(".py")[0]) in named:
+            named[stem].append(test)
+    together = [stem for stem in stems if named[stem] and stem not in ALONE]
+    groups = [([stem], stem.replace("/test_", ", ").replace("_", " ")) for stem in ALONE if named.get(stem)]
+    groups += [(together, "other claims")] if together else []
+    stages = [_claims(group, [test for stem in group for test in named[stem]], title, quick) for group, title in groups]
+    others = [stem for stem in stems if not named[stem]]
+    return [*stages, replace(_claims(others, [], "files without a claim of the page", False), runs=False)]
 
 
-def _test(stem: str, quick: bool) -> Stage:
-    file = f"verification/{stem}.py"
-    whole = (*PYTEST, f"{{root}}/{file}", *JUNIT)
-    fewer = ("-k", IN_QUICK[stem]) if quick and stem in IN_QUICK else ()
-    name = stem.replace("/test_", "_")
-    title = f"tests: {stem.replace('/test_', ', ').replace('_', ' ')}"
+def _claims(stems: list[str], tests: list[str], title: str, quick: bool) -> Stage:
+    """Return the stage of some tests of these files; one without tests is of the whole files."""
+    files = tuple(f"verification/{stem}.py" for stem in stems)
+    whole = (*PYTEST, *(f"{{root}}/{file}" for file in files), *JUNIT)
+    tests = [test for test in tests if not ("::" in test and test.partition("::")[0] in tests)]
+    fewer = [test for test in tests if test not in NOT_IN_QUICK] if quick else []
+    typed = [(*PYTEST, *(f"{{root}}/verification/{test}" for test in some), *JUNIT) for some in (fewer, tests) if some]
+    commands = tuple(dict.fromkeys([*typed, whole]))
+    name = stems[0].replace("/test_", "_") if len(stems) == 1 else title.replace(" ", "_")
     return Stage(
         f"test_{name}",
         "tests",
-        title,
-        (*whole, *fewer),
+        f"tests: {title}",
+        commands[0],
         f"tests/test_{name}.xml",
-        (file, "verification/conftest.py"),
-        ("pyproject.toml", "conftest.py", *WHOLE_TREE.get(stem, ())),
-        seconds=8 if fewer else LONG_TESTS.get(stem, 3),
+        (*files, "verification/conftest.py"),
+        ("pyproject.toml", "conftest.py"),
+        seconds=4 if quick else ALONE.get(stems[0], 40),
         codes=(0, 1),
-        better=whole if fewer else (),
+        better=commands[1:],
     )
 
 
@@ -179,12 +169,12 @@ def _sized(name: str, title: str, words: tuple[str, ...], seconds: tuple[float, 
     if not quick:
         return _measured(name, title, words, seconds[0], **more)
     whole = (words[0], "--out", "{results}", *words[1:])
-    return _measured(name, title, (*words, "--quick"), seconds[1], better=whole, **more)
+    return _measured(name, title, (*words, "--quick"), seconds[1], better=(whole,), **more)
 
 
 def _accuracy(quick: bool) -> Stage:
     words = ("benchmarks.catenary.accuracy", "--jobs", "{jobs}", "--random")
-    better = (words[0], "--out", "{results}", *words[1:], str(RANDOM)) if quick else ()
+    better = ((words[0], "--out", "{results}", *words[1:], str(RANDOM)),) if quick else ()
     words += (str(QUICK_RANDOM), "--coarse") if quick else (str(RANDOM),)
     return _measured("accuracy", "error of every solver", words, 25 if quick else 50, jobs=JOBS, better=better)
 
@@ -237,22 +227,27 @@ def _stability(quick: bool) -> Stage:
     return _sized("stability", "stability maps", words, (125, 12), quick, jobs=JOBS)
 
 
+SAMPLE = 120
+"""Seeded defects that are planted beside misprints and blind spots, one from nearly every module: a third of all."""
+
+
 def _defects() -> Stage:
     """Return the stage of seeded defects, each with the check named for it; status 1: some promise is broken."""
     named = ("verification.defects", "--out", "{results}", "--jobs", "{jobs}")
+    drawn = (*named, "--sample", str(SAMPLE))
     sources = ("solvers", "verification", "reference_data", "pyproject.toml")
     return Stage(
         "defects",
         "defects",
         "seeded defects",
-        named,
+        drawn,
         "defects.json",
         (),
         sources,
-        seconds=190,
+        seconds=90,
         jobs=JOBS,
         codes=(0, 1),
-        better=(*named, "--all"),
+        better=(named, (*named, "--all")),
     )
 
 
@@ -349,10 +344,13 @@ GROUPS = (
 )
 
 
-def plan(quick: bool, published: list[Path]) -> list[Stage]:
-    """Return the stages of the whole report; ``published`` are scene files made from published tables."""
+def plan(quick: bool, published: list[Path], claimed: Iterable[str] = ()) -> list[Stage]:
+    """Return the stages of the whole report.
+
+    published : scene files made from published tables; claimed : tests that the page names
+    """
     return [
-        *_tests(quick),
+        *stages_of_claims(claimed, quick),
         _machine(),
         _accuracy(quick),
         _benchmarks(),

@@ -79,25 +79,11 @@ def assemble_line(model, layout, axes, slip_speed, only=None) -> Line:
     with np.errstate(invalid="ignore"):
         friction = np.where(everywhere > 0, by_node(friction) / everywhere, 0.0)
     return Line(
-        layout.first,
-        layout.last,
-        length,
-        EA,
-        damping,
-        mass,
-        added_mass,
-        normal_drag,
-        tangential_drag,
-        point_mass,
-        point_drag,
-        load,
-        bed * everywhere,
-        environment.seabed_damping * everywhere if bed else np.zeros(layout.size),
-        friction,
-        -math.inf if environment.depth is None else -environment.depth,
-        slip_speed,
-        tuple(float(c) for c in axes @ np.array(environment.current)),
-    )
+        layout.first, layout.last, length, EA, damping, mass, added_mass, normal_drag, tangential_drag,
+        point_mass, point_drag, load, bed * everywhere,
+        environment.seabed_damping * everywhere if bed else np.zeros(layout.size), friction,
+        -math.inf if environment.depth is None else -environment.depth, slip_speed,
+        tuple(float(c) for c in axes @ np.array(environment.current)))  # fmt: skip
 
 
 def take_end_cell(model, layout, axes, line, end, element) -> tuple[Line, np.ndarray]:

@@ -6,19 +6,16 @@ complement of its joints. Without exchanges of rows: mass, stiffness and drag ha
 
 from __future__ import annotations
 
-import numpy as np
-
 from ..numerics.compiled import compiled
 
 
 @compiled
-def factorise(order, diagonal, right, left):
+def factorise(order, diagonal, right, left, row):
     """Replace the blocks of an Elimination by their LU factors, diagonal (N, n, n) ones by inverses.
 
-    right, left (edges, n, n). Rows of prescribed nodes stay as they are.
+    right, left (edges, n, n). row (n,): working space. Rows of prescribed nodes stay as they are.
     """
-    n, pair = diagonal.shape[1], 0
-    row = np.empty(n)
+    n, pair = len(order.axes), 0
     for i in range(diagonal.shape[0]):
         if order.is_prescribed[i]:
             continue
@@ -58,9 +55,12 @@ def factorise(order, diagonal, right, left):
 
 
 @compiled
-def solve(order, diagonal, right, left, x):
-    """Replace x (N, n), zero at prescribed nodes, by the solution; the blocks as ``factorise`` leaves them."""
-    nodes, n = x.shape
+def solve(order, diagonal, right, left, x, column):
+    """Replace x (N, n), zero at prescribed nodes, by the solution; the blocks as ``factorise`` leaves them.
+
+    column (n,): working space.
+    """
+    nodes, n = x.shape[0], len(order.axes)
     for i in range(nodes):
         for a in range(order.start[i], order.start[i + 1]):
             e, q = order.edge[a], order.other[a]
@@ -69,7 +69,6 @@ def solve(order, diagonal, right, left, x):
                 for k in range(n):
                     total -= left[e, j, k] * x[i, k]
                 x[q, j] = total
-    column = np.empty(n)
     for i in range(nodes - 1, -1, -1):
         if order.is_prescribed[i]:
             continue

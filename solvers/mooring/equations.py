@@ -132,7 +132,7 @@ def tangents(line, r, v, a, auxiliary, weights, diagonal, right, left):
     A cell turns with its auxiliary tension.
     """
     n, nodes = len(line.current), r.shape[0]
-    unit, normal = np.empty(n), np.empty(n)
+    unit, normal = np.empty((2, n))
     diagonal[:], right[:], left[:] = 0.0, 0.0, 0.0
     for i in range(nodes):
         for k in range(n):

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from scipy.interpolate import PchipInterpolator
 
 from ..common.outcome import ConvergenceError, InputError, Outcome, Status
@@ -17,8 +18,20 @@ from .diagnostics import largest_change
 from .prescribed_motion import reference_point
 
 _STENCIL = 6  # points of the polynomials between steps
-_LAGRANGE = np.linalg.inv(np.vander(np.arange(_STENCIL), _STENCIL, increasing=True))
-"""Column j: coefficients of the polynomial that is one at j and zero at the other points 0..5."""
+_UNEVEN = 1e-5  # of a step, by which the last one must differ to count as shorter
+_BEFORE = 2  # of these before the interval, and the place of zero: small powers leave little rounding
+_LAGRANGE = np.linalg.inv(np.vander(np.arange(_STENCIL) - _BEFORE, _STENCIL, increasing=True))
+"""Column j: coefficients of the polynomial that is one at the j-th of the points -2..3 and zero at the others."""
+
+
+def _evaluate_polynomials(coefficients, dt, t):
+    """Return the values at times t (S,) in s of polynomials (6, K - 5) in steps of dt, one for each six steps."""
+    place = t / dt
+    first = np.minimum(np.maximum(place.astype(int) - _BEFORE, 0), coefficients.shape[1] - 1)
+    x, value = place - (first + _BEFORE), coefficients[-1, first]
+    for power in coefficients[-2::-1]:
+        value = value * x + power[first]
+    return value
 
 
 class Slack(NamedTuple):
@@ -225,19 +238,18 @@ class MooringHistory(MooringOutputs, Outcome):
         steps; by monotone cubics, which do not overshoot, where a cell went slack, the steps are few or the last one
         stored is shorter.
         """
-        t, time = within_history(t, self.time), self.time
         if (end, element) not in self._end_tensions:
             force = self.system.end_force(self.y, self.ydot, self.yddot, end, element)
-            self._end_tensions[end, element] = np.linalg.norm(force, axis=1)
-        tension = self._end_tensions[end, element]
-        is_even = time.size >= _STENCIL and np.isclose(time[1] - time[0], time[-1] - time[-2])
-        if self.damped_from is not None or not is_even:
-            return PchipInterpolator(time, tension)(t)
-        place = t / (time[1] - time[0])
-        first = np.clip(place.astype(int) - _STENCIL // 2 + 1, 0, time.size - _STENCIL)
-        powers = np.vander((place - first).ravel(), _STENCIL, increasing=True)
-        weights = (powers @ _LAGRANGE).reshape(*place.shape, _STENCIL)
-        return (weights * tension[first[..., None] + np.arange(_STENCIL)]).sum(axis=-1)
+            self._end_tensions[end, element] = self._interpolant(np.sqrt((force * force).sum(axis=1)))
+        return self._end_tensions[end, element](within_history(t, self.time))
+
+    def _interpolant(self, tension):
+        """Return the function of times (S,) in s that ``end_tension_at`` describes, of tensions (K,) at the steps."""
+        time = self.time
+        dt, last = float(time[1] - time[0]), float(time[-1] - time[-2])
+        if self.damped_from is not None or time.size < _STENCIL or abs(dt - last) > _UNEVEN * last:
+            return PchipInterpolator(time, tension)
+        return partial(_evaluate_polynomials, _LAGRANGE @ sliding_window_view(tension, _STENCIL).T, dt)
 
     @cached_property
     def slack(self) -> tuple[Slack, ...]:

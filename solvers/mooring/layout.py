@@ -39,7 +39,8 @@ class Elimination(NamedTuple):
 
     is_prescribed (N,): nodes without rows. Of pivot p the entries start[p]:start[p + 1] of other and edge are its later
     neighbours and the blocks between: right[edge] in its row, left[edge] in its column. pair: for each two of them in
-    turn the block between these two. edges: number of blocks beside the diagonal, those of the cells first.
+    turn the block between these two. edges: number of blocks beside the diagonal, those of the cells first. axes: a
+    zero for each row of a block, whose number is a constant for the compiler.
     """
 
     is_prescribed: np.ndarray
@@ -48,6 +49,7 @@ class Elimination(NamedTuple):
     edge: np.ndarray
     pair: np.ndarray
     edges: int
+    axes: tuple
 
 
 def number_nodes(model, s) -> Layout:
@@ -137,8 +139,8 @@ def _order_joints(ends, is_joint) -> list[int]:
     return order
 
 
-def plan_elimination(layout, prescribed) -> Elimination:
-    """Return the Elimination of a Layout with prescribed nodes."""
+def plan_elimination(layout, prescribed, n) -> Elimination:
+    """Return the Elimination of a Layout with prescribed nodes, its blocks of n rows."""
     is_prescribed = np.zeros(layout.size, dtype=bool)
     is_prescribed[prescribed] = True
     later = [{} for _ in range(layout.size)]  # type: list[dict[int, int]]
@@ -157,4 +159,4 @@ def plan_elimination(layout, prescribed) -> Elimination:
     start = np.cumsum([0, *map(len, later)]).astype(INDEX)
     other = np.array([q for row in later for q in sorted(row)], dtype=INDEX)
     edge = np.array([row[q] for row in later for q in sorted(row)], dtype=INDEX)
-    return Elimination(is_prescribed, start, other, edge, np.array(pair, dtype=INDEX), edges)
+    return Elimination(is_prescribed, start, other, edge, np.array(pair, dtype=INDEX), edges, (0.0,) * n)

@@ -201,11 +201,11 @@ class _Statics:
         slack = self.auxiliary <= 0
         for ends in (self.line.first[slack], self.line.last[slack]):  # which nothing keeps from moving sideways
             diagonal[ends] += SLACK_STIFFNESS * stiffest * np.eye(n)
-        elimination.factorise(self.order, diagonal, right, left)
+        elimination.factorise(self.order, diagonal, right, left, np.empty(n))
 
         def solve(F):
             step = F.copy()
-            elimination.solve(self.order, diagonal, right, left, step)
+            elimination.solve(self.order, diagonal, right, left, step, np.empty(n))
             return step
 
         return solve if np.isfinite(diagonal).all() else None

@@ -32,7 +32,7 @@ def newmark_parameters(rho_inf) -> tuple[float, float, float, float]:
 @compiled
 def seabed_after_step(line, i, depth, step, by_v):
     """Return about what the force of the seabed on node i in N changes by with a step in r, and by_v times it in v."""
-    n, slip = step.shape[1], 0.0
+    n, slip = len(line.current), 0.0
     for k in range(n - 1):
         slip = max(slip, by_v * abs(step[i, k]))
     normal = (line.seabed_stiffness[i] + by_v * line.seabed_damping[i]) * abs(step[i, n - 1])
@@ -43,7 +43,7 @@ def seabed_after_step(line, i, depth, step, by_v):
 def law_after_step(line, c, r, v, step, by_v):
     """Return the tension in N that the law gives to cell c once r less ``step`` and v less by_v times it are taken."""
     square, opening, first, last = 0.0, 0.0, line.first[c], line.last[c]
-    for k in range(r.shape[1]):
+    for k in range(len(line.current)):
         change = step[last, k] - step[first, k]
         d = r[last, k] - r[first, k] - change
         square += d * d
@@ -68,16 +68,17 @@ def integrate(
     position, relative to ``scale``.
     """
     r, v, acceleration, a, before = state
-    nodes, n = r.shape
+    nodes, n = r.shape[0], len(line.current)
     alpha_m, alpha_f, beta, gamma = scheme
     cells = line.length.size
     r1, v1, a1 = np.empty((nodes, n)), np.empty((nodes, n)), np.empty((nodes, n))
     new_acceleration, R = np.empty((nodes, n)), np.empty((nodes, n))
-    T, unit = np.empty(cells), np.empty((cells, n))
+    T, unit, column = np.empty(cells), np.empty((cells, n)), np.empty(n)
     diagonal, right, left = np.empty((nodes, n, n)), np.empty((order.edges, n, n)), np.empty((order.edges, n, n))
     iterations, factorisations, error, factorised = 0, 0, 0.0, False
     by_v, by_a = gamma / (beta * h), 1 / (beta * h * h)
     weights = (1.0, by_v, (1 - alpha_m) / (1 - alpha_f) * by_a)
+    axial = line.EA / line.length * (1 + by_v * line.damping)  # change of a tension by the length of its cell
     kept = auxiliary.copy()
     for step in range(path.shape[0] - 1):
         kept[:], solved = auxiliary, False
@@ -112,31 +113,32 @@ def integrate(
                 iterations += 1
                 if not factorised:
                     tangents(line, r1, v1, new_acceleration, auxiliary, weights, diagonal, right, left)
-                    factorise(order, diagonal, right, left)
+                    factorise(order, diagonal, right, left, column)
                     factorisations += 1
                     factorised = True
-                solve(order, diagonal, right, left, R)
-                error = 0.0
+                solve(order, diagonal, right, left, R, column)
+                largest_step, largest_force, is_finite = 0.0, 0.0, True
                 for i in range(nodes):
                     depth = line.floor - min(r1[i, n - 1], r1[i, n - 1] - R[i, n - 1])
                     if depth > 0:
-                        error = max(error, seabed_after_step(line, i, depth, R, by_v) / scale[0])
+                        largest_force = max(largest_force, seabed_after_step(line, i, depth, R, by_v))
                     for k in range(n):
-                        error = max(error, abs(R[i, k]) / scale[1] * max(1.0, scale[2]))
-                        if not abs(R[i, k]) < np.inf:
-                            error = np.inf
+                        largest_step = max(largest_step, abs(R[i, k]))
+                        is_finite = is_finite and abs(R[i, k]) < np.inf
                 for c in range(cells):
                     change = 0.0
                     for k in range(n):
                         change -= unit[c, k] * (R[line.last[c], k] - R[line.first[c], k])
-                    change *= line.EA[c] / line.length[c] * (1 + by_v * line.damping[c])
+                    change *= axial[c]
                     if T[c] != 0:
-                        error = max(error, abs(change) / scale[0], -(T[c] + change) / scale[0])
+                        largest_force = max(largest_force, abs(change), -(T[c] + change))
                         auxiliary[c] = T[c] + change
                     else:
                         law = law_after_step(line, c, r1, v1, R, by_v)
-                        error = max(error, law / scale[0])  # of a cell that the step stretches
+                        largest_force = max(largest_force, law)  # of a cell that the step stretches
                         auxiliary[c] = 0.0
+                error = max(largest_step / scale[1] * max(1.0, scale[2]), largest_force / scale[0])
+                error = error if is_finite else np.inf
                 solved = error <= max(tolerance * scale[2], scale[3])
                 part = 1.0 if solved or iteration < FULL_STEPS else 0.5  # cells that turn taut and slack by turns
                 for i in range(nodes):

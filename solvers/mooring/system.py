@@ -93,7 +93,7 @@ class MooringSystem:
         self._moved = [self._prescribed_points.index(i) for i in model.moved]  # among these
         self.length = model.length if model.is_line else max(segment.length for segment in model.segments)
         self.line, self.calibrated = assemble_line(model, layout, axes, slip_speed), calibrated
-        self.order = plan_elimination(layout, self.prescribed_nodes)
+        self.order = plan_elimination(layout, self.prescribed_nodes, len(axes))
         if calibrated:
             self.line = calibrate_line(self)
 
@@ -108,7 +108,8 @@ class MooringSystem:
     # ------------------------------------------------------------ the same line, changed
     def with_motion(self, motion) -> MooringSystem:
         """Return the same lines, of the same mesh and rest, with another motion of the coupled points."""
-        other = copy.copy(self)  # a rest that is solved for is kept
+        _ = self._prescribed_positions, self.moved_points  # which the copy keeps, as a rest that is solved for
+        other = copy.copy(self)
         if "components" in vars(self):
             parts = tuple(replace(part, system=part.system.with_motion(motion)) for part in self.components)
             other.__dict__["components"] = parts
@@ -246,12 +247,8 @@ class MooringSystem:
         path = np.zeros((t.size, 3, self.prescribed_nodes.size, len(self.axes)))
         path[:, 0] = self._prescribed_positions
         if self.motion is not None:
-            for k, part in enumerate(move_points(self.motion, self.moved_points, t)):
-                if part.shape[1] == 1:  # all points alike
-                    path[:, k, self._moved] += (self.axes @ part[:, 0]).T[:, None]
-                else:
-                    for moved, of_point in zip(self._moved, part.swapaxes(0, 1), strict=True):
-                        path[:, k, moved] += (self.axes @ of_point).T
+            parts = np.stack(move_points(self.motion, self.moved_points, t)).transpose(0, 2, 1, 3)
+            path[:, :, self._moved] += (self.axes @ parts).transpose(3, 0, 1, 2)
             require_above_seabed(self.model, self.moved_points, t, path[:, 0, self._moved, -1])
         return path
 

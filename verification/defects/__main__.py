@@ -11,10 +11,10 @@ import time
 from pathlib import Path
 
 from . import campaign
-from .catalogue import CATALOGUE, WIDER, frozen
+from .catalogue import CATALOGUE, WIDER, draw, frozen
 from .defect import Defect
 from .mutants import module_names, sample
-from .runner import ROOT, CheckError, Log, run
+from .runner import ROOT, CheckError, Log, digest, run
 from .verdict import Verdict, as_json, kept, summary, verdicts
 
 DEFAULT_OUT = Path("mooring-report") / "results"
@@ -31,6 +31,8 @@ def pairs(catalogue, wider: bool) -> list[tuple[Defect | None, str]]:
 def _arguments(argv) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m verification.defects", description=__doc__)
     parser.add_argument("--all", action="store_true", help="show each defect to every check of its module, too (long)")
+    parser.add_argument("--sample", type=int, metavar="N", help="misprints, blind spots and N others, drawn by the "
+                        "sources: another draw where these have changed")  # fmt: skip
     parser.add_argument("--only", nargs="+", metavar="TEXT", help="defects whose name or module contains one of these")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, metavar="N", help="checks run at a time")
     parser.add_argument("--timeout", type=float, default=120.0, metavar="S", help="after so long a check has seen it")
@@ -40,12 +42,13 @@ def _arguments(argv) -> argparse.Namespace:
     parser.add_argument("--module", action="append", metavar="NAME", help="plant in this module only (may be repeated)")
     parser.add_argument("--list", action="store_true", help="list the defects and their checks, and run nothing")
     arguments = parser.parse_args(argv)
-    if arguments.jobs < 1 or not arguments.timeout > 0 or (arguments.mutants or 1) < 1:
-        parser.error("--jobs, --timeout and --mutants must be > 0")
+    if arguments.jobs < 1 or not arguments.timeout > 0 or min(arguments.mutants or 1, arguments.sample or 1) < 1:
+        parser.error("--jobs, --timeout, --sample and --mutants must be > 0")
     words, modules = arguments.only or [""], arguments.module or module_names(ROOT / "solvers")
     if unknown := set(modules) - set(module_names(ROOT / "solvers")):
         parser.error(f"no module of solvers is named {', '.join(sorted(unknown))}")
-    arguments.catalogue = [d for d in CATALOGUE if d.module in modules]
+    catalogue = CATALOGUE if arguments.sample is None else draw(arguments.sample, digest(ROOT))
+    arguments.catalogue = [d for d in catalogue if d.module in modules]
     if arguments.mutants is not None:
         arguments.catalogue = sample(ROOT / "solvers", arguments.mutants, modules)
     arguments.catalogue = [d for d in arguments.catalogue if any(w in d.name or w == d.module for w in words)]

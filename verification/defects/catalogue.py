@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import random
+
 from .cables import DEFECTS as CABLES
 from .defect import Defect
 from .dynamics import DEFECTS as DYNAMICS
@@ -61,6 +63,30 @@ LONG = {
     "catenary/test_references.py": ("recomputed", "closes", "turns_red", "found"),
 }
 """Words in the names of tests that take too long to be shown every defect."""
+
+
+def draw(count: int, seed: str) -> list[Defect]:
+    """Return all misprints and blind spots, and ``count`` of the other defects in the order of the catalogue.
+
+    They are drawn from each module in turn, so that as many modules as can be have one.
+    """
+    always = [defect for defect in CATALOGUE if defect.misprint or defect.blind]
+    others: dict[str, list[Defect]] = {}
+    for defect in CATALOGUE:
+        if defect not in always:
+            others.setdefault(defect.module, []).append(defect)
+    generator = random.Random(seed)
+    for group in others.values():
+        generator.shuffle(group)
+    turns = [group[turn:] for turn in range(max(map(len, others.values()))) for group in _shuffled(generator, others)]
+    drawn = {*always, *[left[0] for left in turns if left][:count]}
+    return [defect for defect in CATALOGUE if defect in drawn]
+
+
+def _shuffled(generator: random.Random, groups: dict) -> list:
+    order = list(groups.values())
+    generator.shuffle(order)
+    return order
 
 
 def frozen(test: str) -> bool:

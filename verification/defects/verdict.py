@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 
-from .catalogue import frozen
+from .catalogue import CATALOGUE, frozen
 from .defect import Defect
 from .runner import Result
 
@@ -88,4 +88,5 @@ def as_json(result: list[Verdict]) -> dict:
         results = [asdict(r) | {"void": r.check in v.void, "frozen": frozen(r.test or r.check)} for r in v.results]
         about = asdict(v.defect) | {"module": v.defect.module}
         rows.append(about | {"results": results, "by_named": v.by_named, "by_other": v.by_other})
-    return {"summary": summary(result), "kept": kept(summary(result)), "defects": rows}
+    counts = summary(result)
+    return {"summary": counts, "kept": kept(counts), "catalogue": len(CATALOGUE), "defects": rows}

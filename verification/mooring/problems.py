@@ -129,7 +129,7 @@ class RandomState:
     def order(self, *prescribed) -> Elimination:
         """Return the Elimination of the pattern with prescribed nodes."""
         layout = Layout((), (), (), np.arange(NODES), self.line.first, self.line.last)
-        return plan_elimination(layout, np.array(prescribed, dtype=int))
+        return plan_elimination(layout, np.array(prescribed, dtype=int), self.r.shape[1])
 
 
 @cache

@@ -128,8 +128,8 @@ def solution_error(module, n, pattern="line") -> float:
         x[order.is_prescribed] = 0.0
         wanted = np.linalg.solve(whole, x.ravel())
         sums = abs(abs(whole) @ abs(wanted)).max()
-        module.factorise(order, *blocks)
-        module.solve(order, *blocks, x)
+        module.factorise(order, *blocks, np.empty(n))
+        module.solve(order, *blocks, x, np.empty(n))
         worst = max(worst, abs(whole @ (x.ravel() - wanted)).max() / sums, abs(x[order.is_prescribed]).max(initial=0.0))
     return worst
 

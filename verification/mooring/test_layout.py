@@ -84,8 +84,9 @@ def test_any_network_is_eliminated(name):
         wanted = dense_solution(line, order, diagonal, right, left, x)
         if m == 3:
             blocks, solution = (diagonal.copy(), right.copy(), left.copy()), x.copy()
-            elimination.factorise(order, *blocks)
-            elimination.solve(order, *blocks, solution)
+            steps = order._replace(axes=(0.0,) * m)
+            elimination.factorise(steps, *blocks, np.empty(m))
+            elimination.solve(steps, *blocks, solution, np.empty(m))
         else:
             size = line.length.size
             blocks = prescribed_to_one(diagonal, order), right[:size].copy(), left[:size].copy()

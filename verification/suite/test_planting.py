@@ -19,6 +19,7 @@ from solvers.numerics.elementary import SCALAR
 
 from ..defects import cables, dynamics, networks, spans
 from ..defects.catalogue import CATALOGUE
+from ..tools.patterns import module_syntax
 from ..tools.planting import ROOT, Fault, fault_at, plant_in_place, planted, sign_faults
 
 EXAMPLE = '''"""A module."""
@@ -64,9 +65,9 @@ def fault(function, old, new, **options) -> Fault:
     return Fault("example", function, old, new, **options)
 
 
-def syntax(text: str) -> str:
+def syntax(text: str) -> tuple[str, ...]:
     """What a text means: without layout and comments."""
-    return ast.dump(ast.parse(text))
+    return module_syntax(text.encode())
 
 
 # ---------------------------------------------------------------- matching

@@ -438,6 +438,68 @@ def test_one_example_moves_and_the_quick_report_waits_for_none():
     assert len(results) >= 4 and results.count((True, True)) == 1 and results.count((False, False)) == len(results) - 1
 
 
+# ---------------------------------------------------------------- the tests that a page names
+CLAIMS = """
+import json
+from reports.page.registry import claimed_tests
+from reports.pipeline.stages import ELSEWHERE, stages_of_claims
+plans = {quick: [(s.arguments, s.better) for s in stages_of_claims(claimed_tests(), quick) if s.runs]
+         for quick in (0, 1)}
+print(json.dumps([sorted(t for t in claimed_tests() if t.partition(".py")[0] not in ELSEWHERE), plans]))
+"""
+
+
+def test_the_report_runs_every_test_that_its_page_names():
+    """Each is run by itself or within its file; --quick leaves some out, for which the whole run's outcome serves."""
+    claimed, plans = json.loads(python(CLAIMS).stdout)
+    ran = {word.removeprefix("{root}/verification/") for words, _ in plans["0"] for word in words}
+    missing = lambda ran: [test for test in claimed if not {test, test.partition("::")[0]} & ran]
+    assert len(claimed) > 50 and missing(ran) == []
+    quick = {word.removeprefix("{root}/verification/") for words, _ in plans["1"] for word in words}
+    assert 0 < len(missing(quick)) < 10
+    serving = [words for arguments, better in plans["1"] for words in (arguments, *better)]
+    assert all(words in serving for words, _ in plans["0"])
+
+
+RECORDED = """
+import sys
+from dataclasses import replace
+from pathlib import Path
+from reports.pipeline import ledger
+from reports.pipeline.pytest_results import digest_sources, record_outcomes
+from reports.pipeline.stages import Stage
+
+folder, cases, before = Path(sys.argv[1]), sys.argv[2].split(), sys.argv[3] or digest_sources()
+files = "verification/io/test_scene.py", "verification/io/test_map_file.py"
+whole = Stage("two", "tests", "two files", ("pytest", "two files"), "tests/two.xml", files, codes=(0, 1))
+one = replace(whole, name="one", arguments=("pytest", "one claim"), output="tests/one.xml", programs=files[:1],
+              better=(("pytest", "one file"),))
+xml = "".join(f'<testcase file="{file}" name="test_x" time="0.5">{"<failure/>" * (word == "failed")}</testcase>'
+              for word, file in zip(cases, files))
+(folder / "pytest.xml").write_text(f"<testsuites><testsuite>{xml}</testsuite></testsuites>")
+count = record_outcomes(folder / "pytest.xml", folder / "results", [whole, one], before)
+known = ledger.Ledger(folder / "results")
+print(count, known.current(whole), known.current(one), known.valid(one))
+"""
+
+
+@pytest.mark.parametrize(
+    ("outcomes", "before", "says"),
+    [
+        ("passed passed", "", "2 True True True"),
+        ("passed", "", "1 False True True"),  # one file of two ran: no result of both
+        ("passed failed", "", "2 False True True"),  # of both a result, but none to be reused
+        ("failed passed", "", "2 False False True"),
+        ("passed passed", "sources edited during the run", "0 False False False"),
+    ],
+)
+def test_outcomes_of_pytest_are_taken_for_whole_files_of_the_same_sources(tmp_path, outcomes, before, says):
+    """What passed is not run again, though the report would run less of it; failures and edits are no result."""
+    (tmp_path / "results").mkdir()
+    run = python(RECORDED, tmp_path, outcomes, before)
+    assert run.stdout.strip() == says, run.stderr
+
+
 # ---------------------------------------------------------------- what a result depends on
 def test_results_depend_on_what_is_imported():
     """Timings of lines need neither networks nor templates; what names a folder or a program needs it."""

@@ -7,6 +7,7 @@ import builtins
 import textwrap
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from functools import cache
 
 _FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
 _DEFINITIONS = (*_FUNCTIONS, ast.ClassDef)
@@ -40,6 +41,24 @@ def same_code(one: str, other: str) -> bool:
     except ValueError:
         return False
     return ast.dump(codes[0]) == ast.dump(codes[1])
+
+
+def module_syntax(source: bytes) -> tuple[str, ...]:
+    """Return the syntax of each statement of a module, without layout and comments. Raises SyntaxError.
+
+    Statements are kept by their text: of two texts that differ in one function the others are not read again.
+    """
+    starts, begin, parts = line_starts(source), 0, []
+    for node in ast.parse(source).body:
+        end = starts[node.end_lineno - 1] + node.end_col_offset
+        parts.append(_statement_syntax(source[begin:end].lstrip(b" ;")))
+        begin = end
+    return tuple(parts)
+
+
+@cache
+def _statement_syntax(text: bytes) -> str:
+    return ast.dump(ast.parse(text))
 
 
 def line_starts(source: bytes) -> list[int]:

@@ -21,7 +21,16 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from types import CodeType, ModuleType
 
-from .patterns import Pattern, Place, find_definitions, line_starts, same_code, undefined_names, units_around
+from .patterns import (
+    Pattern,
+    Place,
+    find_definitions,
+    line_starts,
+    module_syntax,
+    same_code,
+    undefined_names,
+    units_around,
+)
 
 ROOT = Path(__file__).parents[2]
 PLANTED = "planted_solvers"
@@ -72,7 +81,7 @@ class Fault:
     def _applied(self, text: str) -> str:
         tree, source = ast.parse(text), text.encode()
         path, pattern = find_definitions(tree, self.function), Pattern(self.old, self.new)
-        place = _choose(pattern.places(path[-1]), self.occurrence)
+        place, before = _choose(pattern.places(path[-1]), self.occurrence), module_syntax(source)
         if self.where:
             place.names.update(_choose(Pattern(self.where, self.where).places(path[-1], place.names), 0).names)
         new = pattern.replacement(place)
@@ -82,7 +91,12 @@ class Fault:
         as_given = not place.names and type(new[0]) is type(pattern.new[0])
         written = self.new if as_given else "\n".join(map(ast.unparse, new))
         place.put(new)
-        wanted = ast.dump(tree)
+        if len(path) == 1:
+            wanted = tuple(map(_dump, tree.body))
+        else:  # one statement of the module is another
+            wanted = tuple(
+                _dump(node) if node is path[1] else part for node, part in zip(tree.body, before, strict=True)
+            )
         for piece in _layouts(written, source, start):
             changed = source[:start] + piece.encode() + source[end:]
             if _syntax(changed) == wanted:
@@ -104,12 +118,16 @@ def _choose(places: list[Place], occurrence: int) -> Place:
     return places[max(occurrence, 1) - 1]
 
 
-def _syntax(source: bytes) -> str:
-    """The syntax of a text; "" where it is none."""
+def _dump(node: ast.stmt) -> str:
+    return ast.dump(ast.Module([node], []))
+
+
+def _syntax(source: bytes) -> tuple[str, ...]:
+    """The syntax of a text; none where it is no code."""
     try:
-        return ast.dump(ast.parse(source))
+        return module_syntax(source)
     except SyntaxError:
-        return ""
+        return ()
 
 
 def _layouts(written: str, source: bytes, start: int) -> Iterator[str]:
