@@ -161,9 +161,8 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     _defect(
         "neimark-sacker-loosely", "special_points", "_locate_neimark_sacker",
-        "brentq(segment.growth_at, low, high, args=(k,), xtol=PLACE * segment.length, rtol=PLACE)", "(low + high) / 2",
-        "tolerance", "a Neimark-Sacker bifurcation to a hundredth of a step",
-        _POINTS,
+        "_passage(segment, low, high, k)", "(low + high) / 2", "tolerance",
+        "a Neimark-Sacker bifurcation to a hundredth of a step", _POINTS,
     ),
     _defect(
         "crossings-not-noticed", "special_points", "CurveSegment.growth_at",
