@@ -16,6 +16,7 @@ import numpy as np
 from scipy.interpolate import BarycentricInterpolator
 from scipy.optimize import brentq
 
+from .bordered import factorise_bordered
 from .continuation import CorrectionError, Point
 from .family import double_period
 
@@ -28,7 +29,7 @@ PLACE = 1e-9  # of the step, to which other special points are located
 NOISE = 1e-6  # multipliers so near the circle are on it: those of free phases, and of motions without damping
 REAL = 1e-3  # rad from 1 or -1, within which a multiplier on the circle is taken for real
 LEAST_SIZE = 1e-300  # of a multiplier whose logarithm is taken
-JUMPS = 0.1  # share of the change of a multiplier over a step that a 64th of it may have, for there it should be 1/64
+JUMPS = 0.3  # share of the change of a multiplier over a step that a 64th of it may have: 1/64, or 1/8 of a root
 BISECTIONS = 6  # of a step in which a multiplier passes the circle, before its kind is looked at
 NEIGHBOURHOOD = 1.0  # of what is left after them, beyond which the secant method looks no further
 MAX_SECANT = 20
@@ -111,10 +112,10 @@ def _locate_fold(segment):
 def _locate_crossings(segment):
     """Return (kind, s, Point) where multipliers pass the unit circle, those of folds left out."""
     located = []
-    outside = [int((abs(segment.multipliers_at(s)) > 1).sum()) for s in (0.0, segment.length)]
+    outside = [int((abs(segment.multipliers_at(s)) > 1 + NOISE).sum()) for s in (0.0, segment.length)]
     k = min(outside)
     while k < max(outside):
-        growth = [segment.growth_at(s, k) for s in (0.0, segment.length)]
+        growth = [segment.growth_at(s, k) - NOISE for s in (0.0, segment.length)]
         if growth[0] * growth[1] > 0:
             k += 1
             continue
@@ -124,7 +125,8 @@ def _locate_crossings(segment):
             located.append((JUMP, high, segment.at(high)))
             k += 2 if is_pair else 1
             continue
-        angle = min(abs(np.angle(segment.multipliers_at(s)[k])) for s in (low, high))
+        beyond = max((low, high), key=lambda s: segment.growth_at(s, k))  # there a pair may have become real
+        angle = abs(np.angle(segment.multipliers_at(beyond)[k]))
         if angle <= REAL:
             located += _locate_branch_point(segment, (low + high) / 2)
         else:
@@ -140,7 +142,7 @@ def _bisect(segment, k, first):
     low, high = 0.0, segment.length
     for _ in range(BISECTIONS):
         middle = (low + high) / 2
-        if segment.growth_at(middle, k) * first > 0:
+        if (segment.growth_at(middle, k) - NOISE) * first > 0:
             low = middle
         else:
             high = middle
@@ -148,8 +150,15 @@ def _bisect(segment, k, first):
 
 
 def _locate_neimark_sacker(segment, low, high, k):
-    s = brentq(segment.growth_at, low, high, args=(k,), xtol=PLACE * segment.length, rtol=PLACE)
+    s = _passage(segment, low, high, k)
     return NEIMARK_SACKER, s, segment.at(s)
+
+
+def _passage(segment, low, high, k):
+    """Return where the k-th multiplier passes the circle, or its outer edge where it comes from the circle."""
+    edge = 0.0 if segment.growth_at(low, k) * segment.growth_at(high, k) < 0 else NOISE
+    growth = lambda s: segment.growth_at(s, k) - edge
+    return brentq(growth, low, high, xtol=PLACE * segment.length, rtol=PLACE)
 
 
 def _locate_doubling(segment, low, high, k):
@@ -166,7 +175,7 @@ def _locate_doubling(segment, low, high, k):
         if not low - NEIGHBOURHOOD * width <= s <= high + NEIGHBOURHOOD * width:
             break
         value = test(s)
-    s = brentq(segment.growth_at, low, high, args=(k,), xtol=PLACE * segment.length, rtol=PLACE)
+    s = _passage(segment, low, high, k)
     return PERIOD_DOUBLING, s, segment.at(s)
 
 
@@ -176,6 +185,14 @@ def _locate_branch_point(segment, near):
     Points beside it are interpolated: at the branch point itself Newton's method has a singular matrix.
     """
     test, width = BranchTest(segment.tracer, segment.at), segment.length * 2.0 ** (1 - BISECTIONS)
+    low, high = near - width, near + width
+    first = test(low)
+    if first * test(high) > 0:  # a fold, or rounding
+        return []
+    for _ in range(BISECTIONS - 1):
+        middle = (low + high) / 2
+        low, high = (middle, high) if test(middle) * first > 0 else (low, middle)
+    near, width = (low + high) / 2, high - low
     places = near + width * NODES
     values = np.array([test(s) for s in places])
     inner, outer = values[[2, 3]], values[[0, 5]]
@@ -210,7 +227,7 @@ class BranchTest:
         dx, dp = solve(np.random.default_rng(7).normal(size=F.shape), 0.0)
         self.direction = dx, dp
         if self.left is None:
-            self.left = self.tracer.plane(dx, dp)
+            self.left = dx, dp
         return 1 / float(np.vdot(self.left[0], dx) + self.left[1] * dp)
 
 
@@ -225,12 +242,14 @@ class DoublingTest:
         """Return the test function at s, zero where the Jacobian of the odd harmonics is singular."""
         point = self.at(s)
         rows = self.tracer.family.rows(point.value)
-        F, solve = rows.linearise(rows.pack(double_period(self.unpack(point.x))))
+        x = rows.pack(double_period(self.unpack(point.x)))
+        column = np.zeros_like(rows.residual(x))
+        _, solve = factorise_bordered(rows, x, column, np.zeros_like(x), 1.0)  # of full precision, as J alone is not
         if solve is None:
             return 0.0
-        z = rows.unpack(solve(np.random.default_rng(7).normal(size=F.shape)))
+        z = rows.unpack(solve(np.random.default_rng(7).normal(size=column.shape), 0.0)[0])
         z[..., 0::4], z[..., 3::4] = 0.0, 0.0  # the mean and the harmonics of the period itself
         self.direction = rows.pack(z), 0.0
         if self.left is None:
-            self.left = self.tracer.plane(*self.direction)[0]
+            self.left = self.direction[0]
         return 1 / float(np.vdot(self.left, self.direction[0]))

@@ -23,7 +23,7 @@ _LINE_DECAYS = "stability/test_floquet.py::test_drag_damps_every_disturbance_of_
 _MATHIEU = "stability/test_floquet.py::test_mathieu_on_its_transition_curves"
 _LINE = "stability/test_curve.py::test_a_line_ends_where_it_is_solved_directly -k frequency"
 
-_POINTS = "stability/test_special_points.py::test_special_points_are_those_of_shooting"
+_STEPS = "stability/test_special_points.py::test_special_points_do_not_depend_on_the_steps -k '{}'"
 _MIRRORED = "stability/test_special_points.py::test_both_sides_of_a_broken_symmetry"
 _CHANGES = "stability/test_special_points.py::test_stability_changes_where_special_points_are"
 _DOUBLED = "stability/test_special_points.py::test_a_doubled_branch_leads_to_the_next_doubling"
@@ -152,18 +152,18 @@ DEFECTS: tuple[Defect, ...] = (
         "the harmonics of the period itself in the test function of a doubling", _DOUBLED,
     ),
     _defect(
-        "branch-point-at-any-crossing", "special_points", "_locate_branch_point", "inner[0] * inner[1] > 0", "False",
-        "regime", "a fold taken for a branch point where its multiplier passes one", _POINTS,
+        "branch-points-left-out", "special_points", "_locate_branch_point", "first * test(high) > 0",
+        "first * test(high) < 0", "sign", "branch points taken for folds", _MIRRORED,
     ),
     _defect(
         "branch-point-between-two-nodes", "special_points", "_locate_branch_point", "near + width * NODES",
-        "near + 20 * width * NODES", "order", "a branch point interpolated over a wide part of the curve", _POINTS,
+        "near + 20 * width * NODES", "order", "a branch point interpolated over a wide part of the curve",
+        _STEPS.format("hardening"),
     ),
     _defect(
         "neimark-sacker-loosely", "special_points", "_locate_neimark_sacker",
-        "brentq(segment.growth_at, low, high, args=(k,), xtol=PLACE * segment.length, rtol=PLACE)", "(low + high) / 2",
-        "tolerance", "a Neimark-Sacker bifurcation to a hundredth of a step",
-        _POINTS,
+        "_passage(segment, low, high, k)", "(low + high) / 2", "tolerance",
+        "a Neimark-Sacker bifurcation to a hundredth of a step", _STEPS.format("entrained"),
     ),
     _defect(
         "crossings-not-noticed", "special_points", "CurveSegment.growth_at",

@@ -7,12 +7,13 @@ from functools import cache
 
 import numpy as np
 import pytest
+from scipy.special import mathieu_a, mathieu_b
 
 from solvers import InputError, Status, response_curve, solve_periodic
 from solvers.stability import floquet
-from solvers.stability.special_points import PERIOD_DOUBLING
+from solvers.stability.special_points import BRANCH_POINT, PERIOD_DOUBLING
 
-from ..cases.planar_systems import forced_oscillator, lure, unilateral_spring
+from ..cases.planar_systems import forced_oscillator, lure, mathieu, unilateral_spring
 from ..exact import lure as exact_lure
 from ..exact import piecewise_linear as exact
 from ..exact.duffing_bifurcations import Oscillator, bifurcation
@@ -51,6 +52,18 @@ def test_the_period_doubling_of_lures_system():
     assert point.z[3, 0, 0] / np.sqrt(2) == pytest.approx(float(expected), abs=PLACE)
     assert point.value == pytest.approx(float(omega), abs=PLACE * 0.01)
     assert float(expected) == pytest.approx(0.6303020, abs=1e-7)
+
+
+# ---------------------------------------------------------------- parametric excitation
+@pytest.mark.parametrize(
+    ("start", "stop", "order", "kind"), [(0.3, 1.8, 1, PERIOD_DOUBLING), (3.6, 4.6, 2, BRANCH_POINT)]
+)
+def test_mathieu_transition_curves_are_special_points_of_rest(start, stop, order, kind):
+    """Rest loses its stability between b_n(q) and a_n(q), doubled in period or not, without damping."""
+    curve = response_curve(parameter=lambda a: mathieu(a, 0.5), start=start, stop=stop, harmonics=12, stability=True)
+    assert [point.kind for point in curve.special] == [kind] * 2
+    expected = float(mathieu_b(order, 0.5)), float(mathieu_a(order, 0.5))
+    assert [point.value for point in curve.special] == pytest.approx(expected, abs=PLACE * (stop - start))
 
 
 # ---------------------------------------------------------------- coexisting responses
