@@ -260,7 +260,22 @@ _FILES = {
         ("stability.family", "stability.bordered", "stability.continuation", "stability.curve"),
         ("stability/test_curve.py",),
     ),
-    "stability.floquet": ("stability/test_floquet.py",),
+    **dict.fromkeys(
+        ("stability.floquet", "stability.hill", "stability.monodromy"),
+        ("stability/test_floquet.py", "stability/test_line_multipliers.py"),
+    ),
+    "stability.dense": ("stability/test_floquet.py",),
+    **dict.fromkeys(
+        (
+            "stability.leading",
+            "mooring.hill",
+            "mooring.monodromy",
+            "mooring.stepped_orbit",
+            "mooring.linearised_steps",
+            "mooring.linearised_newmark",
+        ),
+        ("stability/test_line_multipliers.py",),
+    ),
     "io.scene": ("common/test_failures.py", "catenary/test_invariants.py", "io/test_scene.py"),
 }
 
