@@ -22,8 +22,11 @@ from ..time_domain.solve import solve_time_domain
 from . import diagnostics
 from .block_elimination import BlockFactors
 from .diagnostics import largest_change
+from .hill import LineHill
 from .history import MooringOutputs
+from .monodromy import LinearisedPeriod
 from .samples import predict_tensions, sampled_residual, sampled_tangents
+from .stepped_orbit import SteppedOrbit
 
 
 @dataclass(frozen=True)
@@ -72,30 +75,24 @@ class MooringResponse(MooringOutputs, PeriodicResponse):
         force = self.system.end_cell_force(y, z @ q_t.T, -(z * omega**2) @ q.T, end, element)
         return force if self.coarse is None else force + (force - self.coarse.end_force_at(t, end, element)) / 3
 
-    def linearised_at(self, t) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return the derivatives (m, m, S) of the free nodes' rows by their y, ydot and yddot at times t (S,) in s.
-
-        Their coordinates stand node after node; N/m, N s/m and kg.
-        """
-        line, (q, q_t) = self.system.line, self.basis.functions(np.asarray(t, dtype=float))
+    def motion_at(self, t) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return r, v and r'' (S, N, n) of the nodes at times t (S,) in s, in the axes of the system."""
+        q, q_t = self.basis.functions(np.asarray(t, dtype=float))
         functions = q, q_t, -q * (self.basis.omega * self.basis.harmonic) ** 2
-        samples = np.stack([np.ascontiguousarray((self.z @ f.T).T) for f in functions])  # (3, S, N, n)
-        samples[0] += self.system.rest_state().T
-        n, nodes, cells, count = len(self.system.axes), self.system.nodes, line.length.size, len(q)
-        R, T, unit = np.empty(samples[0].shape), np.zeros((count, cells)), np.empty((count, cells, n))
-        tensions = np.empty_like(T)
-        sampled_residual(line, samples, T, R, tensions, unit)
-        diagonal, right, left = (np.empty((d, n, n, size, count)) for d, size in ((3, nodes), (2, cells), (2, cells)))
-        sampled_tangents(line, samples, tensions, diagonal, right, left)
-        result, every = np.zeros((3, nodes, n, nodes, n, count)), np.arange(nodes)
-        result[:, every, :, every] = np.moveaxis(diagonal, 3, 0)
-        for part, row, column in ((right, line.first, line.last), (left, line.last, line.first)):
-            for c in range(cells):  # cells may join the same two nodes
-                result[:2, row[c], :, column[c]] += part[:, :, :, c]
-        free = ~self.system.order.is_prescribed
-        result = result[:, free][:, :, :, free]
-        stiffness, damping, mass = result.reshape(3, free.sum() * n, free.sum() * n, count)
-        return stiffness, damping, mass
+        r, v, a = (np.ascontiguousarray((self.z @ f.T).T) for f in functions)
+        return r + self.system.rest_state().T, v, a
+
+    def linearised_period(self, steps, scheme, sideways=False) -> LinearisedPeriod:
+        """Return what takes small disturbances of this response over its period, as ``floquet`` asks."""
+        return LinearisedPeriod(self, steps, scheme, sideways)
+
+    def stepped_orbit(self, steps) -> SteppedOrbit:
+        """Return the motion near this response that so many time steps in its period repeat."""
+        return SteppedOrbit(self, steps)
+
+    def hill_problem(self) -> LineHill:
+        """Return Hill's problem of this response."""
+        return LineHill(self)
 
     def end_tension_at(self, t, end, element=None) -> np.ndarray:
         """Return the size of the force at an end (0 or -1) of an element at times t (S,) in s, N."""

@@ -189,7 +189,7 @@ def _initial_state(system, start, moves_at_once):
         return np.array(state.y.T, order="C"), v, np.zeros_like(v), np.zeros_like(v), np.zeros_like(v)
     y, ydot = start
     ydot = np.zeros_like(y) if ydot is None else ydot
-    r, v = np.ascontiguousarray(y.T), np.ascontiguousarray(ydot.T)
+    r, v = np.array(y.T, order="C"), np.array(ydot.T, order="C")  # the steps change them in place
     a = balancing_acceleration(system, r, v)
     return r, v, a, a.copy(), a.copy()
 

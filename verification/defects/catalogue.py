@@ -8,11 +8,12 @@ from .cables import DEFECTS as CABLES
 from .defect import Defect
 from .dynamics import DEFECTS as DYNAMICS
 from .mooring import DEFECTS as MOORING
+from .multipliers import DEFECTS as MULTIPLIERS
 from .networks import DEFECTS as NETWORKS
 from .spans import DEFECTS as SPANS
 from .stability import DEFECTS as STABILITY
 
-CATALOGUE: tuple[Defect, ...] = (*SPANS, *NETWORKS, *CABLES, *DYNAMICS, *MOORING, *STABILITY)
+CATALOGUE: tuple[Defect, ...] = (*SPANS, *NETWORKS, *CABLES, *DYNAMICS, *MOORING, *STABILITY, *MULTIPLIERS)
 
 # ---------------------------------------------------------------- kinds of checks
 FROZEN = (
@@ -290,7 +291,22 @@ _FILES = {
     "stability.switching": ("stability/test_special_points.py",),
     "stability.adaptivity": ("stability/test_resume.py",),
     "io.curve_file": ("stability/test_resume.py",),
-    "stability.floquet": ("stability/test_floquet.py",),
+    **dict.fromkeys(
+        ("stability.floquet", "stability.hill", "stability.monodromy"),
+        ("stability/test_floquet.py", "stability/test_line_multipliers.py"),
+    ),
+    "stability.dense": ("stability/test_floquet.py",),
+    **dict.fromkeys(
+        (
+            "stability.leading",
+            "mooring.hill",
+            "mooring.monodromy",
+            "mooring.stepped_orbit",
+            "mooring.linearised_steps",
+            "mooring.linearised_newmark",
+        ),
+        ("stability/test_line_multipliers.py",),
+    ),
     "io.scene": ("common/test_failures.py", "catenary/test_invariants.py", "io/test_scene.py"),
 }
 

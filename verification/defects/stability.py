@@ -1,4 +1,4 @@
-"""Defects of response curves, their special points and branches, and of the stability of responses."""
+"""Defects of response curves, of their special points and branches."""
 
 from __future__ import annotations
 
@@ -14,15 +14,7 @@ _STABILITY = "stability/test_curve.py::test_stability_changes_at_folds"
 _END = "stability/test_curve.py::test_a_curve_says_where_it_ends"
 _BACK = "stability/test_curve.py::test_a_curve_that_comes_back_to_its_start_says_so"
 _KINK = "stability/test_curve.py::test_a_line_is_followed_through_kinks"
-_MEISSNER = "stability/test_floquet.py::test_meissner_in_closed_form"
-_ORDER = "stability/test_floquet.py::test_meissner_is_of_fifth_order"
-_ROADS = "stability/test_floquet.py::test_liouville_and_two_roads_on_a_nonlinear_orbit"
-_TOWED = "stability/test_floquet.py::test_rows_that_prescribe_a_velocity_have_their_multiplier_taken_out"
-_LINE_MODES = "stability/test_floquet.py::test_a_line_at_rest_swings_in_its_natural_modes"
-_LINE_DECAYS = "stability/test_floquet.py::test_drag_damps_every_disturbance_of_a_moving_line"
-_MATHIEU = "stability/test_floquet.py::test_mathieu_on_its_transition_curves"
 _LINE = "stability/test_curve.py::test_a_line_ends_where_it_is_solved_directly -k frequency"
-
 _STEPS = "stability/test_special_points.py::test_special_points_do_not_depend_on_the_steps -k '{}'"
 _MIRRORED = "stability/test_special_points.py::test_both_sides_of_a_broken_symmetry"
 _CHANGES = "stability/test_special_points.py::test_stability_changes_where_special_points_are"
@@ -102,41 +94,6 @@ DEFECTS: tuple[Defect, ...] = (
         "fold-not-noticed", "special_points", "locate_special_points",
         "segment.at(0.0).u * segment.at(segment.length).u < 0", "False", "regime",
         "no fold is located", _STABILITY,
-    ),
-    _defect(
-        "radau-weight", "floquet", "_radau", "(296 - 169 * r) / 1800", "(296 + 169 * r) / 1800", "sign",
-        "a sign in the weights of Radau IIA", _MEISSNER,
-    ),
-    _defect(
-        "radau-node", "floquet", "_radau", "np.array([(4 - r) / 10, (4 + r) / 10, 1.0])",
-        "np.array([(4 - r) / 10, (4 + r) / 10, 0.9])", "order",
-        "the last stage before the end of the step", _ROADS,
-    ),
-    _defect(
-        "monodromy-product-turned", "floquet", "monodromy",
-        "np.dot(np.eye(n) + h * np.tensordot(last, rates, 1), result)",
-        "np.dot(result, np.eye(n) + h * np.tensordot(last, rates, 1))", "index",
-        "the matrices of the steps multiplied in another order", _MEISSNER,
-    ),
-    _defect(
-        "gauss-weight", "floquet", "_gauss", "5 / 36 + r / 24", "5 / 36 - r / 24", "sign",
-        "a sign in the weights of Gauss's scheme", _LINE_MODES,
-    ),
-    _defect(
-        "line-without-damping", "floquet", "_tangents_of_line", "(K, C)", "(K, zero)", "term",
-        "the disturbance of a line not damped by its drag", _LINE_DECAYS,
-    ),
-    _defect(
-        "hill-sign", "floquet", "hill_exponents", "eig(J, -D)", "eig(J, D)", "sign",
-        "Hill's exponents with another sign", _ROADS,
-    ),
-    _defect(
-        "hill-series-twice", "floquet", "hill_exponents", "EDGE - 0.5", "EDGE - 1.0", "index",
-        "bounds of a mean harmonic half as wide again, where some multipliers are twice", _MATHIEU,
-    ),
-    _defect(
-        "constraint-multiplier-kept", "floquet", "floquet", "np.delete(multipliers, np.argmin(abs(multipliers - 1)))",
-        "multipliers", "term", "the multiplier of a prescribed velocity kept among the others", _TOWED,
     ),
     _defect(
         "body-frequencies-alike", "family", "_tunable", "value * times[name]", "value", "factor",

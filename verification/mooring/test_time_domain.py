@@ -331,3 +331,21 @@ def test_sampled_and_other_motions_are_taken():
     lines = [system(OC3, 10, motion=given, mesh="uniform", fields="spatial") for given in (motion, plain)]
     one, other = solve_time_domain(lines, dt=0.1, duration=10.0, ramp=5.0, tolerance=1e-9)
     assert abs(one.y - other.y).max() <= 1e-6 and other.system.period is None
+
+
+def test_a_start_is_not_changed():
+    """Arrays whose transposes are contiguous, as those of an earlier history, stay as they were."""
+    made = system(SURGE_5, cells=6)
+    y = np.array(made.rest_state().T, order="C").T
+    before, ydot = y.copy(), np.zeros((made.nodes, 2)).T
+    settings = {
+        "dt": 0.1,
+        "count": 5,
+        "rho_inf": 0.5,
+        "tolerance": 1e-8,
+        "step_tolerance": None,
+        "ramp": 0.0,
+        "every": 1,
+    }
+    made.integrate(start=(y, ydot), **settings)
+    assert np.array_equal(y, before) and not ydot.any()
