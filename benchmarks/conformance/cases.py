@@ -163,8 +163,8 @@ def _added_mass() -> list[Case]:
              line(**hose, period=8.0, sin=[(0, 0, 0.5)], periods=16)),
         Case("motion/added-mass-circle", "buoyant hose, ellipse of 0.5 m and 0.7 m in 8 s", ("added_mass",),
              line(**buoyant, period=8.0, sin=[(0.5, 0, 0)], cos=[(0, 0, 0.7)], periods=14)),
-        Case("motion/added-mass-heave-sway", "buoyant hose, heave of 0.6 m and sway of 3 m in 7 s", ("added_mass",),
-             line(**buoyant, period=7.0, sin=[(0, 0, 0.6)], cos=[(0, 3.0, 0)], periods=14)),
+        Case("motion/added-mass-heave-sway", "buoyant hose, heave of 0.6 m and sway of 2 m in 7 s", ("added_mass",),
+             line(**buoyant, period=7.0, sin=[(0, 0, 0.6)], cos=[(0, 2.0, 0)], periods=14), levels=FINE),
     ]  # fmt: skip
 
 
@@ -183,15 +183,15 @@ def _drag() -> list[Case]:
              line(**OC3, period=20.0, sin=[(5.0, 0, 0)])),
         Case("motion/normal-drag-heave", "suspended chain, heave of 3 m in 12 s", ("normal_drag",),
              line(anchor=(-400, 0, -160), fairlead=(0, 0, -20), length=450.0, **CHAIN, period=12.0, sin=[(0, 0, 3.0)])),
-        Case("motion/normal-drag-buoyant", "buoyant rope, surge of 1 m and heave of 2 m in 8 s", ("normal_drag",),
-             line(**buoyant, period=8.0, sin=[(1.0, 0, 2.0)], periods=8, cells=120)),
+        Case("motion/normal-drag-buoyant", "buoyant rope, surge of 1 m and heave of 1.5 m in 8 s", ("normal_drag",),
+             line(**buoyant, period=8.0, sin=[(1.0, 0, 1.5)], periods=10, cells=120), levels=FINE),
         Case("motion/normal-drag-seabed", "chain of OC3 on its seabed, surge of 5 m in 20 s", ("normal_drag",),
-             line(**OC3, period=20.0, sin=[(5.0, 0, 0)], depth=320.0, seabed_stiffness=1e4, damping=0.01)),
+             line(**OC3, period=20.0, sin=[(5.0, 0, 0)], depth=320.0, seabed_stiffness=1e4, damping=0.01, cells=80)),
         Case("motion/sway-taut", "taut rope, sway of 8 m in 10 s", ("out_of_plane", "normal_drag"),
              line(**taut, period=10.0, sin=[(0, 8.0, 0)], cells=80)),
-        Case("motion/circle-horizontal", "rope, horizontal circle of 3 m in 12 s", ("out_of_plane", "normal_drag"),
-             line(anchor=(0, 0, -120), fairlead=(130, 0, -20), length=170.0, **ROPE, period=12.0, sin=[(3.0, 0, 0)],
-                  cos=[(0, 3.0, 0)], cells=120, periods=8), levels=FINE),
+        Case("motion/circle-horizontal", "rope, horizontal ellipse in 12 s", ("out_of_plane", "normal_drag"),
+             line(anchor=(0, 0, -120), fairlead=(125, 0, -20), length=165.0, **ROPE, period=12.0, sin=[(2.0, 0, 0)],
+                  cos=[(0, 4.0, 0)], cells=120, periods=8)),
         Case("motion/tangential-drag-heave", "steep rope, heave of 1.2 m in 8 s", ("tangential_drag",),
              line(**steep, period=8.0, sin=[(0, 0, 1.2)])),
         Case("motion/tangential-drag-loop", "hanging loop, heave of 1.5 m and surge in 10 s", ("tangential_drag",),
@@ -204,7 +204,8 @@ def _drag() -> list[Case]:
 def _current() -> list[Case]:
     return [
         Case("motion/current-along", "light rope, a current of 1 m/s away from the anchor", ("current",),
-             line(**OBLIQUE, length=200.0, **ROPE, period=10.0, sin=[(2.0, 0, 0)], current=[1.0, 0.0, 0.0], cells=160)),
+             line(**OBLIQUE, length=190.0, **ROPE, period=10.0, sin=[(1.5, 0, 0)], current=[1.0, 0.0, 0.0], cells=160),
+             levels=FINE),
         Case("motion/current-against", "taut rope, a current of 1.5 m/s towards the anchor", ("current",),
              line(**OBLIQUE, length=180.0, **ROPE, period=9.0, sin=[(0.5, 0, 0)], current=[-1.5, 0.0, 0.0], cells=80)),
         Case("motion/current-across", "light rope, a current of 1 m/s across it", ("current", "out_of_plane"),

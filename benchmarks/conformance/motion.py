@@ -15,6 +15,8 @@ from pathlib import Path
 
 import numpy as np
 
+from solvers import ConvergenceError
+
 from ..run import console
 from . import independent
 from .cases import BILATERAL, BOX, EXACT, WITHOUT, all_cases
@@ -23,7 +25,7 @@ from .responses import Variant, balance_box, balance_nodes, distance, extrapolat
 
 FILE = Path(str(files("reference_data"))) / "conformance" / "motion.json"
 VERSION = "2026.11"
-DIGITS = 6
+DIGITS, FEWER_DIGITS = 6, 5  # of the truth, and of the answers of mistakes
 WRONG = 0.05  # of the range: no fatigue or strength check stands that
 WIDER = 3.0  # times the right bound, which a wrong answer is at least away
 HARMONICS = 5
@@ -116,8 +118,16 @@ def make_row(case) -> dict:
         "id": case.id, "group": case.group, "title": case.title, "features": list(case.features),
         "laws": list(case.laws), "second": case.second, "inputs": case.inputs, "truth": rounded(truth),
         "scale": rounded(scale), "uncertainty": rounded(uncertainty, 2), "bound": rounded(bound, 3),
-        "mistakes": rounded(mistakes), "without": rounded(without),
+        "mistakes": rounded(mistakes, FEWER_DIGITS), "without": rounded(without, FEWER_DIGITS),
     }  # fmt: skip
+
+
+def make_row_or_say_why(case) -> tuple:
+    """Return the id of a case and its row, or why there is none."""
+    try:
+        return case.id, make_row(case)
+    except (ConvergenceError, ArithmeticError) as error:
+        return case.id, f"{type(error).__name__}: {error}"
 
 
 def left_out(case, feature, truth, base) -> dict:
@@ -162,16 +172,19 @@ def main(argv=None) -> int:
     parser.add_argument("--only", action="append", metavar="ID", help="these cases; the others stay as they are")
     parser.add_argument("--jobs", type=int, default=2, help="processes")
     arguments = parser.parse_args(argv)
-    known = {}
+    known, failed = {}, 0
     if arguments.only and FILE.exists():
         known = {row["id"]: row for row in json.loads(FILE.read_text(encoding="utf-8"))["cases"]}
     wanted = [case for case in all_cases() if not arguments.only or case.id in arguments.only]
     with multiprocessing.get_context("spawn").Pool(arguments.jobs, maxtasksperchild=4) as pool:
-        for number, row in enumerate(pool.imap_unordered(make_row, wanted), start=1):
-            known[row["id"]] = row
-            print(f"{number} of {len(wanted)}: {row['id']}", file=sys.stderr, flush=True)
-            write([known[case.id] for case in all_cases() if case.id in known])
-    return 0
+        for number, (name, row) in enumerate(pool.imap_unordered(make_row_or_say_why, wanted), start=1):
+            failed += isinstance(row, str)
+            said = row if isinstance(row, str) else ""
+            print(f"{number} of {len(wanted)}: {name}", said, file=sys.stderr, flush=True)
+            if not isinstance(row, str):
+                known[name] = row
+                write([known[case.id] for case in all_cases() if case.id in known])
+    return int(failed > 0)
 
 
 if __name__ == "__main__":
