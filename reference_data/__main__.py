@@ -21,17 +21,20 @@ from pathlib import Path
 import mpmath
 from tqdm import tqdm
 
-from reference_data.generate import spans
+from reference_data.generate import conformance_common, conformance_statics, spans
 from verification.exact import catenary_mp
 
 HERE = Path(str(files("reference_data")))
-GENERATED = {"spans": spans}
+GENERATED = {"spans": spans, "conformance_statics": conformance_statics}
+"""Set -> its generator: design() gives rows with a name, compute(row) a dict. The table is data.csv of the set's folder
+with the generator's COLUMNS; or its PATH, of cases of JSON, whose text its render(rows) gives."""
 SHOWN_DIFFERENCES = 40
 
 
 def _code_digest(generator):
     """Fingerprint of the generator, the oracle and the arithmetic."""
-    sources = (Path(module.__file__).read_bytes() for module in (generator, catenary_mp))
+    modules = (generator, *getattr(generator, "SOURCES", (catenary_mp,)))
+    sources = (Path(module.__file__).read_bytes() for module in modules)
     return hashlib.sha256(b"".join(sources) + mpmath.__version__.encode()).hexdigest()
 
 
@@ -89,6 +92,26 @@ def _as_csv(generator, rows):
     return out.getvalue()
 
 
+def _is_json(generator):
+    return hasattr(generator, "PATH")
+
+
+def _table_path(name):
+    """Return the file of a set."""
+    generator = GENERATED[name]
+    return HERE / generator.PATH if _is_json(generator) else HERE / name / "data.csv"
+
+
+def _as_text(generator, rows):
+    """Return the rows that there are, in design order, as the text of the set's file."""
+    return generator.render(rows) if _is_json(generator) else _as_csv(generator, rows)
+
+
+def _csv_rows(text):
+    """Return name -> row, a dict of texts, of a data.csv."""
+    return {row["name"]: row for row in csv.DictReader(io.StringIO(text))}
+
+
 def _replace(path, text):
     """Write atomically: readers see the old file or the new one."""
     temporary = path.with_name(f"{path.name}.{os.getpid()}.tmp")
@@ -97,10 +120,10 @@ def _replace(path, text):
 
 
 def regenerate(name, jobs, sample=None):
-    """Compute a set, resuming an interrupted run, and replace its data.csv; ``sample`` is not used."""
-    generator, data = GENERATED[name], HERE / name / "data.csv"
+    """Compute a set, resuming an interrupted run, and replace its table; ``sample`` is not used."""
+    generator, data = GENERATED[name], _table_path(name)
     digest = _code_digest(generator)
-    partial = data.with_name("data.partial.tmp")
+    partial = data.with_name(f"{data.stem}.partial.tmp")
     rows = _finished(partial, digest)
     data.parent.mkdir(exist_ok=True)
     _replace(partial, "".join(json.dumps(line) + "\n" for line in (digest, *rows.values())))
@@ -111,14 +134,14 @@ def regenerate(name, jobs, sample=None):
             log.flush()
 
         rows |= {row["name"]: row for row in _computed(name, jobs, keep, done=frozenset(rows))}
-    _replace(data, _as_csv(generator, rows))
+    _replace(data, _as_text(generator, rows))
     partial.unlink()
     return []
 
 
-def differences(stored, fresh):
-    """Sentences on every difference between two texts of data.csv."""
-    old, new = ({row["name"]: row for row in csv.DictReader(io.StringIO(text))} for text in (stored, fresh))
+def differences(stored, fresh, read_rows=_csv_rows):
+    """Sentences on every difference between two texts of a table, data.csv if not said otherwise."""
+    old, new = read_rows(stored), read_rows(fresh)
     results = [f"{name}: not stored" for name in new if name not in old]
     results += [f"{name}: stored but not in the design" for name in old if name not in new]
     for name in (n for n in new if n in old):
@@ -137,21 +160,24 @@ def _spread(names, count):
     return {names[i * len(names) // count] for i in range(count)} if count < len(names) else set(names)
 
 
-def _only(text, names):
-    """Return the text of data.csv without the rows of other names."""
+def _only(text, names, is_json=False):
+    """Return the text of a table without the rows of other names."""
+    if is_json:
+        return conformance_common.without_cases(text, names)
     header, *lines = text.splitlines(keepends=True)
     return "".join([header, *(line for line in lines if next(csv.reader([line]))[0] in names)])
 
 
 def check(name, jobs, sample=None):
     """Recompute a set, or ``sample`` of its rows, and compare it with its data.csv, character by character."""
-    data = HERE / name / "data.csv"
+    data, generator = _table_path(name), GENERATED[name]
     if not data.exists():
         return [f"{data.name} of set {name} is missing: run `python -m reference_data regenerate --only {name}`"]
-    stored, names = data.read_bytes().decode("utf-8"), [row.name for row in GENERATED[name].design()]
+    stored, names = data.read_bytes().decode("utf-8"), [row.name for row in generator.design()]
     chosen = _spread(names, sample or len(names))
-    fresh = _as_csv(GENERATED[name], {row["name"]: row for row in _computed(name, jobs, done=set(names) - chosen)})
-    return differences(_only(stored, chosen) if sample else stored, fresh)
+    fresh = _as_text(generator, {row["name"]: row for row in _computed(name, jobs, done=set(names) - chosen)})
+    read_rows = conformance_common.table_rows if _is_json(generator) else _csv_rows
+    return differences(_only(stored, chosen, _is_json(generator)) if sample else stored, fresh, read_rows)
 
 
 def _positive(text):

@@ -9,6 +9,7 @@ water wherever its origin is: the line is let down until it is, and its seabed w
 
 from __future__ import annotations
 
+import copy
 import math
 import os
 import tempfile
@@ -21,12 +22,14 @@ from pathlib import Path
 import moordyn
 import numpy as np
 
-from solvers.io.moordyn_writer import write_moordyn
-from solvers.network.solve import solve_network
-from verification.conformance.adapter import Adapter
+from verification.conformance.adapter import Adapter, CableAnswer, MovingNetworkAnswer
+
+from .moordyn_networks import describe_network, stable_step
 
 DAMPING = -0.1
 STEP = 0.5  # of the time that an axial wave takes through a segment; twice that is beyond the limit of stability
+RELAXATION = {"ICgenDynamic": 1, "CdScaleIC": 10.0, "TmaxIC": 600.0, "threshIC": 1e-6, "dtIC": 2.0}
+"""How it finds a network at rest: with more drag, until the tensions change by less than threshIC in a few dtIC, s."""
 _INPUT = """MoorDyn
 --- LINE TYPES ---
 Name Diam MassDen EA BA/-zeta EI Cd Ca CdAx CaAx
@@ -65,39 +68,44 @@ class MoorDyn(Adapter):
     # 196 segments take four times as long as 98 and, but for case 3 of the paper, no further
 
     def cable(self, scene, time, fairlead, cells):
-        """The force on the fairlead at the start and at the end of each coupling step."""
+        """The force on the fairlead at the start and at the end of each coupling step.
+
+        Of conformance cases a CableAnswer: also at the anchor, and the extremes of the tension along the line.
+        """
         environment, cable = scene.environment, scene.cable
         if any(environment.current):
             raise NotImplementedError("this adapter describes still water")
         if environment.depth is not None and (environment.seabed_stiffness is None or any(scene.friction)):
             raise NotImplementedError("this adapter describes an elastic seabed without friction")
-        if cable.Cdb != cable.Cdn or cable.damping:
-            raise NotImplementedError("this adapter gives one transverse drag coefficient and no damping in s")
+        if cable.Cdb != cable.Cdn:
+            raise NotImplementedError("it has one transverse drag coefficient")
         step = time[1] - time[0]
         velocity = np.diff(fairlead, axis=0) / step
         down = float(max(scene.anchor[2], fairlead[:, 2].max()) + scene.length)  # with its seabed, if it has one
         fairlead = fairlead - [0.0, 0.0, down]
-        force = np.empty((len(time), 3))
+        record = Record(len(time), getattr(scene, "window", None), cells)
         with tempfile.TemporaryDirectory() as folder, _silence():
             file = Path(folder) / "lines.txt"
             file.write_text(describe(scene, cells, down), encoding="utf-8")
             system = moordyn.Create(str(file))
             try:
                 moordyn.Init(system, list(fairlead[0]), [0.0, 0.0, 0.0])
-                point = moordyn.GetPoint(system, 2)
-                force[0] = moordyn.GetPointForce(point)
+                record.take(system, 0, time[0])
                 for k in range(len(time) - 1):
                     moordyn.Step(system, list(fairlead[k]), list(velocity[k]), time[k], step)
-                    force[k + 1] = moordyn.GetPointForce(point)
+                    record.take(system, k + 1, time[k + 1])
             finally:
                 moordyn.Close(system)
-        return np.linalg.norm(force, axis=1)
+        return record.answer(scene) if hasattr(scene, "window") else record.ends[1]
 
     def moving_network(self, network, motion, time, cells, damping_ratio=-DAMPING):
         """The forces on the coupled nodes at the start and at the end of each coupling step, (P, 3, K), N.
 
+        Of conformance cases a MovingNetworkAnswer, from where MoorDyn itself finds the network at rest.
         damping_ratio: of the critical damping of a segment, what lines without internal damping get.
         """
+        if any(network.environment.current):
+            raise NotImplementedError("this adapter describes still water")
         if any(element.friction for element in network.elements):
             raise NotImplementedError("this adapter describes a seabed without friction")
         coupled = [i for i, node in enumerate(network.nodes) if node.kind == "coupled"]
@@ -109,15 +117,17 @@ class MoorDyn(Adapter):
         down = float(top + sum(element.L for element in network.elements))
         positions = positions - [0.0, 0.0, down]
         forces = np.empty((len(coupled), 3, len(time)))
-        lowered = let_down(network, down)
-        with _system(lowered, cells, {"tScheme": "RK2", "TmaxIC": 0}, damping_ratio, positions[0]) as (system, every):
+        is_case = hasattr(network, "body")
+        lowered = let_down_as_given(network, down) if is_case else let_down(network, down)
+        start = RELAXATION if is_case else {"TmaxIC": 0}
+        with _system(lowered, cells, {"tScheme": "RK2"} | start, damping_ratio, positions[0]) as (system, every):
             points = [every[i] for i in coupled]
             forces[..., 0] = [moordyn.GetPointForce(point) for point in points]
             for k in range(len(time) - 1):
                 x, v = positions[k].ravel(), velocity[k].ravel()
                 moordyn.Step(system, list(x), list(v), time[k], step)
                 forces[..., k + 1] = [moordyn.GetPointForce(point) for point in points]
-        return forces
+        return MovingNetworkAnswer(forces) if is_case else forces
 
     def forces_at_rest(self, network, cells, seconds=600.0):
         """As the function of this name: where motions start, and no solver of networks at rest."""
@@ -144,12 +154,25 @@ def _system(network, cells, options, damping_ratio, coupled):
     with tempfile.TemporaryDirectory() as folder, _silence():
         file = Path(folder) / "lines.txt"
         quiet = {"writeLog": 0, "disableOutput": 1, "disableOutTime": 1}
-        try:
-            write_moordyn(file, network, cells, damping_ratio=damping_ratio, options=options | quiet)
-        except ValueError as error:  # an InputError: outside MoorDyn's model
-            raise NotImplementedError(str(error)) from None
+        write = _write_case if hasattr(network, "body") else _write
+        write(file, network, cells, damping_ratio, options | quiet)
         with _started(file, coupled, len(network.nodes)) as system:
             yield system
+
+
+def _write(file, network, cells, damping_ratio, options):
+    """Write a solvers.Network, by this project's own writer."""
+    from solvers.io.moordyn_writer import write_moordyn
+
+    try:
+        write_moordyn(file, network, cells, damping_ratio=damping_ratio, options=options)
+    except ValueError as error:  # an InputError: outside MoorDyn's model
+        raise NotImplementedError(str(error)) from None
+
+
+def _write_case(file, network, cells, damping_ratio, options):
+    """Write the network of a conformance case, without any solver of this project."""
+    file.write_text(describe_network(network, cells, damping_ratio, options), encoding="ascii")
 
 
 @contextmanager
@@ -172,10 +195,46 @@ def let_down(network, down: float):
     return type(network)(nodes, network.elements, environment)
 
 
+def let_down_as_given(network, down: float):
+    """Return the network of a conformance case so many m lower, with its seabed; free nodes where it puts them."""
+    lowered = copy.deepcopy(network)
+    for node in lowered.nodes:
+        node.r = (node.r[0], node.r[1], node.r[2] - down)
+    if network.environment.depth is not None:
+        lowered.environment.depth += down
+    return lowered
+
+
 @lru_cache(maxsize=8)
 def _places_at_rest(network):
     """Kept, so that the equilibrium that MoorDyn is given is in no timing of a second call."""
+    from solvers.network.solve import solve_network
+
     return solve_network(network).r
+
+
+class Record:
+    """The tension at both ends at each time, and its extremes along the line over a window of times, s."""
+
+    def __init__(self, times: int, window, cells: int):
+        self.ends, self.window = np.empty((2, times)), window
+        self.greatest, self.least = np.full(cells + 1, -np.inf), np.full(cells + 1, np.inf)
+
+    def take(self, system, k: int, time: float):
+        """Take the state at a time: the forces on the end points, and between them the tension of its nodes."""
+        self.ends[:, k] = [np.linalg.norm(moordyn.GetPointForce(moordyn.GetPoint(system, i))) for i in (1, 2)]
+        if self.window and self.window[0] <= time <= self.window[1]:
+            line, last = moordyn.GetLine(system, 1), len(self.least) - 1
+            inner = [np.linalg.norm(moordyn.GetLineNodeTen(line, i)) for i in range(1, last)]
+            along = np.array([self.ends[0, k], *inner, self.ends[1, k]])
+            np.maximum(self.greatest, along, out=self.greatest)
+            np.minimum(self.least, along, out=self.least)
+
+    def answer(self, scene) -> CableAnswer:
+        """Return all that is asked for; between its nodes the extremes are interpolated."""
+        nodes = np.linspace(0.0, scene.length, len(self.least))
+        envelope = [np.interp(scene.s, nodes, extreme) for extreme in (self.greatest, self.least)]
+        return CableAnswer(self.ends[1], self.ends[0], envelope)
 
 
 def describe(scene, segments: int, down: float) -> str:
@@ -190,9 +249,10 @@ def describe(scene, segments: int, down: float) -> str:
         depth, seabed = float(environment.depth + down), f"{stiffness!r} kBot\n{damping!r} cBot\n"
     crossing = scene.length / segments / math.sqrt(cable.EA / cable.mass_per_length)  # s
     return _INPUT.format(
-        d=cable.diameter, m=cable.mass_per_length, EA=cable.EA, damping=DAMPING, Cd=cable.Cdn, Ca=cable.Ca,
-        Cdt=cable.Cdt, L=scene.length, segments=segments, step=STEP * crossing, g=environment.g, rho=environment.rho,
-        depth=depth, seabed=seabed, **points,
+        d=cable.diameter, m=cable.mass_per_length, EA=cable.EA, damping=cable.damping * cable.EA or DAMPING,
+        Cd=cable.Cdn, Ca=cable.Ca, Cdt=cable.Cdt, L=scene.length, segments=segments,
+        step=stable_step(STEP, crossing, cable.damping), g=environment.g, rho=environment.rho, depth=depth,
+        seabed=seabed, **points,
     )  # fmt: skip
 
 

@@ -18,6 +18,13 @@ OUT_OF_REACH = 100.0
 """Depth of a seabed that is not there, in units of the deepest place that the line can reach."""
 
 
+MOST_NODES = 202
+"""Of a line whose shape is asked for."""
+
+NODE_OFFSET = 1e-9
+"""Share of the distance of two nodes by which an arc length may miss one."""
+
+
 class MoorPy(Adapter):
     """Its tolerances are distances in m: ``tolerance`` times L of a line, or of the longest line of a network."""
 
@@ -33,10 +40,18 @@ class MoorPy(Adapter):
         if case.friction > 0 and case.clearance > 0:
             raise NotImplementedError("its argument CB is either the friction or the height of end A above the seabed")
         options = {} if tolerance is None else {"Tol": tolerance * case.L}
-        *_, FxB, FzB, info = catenary(case.x, case.z, case.L, case.EA, case.w, CB=_seabed(case), **options)
+        nodes = _nodes_at(getattr(case, "s", ()), case.L)
+        shape = {"plots": 1, "nNodes": nodes} if nodes else {}  # 1: with the shape in info, and no figure
+        FxA, FzA, FxB, FzB, info = catenary(
+            case.x, case.z, case.L, case.EA, case.w, CB=_seabed(case), **options, **shape
+        )
         iterations = info["catenary"]["iter"] if "catenary" in info else 0
-        # forces of the line on end B, z up: the fairlead carries the opposite; an end A above end B is reversed inside
-        return SpanAnswer(float(-FxB), float(-FzB), iterations, str(info["message"]) if info["error"] else "")
+        # forces of the line on its ends, z up: the fairlead carries the opposite; A above B is reversed inside
+        return SpanAnswer(
+            float(-FxB), float(-FzB), iterations, str(info["message"]) if info["error"] else "",
+            H_anchor=float(FxA), V_anchor=float(FzA), grounded_length=info.get("LBot"),
+            stiffness=info.get("stiffnessB"), **_shape(info, case, nodes),
+        )  # fmt: skip
 
     def network(self, network, tolerance=None):
         """The system is built outside the clock; solveEquilibrium's tol is 0.05 m as it comes."""
@@ -49,7 +64,25 @@ class MoorPy(Adapter):
             systems.solve(system, metres)
             return systems.tensions(system)
 
-        return solve
+        return solve if not hasattr(network, "body") else lambda: systems.complete_answer(network, system, solve())
+
+
+def _nodes_at(s, L: float) -> int:
+    """Return the least number of nodes, equally spaced, of which some are at all arc lengths s; 0 where none is."""
+    for nodes in range(2, MOST_NODES) if len(s) else ():
+        if all(abs(place / L * (nodes - 1) - round(place / L * (nodes - 1))) < NODE_OFFSET for place in s):
+            return nodes
+    return 0
+
+
+def _shape(info, case, nodes: int) -> dict:
+    """Return its profile and tension at case.s, where it gives them."""
+    if not nodes or len(info.get("X", ())) != nodes:
+        return {}
+    at = [round(place / case.L * (nodes - 1)) for place in case.s]
+    if any(abs(info["s"][i] - place) > NODE_OFFSET * case.L for i, place in zip(at, case.s, strict=True)):
+        return {}  # of a line that touches the seabed between raised ends the two parts have nodes of their own
+    return {"profile": [[info["X"][i], info["Z"][i]] for i in at], "tension": [info["Te"][i] for i in at]}
 
 
 def _seabed(case) -> float:

@@ -20,6 +20,8 @@ os.environ.setdefault("MPLBACKEND", "Agg")  # it imports pyplot
 
 import moorpy
 
+from verification.conformance.adapter import NetworkAnswer
+
 TYPES = {"free": 0, "fixed": 1, "coupled": -1}
 NO_SEABED = 1e6  # m: depth of a seabed that is not there
 
@@ -46,6 +48,18 @@ def build(network) -> moorpy.System:
         system.addLine(element.L, str(i), pointA=first + 1, pointB=last + 1)
     system.initialize()
     return system
+
+
+def complete_answer(network, system, tension) -> NetworkAnswer:
+    """Return positions and, of the body that carries the coupled points, its analytic stiffness beside the tensions."""
+    r = positions(system)
+    if network.body is None:
+        return NetworkAnswer(tension, r)
+    body = system.addBody(TYPES["coupled"], np.array([*network.body.reference, 0.0, 0.0, 0.0]))
+    for i in network.body.nodes:
+        body.attachPoint(i + 1, r[i] - network.body.reference)
+        system.pointList[i].type = TYPES["fixed"]  # what it calls a point that is attached
+    return NetworkAnswer(tension, r, system.getCoupledStiffnessA(lines_only=True))
 
 
 def place(system, positions) -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from importlib import metadata
 
+import numpy as np
 from pycatenary import MooringLine
 
 from verification.conformance.adapter import Adapter, SpanAnswer
@@ -33,5 +34,11 @@ class PyCatenary(Adapter):
         if tolerance is not None:
             line.catenary.tol = tolerance * case.L
         line.compute_solution()
-        force = line.get_fairlead_force()  # of the line on the fairlead, z up
-        return SpanAnswer(float(-force[0]), float(-force[2]))
+        force, at_anchor = line.get_fairlead_force(), line.get_anchor_force()  # of the line on its ends, z up
+        s = getattr(case, "s", ())
+        return SpanAnswer(
+            float(-force[0]), float(-force[2]), H_anchor=float(at_anchor[0]), V_anchor=float(at_anchor[2]),
+            grounded_length=float(case.L - sum(line.catenary.Ls)),
+            profile=[line.get_position(place)[[0, 2]] for place in s] or None,
+            tension=[float(np.linalg.norm(line.get_tension(place))) for place in s] or None,
+        )  # fmt: skip

@@ -122,9 +122,9 @@ class Adapter:
     def network(self, network, tolerance=None):
         """Return the tension at the anchor and fairlead ends of every element, (e, 2), N, or a NetworkAnswer.
 
-        network as solvers.Network. Conformance cases also have network.body with ``nodes`` (the coupled ones) and
-        ``reference`` (3,), m. A function of no argument may be returned instead, which solves and returns it: what
-        came before is not timed.
+        network as solvers.Network. Conformance cases also have network.body (or None) with ``nodes`` (the coupled
+        ones) and ``reference`` (3,), m. A function of no argument may be returned instead, which solves and returns
+        it: what came before is not timed.
         """
         raise NotImplementedError
 

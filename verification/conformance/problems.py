@@ -107,10 +107,9 @@ def as_network(inputs: dict) -> SimpleNamespace:
         elements.append(element)
     network = SimpleNamespace(nodes=tuple(nodes), elements=tuple(elements), environment=as_environment(inputs))
     network.slip_speed = inputs.get("slip_speed")
-    if "body" in inputs:
-        coupled = [i for i, node in enumerate(nodes) if node.kind == "coupled"]
-        body = inputs["body"]
-        network.body = SimpleNamespace(nodes=body.get("nodes", coupled), reference=tuple(body["reference"]))
+    coupled = [i for i, node in enumerate(nodes) if node.kind == "coupled"]
+    body = inputs.get("body")
+    network.body = body and SimpleNamespace(nodes=body.get("nodes", coupled), reference=tuple(body["reference"]))
     return network
 
 

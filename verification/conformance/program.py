@@ -4,7 +4,7 @@ in   {"problem": "span", "tolerance": null, "w", "EA", "L", "x", "z", "seabed", 
       conformance cases "s": [n], "mass_per_length", "diameter", "rho", "g"
      {"problem": "network", "tolerance": null, "rho", "g", "depth" (null: no seabed),
       "nodes": [{"kind", "r", "mass", "volume", "force"}], "elements": [{"w", "EA", "L", "ends", "friction"}]}, and of
-      conformance cases "mass_per_length" and "diameter" of elements and "body": {"nodes", "reference": [3]}
+      conformance cases "mass_per_length", "diameter" of elements and "body": null or {"nodes", "reference": [3]}
      {"problem": "cable", "cells", "time": [K], "fairlead": [K x 3], "anchor": [3], "length", "w", "EA", "diameter",
       "mass_per_length", "Cdn", "Cdb", "Cdt", "Ca", "damping", "rho", "g", "current": [3], "depth",
       "seabed_stiffness", "seabed_damping"}, and of conformance cases "friction", "slip_speed", "s": [n], "window": [2]
@@ -69,7 +69,8 @@ class Program(Adapter):
         environment = {key: getattr(network.environment, key) for key in ("rho", "g", "depth")}
         asked = _parts(network, _NODE, _ELEMENT) | environment | {"tolerance": tolerance}
         if hasattr(network, "body"):
-            asked["body"] = {"nodes": list(network.body.nodes), "reference": list(network.body.reference)}
+            body = network.body
+            asked["body"] = body and {"nodes": list(body.nodes), "reference": list(body.reference)}
         answer = self._ask("network", asked)
         return _as(NetworkAnswer, answer) if hasattr(network, "body") else answer.get("tension")
 
