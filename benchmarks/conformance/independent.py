@@ -14,7 +14,7 @@ import numpy as np
 from verification.exact import moving_network as exact
 from verification.exact.rigid_motion import RigidMotion
 
-from .responses import network, scene
+from .responses import Variant, moving_system, network, scene
 
 TOLERANCE = 1e-8  # of a step; what it leaves is far below the bounds of a case
 
@@ -96,6 +96,13 @@ def exact_network(inputs, cells) -> exact.Network:
         None, water.current, water.rho, water.g)  # fmt: skip
 
 
+def _start(inputs, cells):
+    """Return places (cells + 1, 3) near those at rest: both ends, then the inner nodes."""
+    system = moving_system(inputs, cells, Variant(options={"mesh": "uniform", "calibrate": False}))
+    places = system.positions(system.rest_state()).T
+    return np.concatenate([places[[0, -1]], places[1:-1]])
+
+
 def integrate(inputs, cells, first_period, *, bilateral=False) -> dict:
     """Return the answer over the period of that number, from rest, on equal cells: quantity -> array.
 
@@ -104,7 +111,7 @@ def integrate(inputs, cells, first_period, *, bilateral=False) -> dict:
     of_network = "elements" in inputs
     made = exact_network(inputs, cells) if of_network else exact_line(inputs, cells)
     clock = inputs["time"]
-    start = exact.solve_equilibrium(made)
+    start = exact.solve_equilibrium(made, None if of_network else _start(inputs, cells))
     step = clock["period"] / clock["instants"]
     times = step * np.arange((first_period + 1) * clock["instants"])
     with mock.patch.object(exact, "Forces", BilateralForces if bilateral else exact.Forces):

@@ -183,10 +183,6 @@ EQUATIONS = {
         "The first period, in which the motion still grows, is given for the one asked for.",
         lambda inputs: Variant(first_period=0),
     ),
-    "one_step_late": (
-        "Each value is that of the time step before.",
-        lambda inputs: Variant(delay=inputs["time"]["dt"]),
-    ),
 }
 """Name -> (sentence, inputs -> Variant, None where there is nothing to go wrong with)."""
 

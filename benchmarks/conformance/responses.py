@@ -90,13 +90,12 @@ class Variant:
     """What a mistaken code does otherwise: inputs are changed before, these while and after solving.
 
     line: changes the arrays ``equations.Line`` of the mesh; motion: replaces the periodic motion;
-    first_period: the period that is answered with; delay: of all instants, s; options: of ``mooring_system``
+    first_period: the period that is answered with; options: of ``mooring_system``
     """
 
     line: object = None
     motion: object = None
     first_period: int | None = None
-    delay: float = 0.0
     options: dict = field(default_factory=dict)
 
 
@@ -124,8 +123,7 @@ def march(inputs, cells, steps, variant=None) -> dict:
     duration = clock["periods"] * period
     history = solve_time_domain(system, dt=period / steps, duration=duration, ramp=rule["ramp"])
     first = clock["discard"] if variant.first_period is None else variant.first_period
-    t = period * (first + np.arange(clock["instants"]) / clock["instants"]) - variant.delay
-    t = np.maximum(t, 0.0)
+    t = period * (first + np.arange(clock["instants"]) / clock["instants"])
     if is_network(inputs):
         return _network_answer(history, t)
     within = slice(round(first * steps), round((first + 1) * steps) + 1)

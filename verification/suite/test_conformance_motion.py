@@ -345,14 +345,6 @@ class Planar(Ours):
         return super().cable(scene, time, fairlead * np.array([1.0, 0.0, 1.0]), cells)
 
 
-class Late(Ours):
-    """Each value one step late."""
-
-    def give(self, answer):
-        """Shift the series."""
-        return CableAnswer(*(np.concatenate([T[:1], T[:-1]]) for T in (answer.tension, answer.anchor_tension)))
-
-
 class FirstPeriod(Ours):
     """The first period for the last."""
 
@@ -440,7 +432,6 @@ PLANTED = {  # name -> (case, adapter)
     "volume_ignored": ("buoy", Planted(**set_free_nodes(volume=0.0))),
     "point_drag_ignored": ("clump", Planted(**set_free_nodes(CdA=0.0))),
     "ramp_left_in": ("normal-drag-surge", FirstPeriod()),
-    "one_step_late": ("slack-heave", Late()),
     "kN_for_N": ("damping-taut", Planted(**replace_answer(lambda force: force / 1000))),
     "kgf_for_N": ("damping-taut", Planted(**replace_answer(lambda force: force / 9.80665))),
     "ends_swapped": ("normal-drag-surge", Planted(answer=swap_ends)),
