@@ -177,16 +177,12 @@ def _drag() -> list[Case]:
             "mass": 70.0, "Cdn": 1.0, "Cdt": 0.3} | WATER  # fmt: skip
     thin = {"anchor": (0, 0, -40), "fairlead": (60, 0, -20), "length": 160.0, "EA": 4e7, "diameter": 0.15,
             "mass": 50.0, "Cdn": 1.0, "Cdt": 0.4} | WATER  # fmt: skip
-    buoyant = {"anchor": (0, 0, -120), "fairlead": (120, 0, -60), "length": 150.0, "EA": 5e6, "diameter": 0.2,
-               "mass": 26.0, "Cdn": 1.0} | WATER  # fmt: skip
     taut = {"anchor": (-200, 0, -120), "fairlead": (0, 0, -20), "length": 222.0} | POLYESTER
     return [
         Case("motion/normal-drag-surge", "suspended chain of OC3, surge of 5 m in 20 s", ("normal_drag",),
              line(**OC3, period=20.0, sin=[(5.0, 0, 0)])),
         Case("motion/normal-drag-heave", "suspended chain, heave of 3 m in 12 s", ("normal_drag",),
              line(anchor=(-400, 0, -160), fairlead=(0, 0, -20), length=450.0, **CHAIN, period=12.0, sin=[(0, 0, 3.0)])),
-        Case("motion/normal-drag-buoyant", "buoyant rope, surge of 1 m and heave of 1.5 m in 8 s", ("normal_drag",),
-             line(**buoyant, period=8.0, sin=[(1.0, 0, 1.5)], periods=10, cells=120), levels=FINE),
         Case("motion/normal-drag-seabed", "chain of OC3 on its seabed, surge of 5 m in 20 s", ("normal_drag",),
              line(**OC3, period=20.0, sin=[(5.0, 0, 0)], depth=320.0, seabed_stiffness=1e4, damping=0.01, cells=80)),
         Case("motion/sway-taut", "taut rope, sway of 8 m in 10 s", ("out_of_plane", "normal_drag"),
