@@ -30,7 +30,7 @@ WRONG = 0.05  # of the range: no fatigue or strength check stands that
 WIDER = 3.0  # times the right bound, which a wrong answer is at least away
 HARMONICS = 5
 BOX_NODES = (61, 121, 241)  # with a node at each place of the envelope
-FINE_STEPS = 3200  # in a period, against the reference integrator, whose steps have no error worth mentioning
+FINE_STEPS = 12800  # in a period, against the reference integrator, whose steps have no error worth mentioning
 EXACT_PERIOD = 1  # from rest, in which the two are compared: after the ramp
 UNITS = {
     "fairlead_tension": "N, magnitude of the force at the fairlead at the instants of the compared period",
