@@ -264,8 +264,12 @@ def _seabed() -> list[Case]:
 
 def _slack() -> list[Case]:
     extreme = {"group": "extreme", "second": EXACT, "laws": (SLACK_LAW,), "right": 0.003, "levels": FINE}
+    wire = {"anchor": (0, 0, -100), "fairlead": (60, 0, -10), "length": 112.0, "EA": 4e6, "diameter": 0.12,
+            "mass": 25.0, "Cdn": 1.0, "Cdt": 0.1, "damping": 0.1} | WATER  # fmt: skip
     taut = {"anchor": (-200, 0, -120), "fairlead": (0, 0, -20), "length": 225.0, "damping": 0.1} | ROPE | {"EA": 8e6}
     return [
+        Case("motion/slack-heave", "wire that goes slack and snaps, heave of 3 m in 8 s", ("slack", "snap"),
+             line(**wire, period=8.0, sin=[(0, 0, 3.0)]), **extreme),
         Case("motion/slack-surge", "taut rope that goes slack and snaps, surge of 3 m in 8 s", ("slack", "snap"),
              line(**taut, period=8.0, sin=[(3.0, 0, 0)], periods=8), **extreme),
     ]  # fmt: skip
