@@ -32,6 +32,8 @@ MAY_IMPORT = {
     "benchmarks/peers": ("numpy", "benchmarks.peers", "verification.conformance", "verification.cases",
                          "verification.registry", "verification.reference", "moorpy", "pycatenary", "moordyn",
                          "solvers.io.moordyn_writer", "solvers.network.solve"),
+    "benchmarks/conformance": ("numpy", "scipy", "solvers", "verification.exact", "verification.conformance", "pytest",
+                               "benchmarks"),
     "benchmarks": ("numpy", "scipy", "solvers", "verification.cases", "verification.registry", "verification.reference",
                    "verification.conformance", "pytest", "threadpoolctl", "mpmath", "tqdm", "benchmarks"),
     "reports/browser": ("pytest", "playwright", "reports.browser"),
