@@ -51,6 +51,10 @@ class Elimination(NamedTuple):
     edges: int
     axes: tuple
 
+    def with_rows(self, n) -> Elimination:
+        """Return the same steps for blocks of n rows."""
+        return self._replace(axes=(0.0,) * n)
+
 
 def number_nodes(model, s) -> Layout:
     """Return the Layout of a MooringModel on arc lengths s of each segment."""

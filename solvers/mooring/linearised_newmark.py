@@ -31,6 +31,7 @@ def factorise_newmark(line, order, orbit, kept, weights, factors, by_own, by_las
     own = np.empty((3, count, axes, axes))
     last, first = np.empty((2, cells, axes, axes)), np.empty((2, cells, axes, axes))
     right[:], left[:] = 0.0, 0.0
+    row = np.empty(n)
     for step in range(orbit[0].shape[0]):
         r, v, a = orbit[0][step], orbit[1][step], orbit[2][step]
         residual(line, r, v, a, no_tension, R, T, unit)
@@ -46,7 +47,7 @@ def factorise_newmark(line, order, orbit, kept, weights, factors, by_own, by_las
                     by_last[step, c, j, k], by_first[step, c, j, k] = last[1, c, p, q], first[1, c, p, q]
                     right[step, c, j, k] = last[0, c, p, q] + weights[0] * last[1, c, p, q]
                     left[step, c, j, k] = first[0, c, p, q] + weights[0] * first[1, c, p, q]
-        factorise(order, diagonal[step], right[step], left[step])
+        factorise(order, diagonal[step], right[step], left[step], row)
 
 
 @compiled(calls=(linearised_steps,))

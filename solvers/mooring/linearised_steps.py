@@ -33,7 +33,7 @@ def factorise_steps(line, order, orbit, kept, h, nodes, weights, factors, right_
     no_tension, apart = np.zeros(cells), (1.0, 1.0, 1.0)
     by_own = np.empty((3, count, axes, axes))
     by_last, by_first = np.empty((2, cells, axes, axes)), np.empty((2, cells, axes, axes))
-    slack = 0
+    slack, row = 0, np.empty(stages * n)
     for step in range(steps):
         right[step], left[step] = 0.0, 0.0
         for i in range(stages):
@@ -64,7 +64,7 @@ def factorise_steps(line, order, orbit, kept, h, nodes, weights, factors, right_
                             by_v, by_r = h * weights[i, l], h * h * squared[i, l]
                             right[step, c, i * n + j, l * n + k] = by_v * C + by_r * K
                             left[step, c, i * n + j, l * n + k] = by_v * C2 + by_r * K2
-        factorise(order, diagonal[step], right[step], left[step])
+        factorise(order, diagonal[step], right[step], left[step], row)
     return slack
 
 

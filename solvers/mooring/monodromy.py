@@ -23,13 +23,14 @@ class LinearisedPeriod:
 
     def __init__(self, response, steps, scheme, sideways=False):
         system, stages = response.system, scheme.nodes.size
-        self.h, self.rate, self.order = response.last_period[1] / steps, response.basis.omega, system.order
+        self.h, self.rate = response.last_period[1] / steps, response.basis.omega
         t = self.h * (np.arange(steps)[:, None] + scheme.nodes).ravel()
         orbit = [part.reshape(steps, stages, *part.shape[1:]) for part in response.motion_at(t)]
         self.line, orbit, kept = disturbed_axes(system, orbit, sideways)
         self.free = np.flatnonzero(~system.order.is_prescribed)
         self.n, nodes, cells, edges = kept.size, system.nodes, self.line.length.size, system.order.edges
         self.size, block = 2 * self.n * self.free.size, stages * self.n
+        self.order = system.order.with_rows(block)
         self.factors = tuple(np.empty((steps, count, block, block)) for count in (nodes, edges, edges))
         self.right_side = tuple(np.empty((steps, 2, count, block, self.n)) for count in (nodes, cells, cells))
         self.updates = scheme.last, scheme.last @ scheme.weights
@@ -56,12 +57,13 @@ class SteppedPeriod:
     """
 
     def __init__(self, system, orbit, h, scheme, sideways=False):
-        self.h, self.scheme, self.order = h, scheme, system.order
+        self.h, self.scheme = h, scheme
         self.line, orbit, kept = disturbed_axes(system, orbit, sideways)
         self.free = np.flatnonzero(~system.order.is_prescribed)
         steps, nodes = orbit[0].shape[:2]
         self.n, cells, edges = kept.size, self.line.length.size, system.order.edges
         self.size, blocks = 4 * self.n * self.free.size, (self.n, self.n)
+        self.order = system.order.with_rows(self.n)
         self.units = (2 * np.pi / (steps * h)) ** np.array([0.0, 1.0, 2.0, 2.0])[:, None, None, None]
         self.factors = tuple(np.empty((steps, count, *blocks)) for count in (nodes, edges, edges))
         self.rates = tuple(np.empty((steps, *shape, *blocks)) for shape in ((2, nodes), (cells,), (cells,)))
