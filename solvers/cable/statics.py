@@ -60,8 +60,8 @@ class StaticState(Outcome):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What the mesh has lost: a pretension that is off by more than ``MAX_PRETENSION_ERROR``."""
-        return pretension_warnings(self.pretension_error, "nodes")
+        """What is suspected in the input, and what the mesh has lost: a pretension off by ``MAX_PRETENSION_ERROR``."""
+        return *self.system.input_warnings(), *pretension_warnings(self.pretension_error, "nodes")
 
     @property
     def fairlead_force(self) -> np.ndarray:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import make_interp_spline
 
+from ..common.diagnostics import check_drag
 from ..common.motion import Ramped
 from ..common.outcome import InputError
 from ..common.properties import CableProperties, Environment
@@ -132,6 +133,17 @@ class CableSystem(CableEquations):
     def rest_warnings(self) -> tuple[str, ...]:
         """Return a warning where the pretension is off that of the exact catenary."""
         return self.equilibrium.warnings
+
+    def input_warnings(self) -> tuple[str, ...]:
+        """Return what is suspected in the scene, no drag across the line, and friction that the rows do not carry."""
+        scene, friction = self.scene, max(getattr(self.scene, "friction", ()), default=0.0)
+        suspected = list(getattr(scene, "warnings", ()))
+        suspected += check_drag([scene.cable], self.motion is not None, scene.environment.current)
+        if friction > 0 and self.needs_mesh_check:
+            suspected.append(
+                f"friction: {friction:g} of the seabed is not in these equations: lying line slides freely"
+            )
+        return tuple(dict.fromkeys(suspected))
 
     def quasi_static_predictor(self, t) -> np.ndarray | None:
         """Return the equilibrium as it follows the fairlead, (n_f, N, S), or None."""

@@ -14,7 +14,7 @@ from ..numerics.continuation import continue_in_load
 from ..numerics.newton import Step, relaxed_newton
 from . import elimination, equations
 from .components import merge_states
-from .diagnostics import exact_pretension, rest_warnings
+from .diagnostics import exact_pretension, friction_warnings, rest_warnings
 
 TOLERANCE = 1e-13  # largest change of a position over the length: some hundred roundings of a coordinate
 SOFT_STRAIN = 0.1  # of the greatest tension, where the continuation begins
@@ -56,8 +56,9 @@ class MooringState(Outcome):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What the mesh has lost: a pretension that is off."""
-        return rest_warnings(self.system) if self.success else ()
+        """What is suspected in the input, friction that the rest has none of, and a pretension that is off."""
+        made = self.system.input_warnings() + friction_warnings(self.system)
+        return made + rest_warnings(self.system) if self.success else made
 
     @property
     def fairlead_force(self) -> np.ndarray:
