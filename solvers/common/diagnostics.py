@@ -22,8 +22,8 @@ def check_drag(cables, is_moving: bool, current):
     """Yield a warning where a CableProperties of these (or None) in motion or a current has no drag across the line."""
     if (is_moving or any(current)) and any(cable is not None and cable.Cdn == 0 for cable in cables):
         yield (
-            "Cdn: 0, or not given: no drag acts across the line, so that a current does not push it and motions die out "
-            "late or never; DNV-OS-E301 has 2.4 for studless chain and 1.6 for fibre rope"
+            "Cdn: 0, or not given: no drag acts across the line, so currents do not push it and motions die out late "
+            "or never; DNV-OS-E301 has 2.4 for studless chain and 1.6 for fibre rope"
         )
 
 
@@ -33,7 +33,6 @@ def check_history(history):
     if time.size < 3:
         yield f"time: only {time.size - 1} step is stored, which shows nothing of the error: use a shorter dt"
         return
-    yield from system.input_warnings()
     yield from system.rest_warnings()
     if history.failed_ramp is not None:
         yield f"ramp: the default, {history.failed_ramp:g} s, led to a failure; taken was one of {history.ramp:g} s"
@@ -69,7 +68,6 @@ def check_response(response):
     t = response.last_period[1] / count * np.arange(count)
     y, ydot = response.at(t), response.rate_at(t)
     tension = system.tension(y, ydot)
-    yield from system.input_warnings()
     yield from system.rest_warnings()
     yield from _check_position(np.linalg.norm(system.drift(y, t), axis=0), system, 0.0, "more nodes or harmonics")
     yield from _check_compression(tension, t, "more nodes, or more harmonics")

@@ -124,7 +124,7 @@ ALIASES = {
     "seabed_stiffness": "kbot k_bot kb bottom_stiffness",
     "seabed_damping": "cbot c_bot bottom_damping",
     "diameter": "d diam od d_nom",
-    "mass_per_length": "m massden mass_density mass_per_unit_length linear_mass",
+    "mass_per_length": "m mass massden mass_density mass_per_unit_length linear_mass",
     "submerged_weight": "w weight wet_weight weight_in_water",
     "breaking_load": "mbl mbs mbf breaking_strength minimum_breaking_load",
     "Cdn": "cd drag drag_coefficient cd_normal can_drag",

@@ -116,7 +116,8 @@ def _suspect(network, cables: dict[str, CableProperties], motion: dict):
         yield from (f"[[line_types]] {name!r}: {text}" for text in suspect_section(cable, network.environment))
     heights = {name: node.r[2] for name, node in zip(network.node_names, network.nodes, strict=True)}
     kinds = zip(network.node_names, network.nodes, strict=True)
-    yield from suspect_heights(heights, tuple(name for name, node in kinds if node.kind == "fixed"))
+    anchors = tuple(name for name, node in kinds if node.kind == "fixed")
+    yield from suspect_heights(heights, anchors, network.environment.depth is not None)
     yield from suspect_angles(network.motion)
     yield from suspect_phases(motion.get("phase", ()))
     yield from check_drag(cables.values(), network.motion is not None, network.environment.current)

@@ -72,14 +72,14 @@ def _suspect_weight(weight, mass, diameter, environment) -> Iterator[str]:
     if abs(weight - expected) <= CONTRADICTION * in_air and weight <= in_air * (1 + SAME):
         return
     text = f"submerged_weight = {weight:g} N/m contradicts mass_per_length and diameter, which make {expected:.4g} N/m"
-    for factor, unit in ((1e3, "kN/m"), (g, "kg/m"), (1e-3, "mN/m")):
+    for factor, unit in ((1e3, "kN/m"), (g, "kg/m")):
         if abs(factor * weight - expected) <= SAME * in_air:
             yield f"{text}: likely in {unit}, {factor * weight:.4g} N/m."
             return
     yield f"{text}: leave it out, and it follows from them."
 
 
-def suspect_heights(ends: dict[str, float], anchors: tuple[str, ...]) -> Iterator[str]:
+def suspect_heights(ends: dict[str, float], anchors: tuple[str, ...], has_seabed: bool) -> Iterator[str]:
     """Yield a sentence where z seems to count downwards: names of points -> z in m, and those that are anchors."""
     lower, upper = [ends[name] for name in anchors], [z for name, z in ends.items() if name not in anchors]
     if lower and upper and min(lower) > max(upper) and min(ends.values()) >= 0:
@@ -89,7 +89,7 @@ def suspect_heights(ends: dict[str, float], anchors: tuple[str, ...]) -> Iterato
         )
         return
     for name, z in ends.items():
-        if z > HIGHEST_END:
+        if z > HIGHEST_END and has_seabed:  # without one z may count from anywhere
             yield f"{name} is {z:g} m above still water: z counts upwards, so {z:g} m below is z = {-z:g}."
 
 

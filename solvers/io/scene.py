@@ -81,13 +81,15 @@ class Scene:
     @cached_property
     def warnings(self) -> tuple[str, ...]:
         """What is suspected by its magnitude, with the likely unit or sign, one sentence each."""
-        water = self.environment
+        water, of_section = self.environment, tuple(suspect_section(self.cable, self.environment))
         return (
-            *suspect_section(self.cable, water),
-            *suspect_heights({"anchor": self.anchor[2], "fairlead": self.fairlead[2]}, ("anchor",)),
+            *of_section,
+            *suspect_heights(
+                {"anchor": self.anchor[2], "fairlead": self.fairlead[2]}, ("anchor",), water.depth is not None
+            ),
             *self.notes,
             *check_drag([self.cable], self.motion is not None, water.current),
-            *suspect_rest(self.spans()[0], water.current),
+            *(() if of_section else suspect_rest(self.spans()[0], water.current)),
         )
 
     @classmethod
@@ -118,7 +120,10 @@ class Scene:
         if not scene.friction:
             problem = "the list is empty; give one coefficient or several"
             raise InputError(problem, field="line.friction", value=friction)
-        scene.spans()
+        try:
+            scene.spans()
+        except InputError as error:
+            raise _explained(error, list(suspect_section(scene.cable, scene.environment))) from None
         if scene.motion is not None:
             scene._check_dynamics()
         return scene
@@ -153,6 +158,12 @@ class Scene:
             "clearance": 0.0 if depth is None else z0 + depth,
         }
         return tuple(Span(**shape, friction=friction) for friction in self.friction)
+
+
+def _explained(error: InputError, suspected: list[str]) -> InputError:
+    """Return the error of a line that has no span, with what is suspected of its section, or what a file can say."""
+    hint = suspected[0] if suspected else "In a file: leave out depth." if error.field == "w" else ""
+    return InputError(f"{error.problem}. {hint}", field=error.field, value=error.value, unit=error.unit)
 
 
 def read_safety_factors(data: dict) -> tuple[float, float] | None:

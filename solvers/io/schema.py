@@ -46,12 +46,13 @@ _EXTRA = {  # what a table takes beside its keys
 }
 _SCENE_MOTION = {"if": {"required": ["motion"]}, "then": {"properties": {"line": _MOVING}}}
 _SERIES = {"required": ["file"], "propertyNames": {"enum": ["file", "reference"]}}
+_FILE = {"required": ["file"]}
 _ROWS = {"anyOf": [{"required": ["sine"]}, {"required": ["cosine"]}]}
-_NOT_WITH_ROWS = {"anyOf": [{"required": ["phase"]}, {"required": ["amplitude"]}]}
+_NOT_WITH_ROWS = {"anyOf": [{"required": ["phase"]}, {"required": ["amplitude"]}, _FILE]}
 _NETWORK_MOTION = {
     "oneOf": [
         _SERIES,
-        {"required": ["amplitude"], **_ONE_FREQUENCY, "not": _ROWS},
+        {"required": ["amplitude"], **_ONE_FREQUENCY, "not": {"anyOf": [_ROWS, _FILE]}},
         {**_ROWS, **_ONE_FREQUENCY, "not": _NOT_WITH_ROWS},
     ]
 }

@@ -26,7 +26,7 @@ from .history import MooringOutputs
 from .samples import predict_tensions, sampled_residual, sampled_tangents
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class MooringResponse(MooringOutputs, PeriodicResponse):
     """Periodic state of a moving line: PeriodicResponse with the outputs of MooringOutputs at the samples.
 

@@ -59,8 +59,8 @@ class Segment:
 class MooringModel:
     """Segments (k,) between points, network.Node each; environment; name for messages.
 
-    is_line: whether each segment follows the one before, and each point, from the first to the last. given: the Scene or
-    Network that it was made of.
+    is_line: whether each segment follows the one before, and each point, from the first to the last.
+    given: the Scene or Network that it was made of.
     """
 
     name: str

@@ -63,10 +63,6 @@ class ChainSystem:
         """Return sentences on what the rest state itself has lost, for the warnings of every result about it."""
         return ()
 
-    def input_warnings(self) -> tuple[str, ...]:
-        """Return sentences on what is suspected in what the chain was made of, or is not carried by its rows."""
-        return ()
-
     def cells_or_empty(self, y, ydot, t, tangents=True) -> Residual:
         """Return ``cells``, or arrays without cells for a single node."""
         if self.nodes > 1:

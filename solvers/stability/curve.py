@@ -29,7 +29,7 @@ class Fold(NamedTuple):
     after: int
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ResponseCurve(Outcome):
     """P periodic responses along a curve, from the start of the parameter's range on; see ``response_curve``.
 
@@ -53,6 +53,13 @@ class ResponseCurve(Outcome):
     residual_norm: float
     end: str
     family: Any = field(repr=False, compare=False)
+
+    def describe(self):
+        """Yield the range of the parameter that was followed, the folds and the outputs."""
+        unit = UNITS.get(self.parameter, "")
+        first, last = self.values[[0, -1]]
+        yield f"{self.values.size} points from {first:.6g} to {last:.6g} {unit}, {len(self.folds)} folds"
+        yield f"outputs from {self.least.min():.6g} to {self.greatest.max():.6g}"
 
     def harmonic(self, k, component=0, node=-1) -> np.ndarray:
         """Return amplitudes (P,) of harmonic k >= 1 of a field at a node."""

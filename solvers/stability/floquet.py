@@ -96,6 +96,9 @@ def floquet(response, *, method: str = "both", steps: int = 200) -> FloquetResul
     """
     one_of("method", method, ("both", "monodromy", "hill"))
     steps = whole_number("steps", steps, 1, MAX_STEPS)
+    if not hasattr(response, "system"):
+        problem = f"{type(response).__name__} is no PeriodicResponse: give what solve_periodic returns of it"
+        raise InputError(problem, field="response", value=response)
     system = response.system
     if hasattr(response, "linearised_at"):  # a line of nodes and elements
         if method == "hill":

@@ -755,4 +755,47 @@ DEFECTS = (
         f"{_CLOSED} {_AGREE} -k 'closed or bridle or friction'",
         blind="a start: all methods converge to the same balance, and what the start cost is part of no claim",
     ),
+    # ------------------------------------------------------------ io.keys, io.schema, io.plausibility
+    Defect(
+        "usual names of keys not looked up",
+        Fault("io.keys", "_likely", 'ALIASES.get(known, "").split()', "()"),
+        "input",
+        "Cd is said to be Cdt, the nearest in letters",
+        "io/test_schema.py::test_the_usual_name_leads_to_the_key",
+    ),
+    Defect(
+        "missing keys pass",
+        Fault("io.keys", "check_keys", "about.required and key not in table", "False"),
+        "input",
+        "a table without a key that it must have is read on",
+        "io/test_schema.py::test_what_is_broken_fails_in_schema_and_reader",
+    ),
+    Defect(
+        "schema with room for any key",
+        Fault("io.schema", "_table", '"additionalProperties": False', '"additionalProperties": True'),
+        "input",
+        "an editor marks no key that is not known",
+        "io/test_schema.py::test_what_is_broken_fails_in_schema_and_reader",
+    ),
+    Defect(
+        "section of a line by its radius",
+        Fault("io.plausibility", "_area", "diameter**2 / 4", "diameter**2"),
+        "factor",
+        "densities and moduli four times too small: ordinary rope is suspected",
+        "io/test_plausibility.py::test_ordinary_systems_of_new_users_run",
+    ),
+    Defect(
+        "weight held against that in air",
+        Fault("io.plausibility", "_suspect_weight", "environment.rho * _area(diameter) * g", "0 * g"),
+        "term",
+        "the weight that mass and diameter make has no buoyancy",
+        "io/test_plausibility.py::test_a_slip_is_suspected_with_the_likely_unit",
+    ),
+    Defect(
+        "phases in degrees pass",
+        Fault("io.plausibility", "suspect_phases", "2 * math.pi * (1 + 1e-6)", "360.0"),
+        "unit",
+        "a phase of 90 rad is no surprise",
+        "io/test_plausibility.py::test_a_slip_is_suspected_with_the_likely_unit",
+    ),
 )

@@ -18,7 +18,7 @@ import pytest
 from verification import ROOT
 
 OWN = ("solvers", "verification", "benchmarks", "reference_data", "reports")
-TESTING = ("pytest", "hypothesis", "mpmath")
+TESTING = ("pytest", "hypothesis", "mpmath", "jsonschema")
 LONGEST_SOLVER_MODULE = 320  # lines: what one can read at a sitting
 READERS = "solvers/io/"  # the room whose job is to read input files
 
