@@ -77,7 +77,7 @@ def _table(keys: dict[str, Key], tables, extra) -> dict:
     """Return the schema of a table."""
     properties = {name: _property(name, key, tables, extra) for name, key in keys.items()}
     required = [name for name, key in keys.items() if key.required]
-    return {"type": "object", "properties": properties, "required": required, "additionalProperties": False}
+    return dict(type="object", properties=properties, required=required, additionalProperties=False)  # noqa: C408
 
 
 def _property(name: str, key: Key, tables, extra) -> dict:

@@ -772,14 +772,14 @@ DEFECTS = (
     ),
     Defect(
         "schema with room for any key",
-        Fault("io.schema", "_table", '"additionalProperties": False', '"additionalProperties": True'),
+        Fault("io.schema", "_table", "additionalProperties=False", "additionalProperties=True"),
         "input",
         "an editor marks no key that is not known",
         "io/test_schema.py::test_what_is_broken_fails_in_schema_and_reader",
     ),
     Defect(
         "section of a line by its radius",
-        Fault("io.plausibility", "_area", "diameter**2 / 4", "diameter**2"),
+        Fault("io.plausibility", "_area", "math.pi * diameter**2 / 4", "math.pi * diameter**2"),
         "factor",
         "densities and moduli four times too small: ordinary rope is suspected",
         "io/test_plausibility.py::test_ordinary_systems_of_new_users_run",
