@@ -1,6 +1,7 @@
 """Readers of input files: scenes and networks in TOML, motions in CSV, MAP++ and MoorDyn files."""
 
 from .map_file import read_map_file
+from .map_writer import write_map_file
 from .moordyn_file import load_moordyn
 from .moordyn_writer import write_moordyn
 from .motion_file import load_body_motion
@@ -13,5 +14,6 @@ __all__ = [
     "load_moordyn",
     "load_network",
     "read_map_file",
+    "write_map_file",
     "write_moordyn",
 ]

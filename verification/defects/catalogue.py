@@ -237,6 +237,7 @@ _FILES = {
         ("common/test_motion.py", "io/test_scene.py", "time_domain/test_solve.py"),
     ),
     **dict.fromkeys(("io.keys", "io.schema"), ("io/test_schema.py",)),
+    "io.map_writer": ("io/test_map_writer.py",),
     "io.plausibility": ("io/test_plausibility.py",),
     "io.motion_file": ("io/test_motion_file.py",),
     **dict.fromkeys(("io.moordyn_file", "io.moordyn_tables", "io.moordyn_writer"), ("io/test_moordyn_file.py",)),

@@ -798,4 +798,11 @@ DEFECTS = (
         "a phase of 90 rad is no surprise",
         "io/test_plausibility.py::test_a_slip_is_suspected_with_the_likely_unit",
     ),
+    Defect(
+        "damping written as a time",
+        Fault("io.map_writer", "_type", "cable.damping * cable.EA / cable.area", "cable.damping"),
+        "unit",
+        "MAP++ takes the viscosity of the section in Pa s",
+        "io/test_map_writer.py::test_a_network_comes_back_as_it_was_written",
+    ),
 )
