@@ -16,7 +16,7 @@ from verification.registry import INSTANTS, instants, last_period_tension
 
 from ..cable import work_precision as dynamic_work
 from ..cable.cases import on_mesh, warm_up
-from .network_outputs import NEVER, POSE_POINTS, POSES, grounded_length
+from .network_outputs import NEVER, POSES, grounded_length
 
 STATIC_NODES = (25, 50, 100, 200)
 HARMONIC = ((25, 4), (25, 6), (25, 9), (50, 9), (50, 15), (100, 15), (100, 25), (200, 25))
@@ -32,6 +32,7 @@ STEPPED_LEVELS = ((100, 400), (200, 800))
 PERIODS = 6  # of a time history: the last one is compared
 SERIES = 241  # instants of the waveforms that are shown
 SHOWN_HARMONICS = 12
+POSE_POINTS = 81  # of the line that is drawn at some instants
 
 SLACK_SHARE = 0.1  # of the mean tension: a smaller one is called nearly slack
 NEAR_RESONANCE = 0.1  # relative distance of a driving harmonic from a natural frequency
@@ -297,7 +298,9 @@ def _warnings(study: Study, report: dict):
         if abs(nearest - driven) < NEAR_RESONANCE * driven:
             yield f"The motion at {driven:.4g} Hz is near a natural frequency of the line at rest, {nearest:.4g} Hz."
     if report["recommended"] is not None:
-        yield from (f"The recommended setting warns: {text}." for text in report["recommended"].get("warnings", ()))
+        best = report["recommended"]
+        which = "recommended" if best["meets"] else "most accurate"
+        yield from (f"The {which} setting warns: {text}." for text in best.get("warnings", ()))
     smallest = report.get("smallest")
     if smallest is None:
         yield "No setting gave a converged tension to compare with: " + report["reference"]["status"] + "."

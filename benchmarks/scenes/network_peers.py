@@ -48,8 +48,8 @@ def static_rows(network) -> Iterator[dict]:
     ours = np.hypot(state.H, state.V)
     for adapter in peers.solving("network").values():
         began = time.perf_counter()
-        made, kind, message = harness.attempt(lambda adapter=adapter: _solved(adapter, smooth), adapter.limit("network"),
-                                              f"{adapter.name}, networks at rest")  # fmt: skip
+        call, who = (lambda adapter=adapter: _solved(adapter, smooth)), f"{adapter.name}, networks at rest"
+        made, kind, message = harness.attempt(call, adapter.limit("network"), who)
         row = {"method": adapter.label, "seconds": time.perf_counter() - began, "sentence": message[:200],
                "smooth": smooth is not network, "tension": None, "ours": ours}  # fmt: skip
         if not kind:

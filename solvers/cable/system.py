@@ -135,7 +135,7 @@ class CableSystem(CableEquations):
 
     def rest_warnings(self) -> tuple[str, ...]:
         """Return ``input_warnings``, and one where the pretension is off that of the exact catenary."""
-        return *self.input_warnings(), *self.equilibrium.warnings
+        return tuple(dict.fromkeys((*self.input_warnings(), *self.equilibrium.warnings)))
 
     def input_warnings(self) -> tuple[str, ...]:
         """Return what is suspected in the scene, no drag across the line, and friction that the rows do not carry."""
