@@ -207,10 +207,9 @@ def tensions(report: dict, name: str, folder: Path) -> Group:
     axes.set_xlim(0, waves["time"][-1])
     add_legend(figure, axes, 3)
     alt = f"{title} of {plural(len(report['lines']), 'line')} of {report['name']}."
-    return Group(
-        f"Known to {number(report['reference']['uncertainty'], 2)} of the largest tension; one curve a line.",
-        [style.save(figure, folder, f"{name}_tension", title, alt)],
-    )
+    known = number(report["reference"]["uncertainty"], 2)
+    drawn = style.save(figure, folder, f"{name}_tension", title, alt)
+    return Group(f"Known to {known} of the largest tension; one curve a line.", [drawn])
 
 
 def harmonics(report: dict, name: str, folder: Path) -> Figure | None:

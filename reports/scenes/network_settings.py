@@ -45,7 +45,7 @@ def recommend(report: dict) -> dict | None:
 
 
 def mark_best(best: dict) -> str:
-    """Return what a table says of the best setting: recommended where its promise meets the tolerance, and only there."""
+    """Return what a table says of the best setting: recommended only where its promise meets the tolerance."""
     return "recommended" if best["meets"] else "most accurate"
 
 
