@@ -12,7 +12,7 @@ import numpy as np
 
 from ..page.formatting import number
 
-WIDTH, HEIGHT = 440.0, 260.0  # of a drawing, in its own units
+LEFT, WIDTH, HEIGHT = 0.0, 440.0, 260.0  # of a drawing, in its own units
 MARGIN = 14.0
 SLOWEST, QUICKEST = 20.0, 2.0  # s that a period, or a series, takes on the page
 FLATTEST = 6  # width over height, beyond which heights are enlarged
@@ -65,14 +65,19 @@ def _draw(rest, poses, axes, every, duration: float, levels: dict, alt: str) -> 
         return " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y, strict=True))
 
     seconds = min(max(duration, QUICKEST), SLOWEST)
-    parts = [f'<line class="{kind}" x1="0" x2="{WIDTH:g}" y1="{y:.1f}" y2="{y:.1f}"/>' for kind, level in levels.items()
-             if level is not None for y in [height - MARGIN - scale[1] * (level - low[1])]]  # fmt: skip
+    parts = []
+    for kind, level in levels.items():
+        if level is not None:
+            y = height - MARGIN - scale[1] * (level - low[1])
+            parts.append(f'<line class="{kind}" x1="{LEFT:g}" x2="{WIDTH:g}" y1="{y:.1f}" y2="{y:.1f}"/>')
     for e, line in enumerate(rest):
         values = ";".join(points(pose[e]) for pose in [*poses, poses[0]])
         parts.append(f'<polyline class="rest" points="{points(line)}"/>')
         parts.append(f'<polyline class="line" points="{points(poses[0][e])}"><animate attributeName="points" '
                      f'dur="{seconds:g}s" repeatCount="indefinite" values="{values}"/></polyline>')  # fmt: skip
-    head = f'<svg class="moving" viewBox="0 0 {WIDTH:g} {height:.0f}" role="img" aria-label="{escape(alt)}">'
+    head = (
+        f'<svg class="moving" viewBox="{LEFT:g} {LEFT:g} {WIDTH:g} {height:.0f}" role="img" aria-label="{escape(alt)}">'
+    )
     svg = f"{head}{''.join(parts)}</svg>"
     return svg, ", heights enlarged" if enlarged else ""
 

@@ -20,9 +20,10 @@ def margin_table(rows: list[dict], name: str) -> Table | None:
     whose = "of the file, and its author's choice"
     if not first["given"]:
         whose = "for the file gives none: a comparison of forces and no design; give [safety_factors] mean and dynamic"
+    share = first["strength"] / first["breaking_load"]
     note = (
-        "T_d = gamma_mean T_mean + gamma_dyn (T_max - T_mean) and S_C = 0.95 of the breaking load, the combination of "
-        f"DNV-OS-E301; {factors}, {whose}. T_max is that of this motion, no extreme of a storm."
+        f"T_d = gamma_mean T_mean + gamma_dyn (T_max - T_mean) and S_C = {number(share)} of the breaking load, the "
+        f"combination of DNV-OS-E301; {factors}, {whose}. T_max is that of this motion, no extreme of a storm."
     )
     formats = dict.fromkeys(("mean", "dynamic", "design", "strength"), kn) | {"utilisation": lambda v: number(v, 3)}
     groups = (("", 1), ("kN", 4), ("", 1))
