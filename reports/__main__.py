@@ -11,6 +11,7 @@ from pathlib import Path
 
 from .pipeline import compare, external_solvers, history, published
 from .pipeline.ledger import digests, write_atomically
+from .pipeline.naming import name_files
 from .pipeline.runner import BusyError, Ended, run_all
 from .pipeline.sources import OUT, files_of
 from .pipeline.stages import GROUPS, SLOW, Stage, plan, scene_plan
@@ -68,9 +69,8 @@ def _check_arguments(parser: argparse.ArgumentParser, argv) -> argparse.Namespac
             parser.error(f"{path}: there is no such scene file")
     if trouble := external_solvers.set_files(arguments.solver):
         parser.error(trouble)
-    stems = [path.stem for path in arguments.scenes]
-    if len(set(stems)) < len(stems):
-        parser.error("two scene files have the same name: results are kept by name, so rename one")
+    if len({path.resolve() for path in arguments.scenes}) < len(arguments.scenes):
+        parser.error("a scene file is given twice")
     if arguments.out.exists() and not arguments.out.is_dir():
         parser.error(f"{arguments.out}: is a file, and --out wants a folder")
     return arguments
@@ -110,15 +110,15 @@ def main(argv=None) -> int:
         return 2
     if arguments.scenes:
         failed = {end.stage.name for end in ended if end.state == "failed"}
-        _print_networks([stage for stage in stages if stage.name not in failed], out / "results")
+        _print_lines([stage for stage in stages if stage.name not in failed], out / "results")
     return _print_outcome(path, ended)
 
 
 def _plan(arguments, out: Path) -> tuple[list[Stage], str]:
     """Return the stages, and the file name of the page."""
     if arguments.scenes:
-        stages = scene_plan(arguments.scenes, arguments.depth, arguments.motion)
-        return stages, f"scene-{'-'.join(path.stem for path in arguments.scenes)}.html"
+        names = name_files(arguments.scenes, out / "results" / "names.json")
+        return scene_plan(names, arguments.depth, arguments.motion), f"scene-{'-'.join(names.values())}.html"
     from .page.registry import claimed_tests  # and matplotlib, which a page about somebody's lines may not need
 
     return plan(arguments.quick, published.write_scenes(out / "published"), claimed_tests()), "index.html"
@@ -142,13 +142,16 @@ def _page(out: Path, name: str, stages: list[Stage], ended: list[Ended], whole: 
     return out / name
 
 
-def _print_networks(stages: list[Stage], results: Path):
-    """Print the lines of every network file, and the setting to use."""
+def _print_lines(stages: list[Stage], results: Path):
+    """Print the lines of every file, and the setting to use."""
     from .scenes.network_settings import merge_timings
     from .scenes.network_tables import summarise
+    from .scenes.terminal import summarise_scene
 
     for stage in stages:
         path = results / stage.output
+        if stage.group == "scenes" and path.exists():
+            print(summarise_scene(json.loads(path.read_text(encoding="utf-8"))), end="\n\n")
         if stage.group == "moving_networks" and path.exists():
             for stem, report in merge_timings(json.loads(path.read_text(encoding="utf-8"))).items():
                 print(summarise(report, stem), end="\n\n")

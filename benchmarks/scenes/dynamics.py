@@ -16,6 +16,7 @@ from verification.registry import INSTANTS, instants, last_period_tension
 
 from ..cable import work_precision as dynamic_work
 from ..cable.cases import on_mesh, warm_up
+from .network_outputs import NEVER, POSES, grounded_length
 
 STATIC_NODES = (25, 50, 100, 200)
 HARMONIC = ((25, 4), (25, 6), (25, 9), (50, 9), (50, 15), (100, 15), (100, 25), (200, 25))
@@ -31,6 +32,7 @@ STEPPED_LEVELS = ((100, 400), (200, 800))
 PERIODS = 6  # of a time history: the last one is compared
 SERIES = 241  # instants of the waveforms that are shown
 SHOWN_HARMONICS = 12
+POSE_POINTS = 81  # of the line that is drawn at some instants
 
 SLACK_SHARE = 0.1  # of the mean tension: a smaller one is called nearly slack
 NEAR_RESONANCE = 0.1  # relative distance of a driving harmonic from a natural frequency
@@ -215,10 +217,13 @@ def _pictured(study: Study, reference: dict) -> dict:
     state, rate = response.at(at), response.rate_at(at)
     tension = response.system.tension(state, rate)
     node, instant = np.unravel_index(tension.argmin(), tension.shape)
+    positions = response.system.positions(state)
     shown = np.linspace(0, at.size - 1, SERIES).astype(int)
     spectrum = np.fft.rfft(reference["wave"]) / at.size
     every = max(1, len(response.system.s) // 100)
     return {
+        "motion": [_row(study, reference, at - first, state, tension, positions)],
+        "poses": _poses(study, positions),
         "waveform": {"time": at[shown] - first, "tension": reference["wave"][shown]},
         "harmonics": [spectrum[0].real, *(2 * abs(spectrum[1 : SHOWN_HARMONICS + 1]))],
         "envelope": {
@@ -234,6 +239,34 @@ def _pictured(study: Study, reference: dict) -> dict:
             "time": at[instant] - first,
         },
     }
+
+
+def _row(study: Study, reference: dict, instants, state, tension, positions) -> dict:
+    """Return the line as a row of the table of lines has it: see ``network_outputs.lines``."""
+    system, wave, scene = reference["response"].system, reference["wave"], study.scene
+    row = {"line": scene.name, "pretension": float(solve_static(study.chain(LEVELS[-1])).tension[-1]),
+           "min": wave.min(), "mean": wave.mean(), "max": wave.max(), "std": wave.std(),
+           "time_of_max": instants[wave.argmax()]}  # fmt: skip
+    for name, index in (("greatest", tension.argmax()), ("least", tension.argmin())):
+        node, instant = np.unravel_index(index, tension.shape)
+        row[name] = {"tension": tension[node, instant], "s": system.s[node], "time": instants[instant]}
+    force = tension[0] * system.direction(state[:, :1])[:, 0]
+    up = int(force[2].argmax())
+    row |= {"anchor_max": tension[0].max(), "uplift": max(force[2, up], 0.0), "grounded": None, "slack": NEVER}
+    row["uplift_angle"] = np.degrees(np.arctan2(row["uplift"], np.hypot(*force[:2, up])))
+    if scene.environment.depth is not None:
+        length = grounded_length(positions[2], system.s, -scene.environment.depth)
+        row["grounded"] = [length.min(), length.max()]
+    return row
+
+
+def _poses(study: Study, positions) -> dict:
+    """Return the line at some instants of the period and at rest, as ``network_outputs.envelope`` has lines, m."""
+    rest = solve_static(study.chain(LEVELS[-1])).r
+    points = np.unique(np.linspace(0, positions.shape[1] - 1, POSE_POINTS).astype(int))
+    rest = rest[:, np.unique(np.linspace(0, rest.shape[1] - 1, POSE_POINTS).astype(int))]
+    chosen = np.linspace(0, positions.shape[2], POSES + 1)[:-1].astype(int)
+    return {"rest": [rest], "poses": [[positions[:, points, k]] for k in chosen]}
 
 
 def _modes(study: Study) -> list[float]:
@@ -265,9 +298,9 @@ def _warnings(study: Study, report: dict):
         if abs(nearest - driven) < NEAR_RESONANCE * driven:
             yield f"The motion at {driven:.4g} Hz is near a natural frequency of the line at rest, {nearest:.4g} Hz."
     if report["recommended"] is not None:
-        yield from (f"The recommended setting warns: {text}." for text in report["recommended"].get("warnings", ()))
-    if study.scene.cable.Cdn == 0:
-        yield "The line has no transverse drag (Cdn = 0): transients do not die out, a time history has no steady end."
+        best = report["recommended"]
+        which = "recommended" if best["meets"] else "most accurate"
+        yield from (f"The {which} setting warns: {text}." for text in best.get("warnings", ()))
     smallest = report.get("smallest")
     if smallest is None:
         yield "No setting gave a converged tension to compare with: " + report["reference"]["status"] + "."

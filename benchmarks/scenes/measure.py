@@ -17,6 +17,8 @@ from ..catenary import work_precision
 from ..run import console, harness, results
 from ..run import oracle_cache as truth
 from . import dynamics as scene_dynamics
+from .exports import network_of, write_exports
+from .margin import margins
 
 PROFILE_POINTS = 201
 BAD_SCENE = 2  # exit status
@@ -157,13 +159,24 @@ def _work(scene: Scene, spans, known: truth.TruthCache, timed: bool):
 def report(path: Path, scene: Scene, lines: list[dict], dynamics: dict | None) -> dict:
     """The file; ``dynamics`` is absent from that of a line at rest."""
     about = {"file": path.name, "name": scene.name, "description": scene.description, "tolerance": scene.tolerance}
+    about |= {"suspected": scene.warnings, "margins": _margins(scene, lines, dynamics)}
     return about | {"lines": lines} | ({"dynamics": dynamics} if dynamics else {})
+
+
+def _margins(scene: Scene, lines: list[dict], dynamics: dict | None) -> list[dict]:
+    """Return the margin of the line: moving where its motion was solved, else at rest with each friction."""
+    if dynamics and "motion" in dynamics:
+        rows = dynamics["motion"]
+    else:
+        rows = [{"line": row["label"], "mean": row["tension"], "max": row["tension"]} for row in lines]
+    return margins(rows, [scene.cable.breaking_load] * len(rows), scene.safety_factors)
 
 
 def main(argv=None) -> int:
     """Command line."""
     parser = console.parser("scene", __doc__)
     parser.add_argument("file", type=Path, metavar="FILE.toml", help="scene file, see solvers.Scene")
+    parser.add_argument("--name", help="of the result, where another file has the same stem")
     parser.add_argument("--forces", action="store_true", help="no ladder of settings: nothing is timed")
     arguments = parser.parse_args(argv)
     try:
@@ -175,7 +188,10 @@ def main(argv=None) -> int:
     except (InputError, ConvergenceError) as error:
         print(error, file=sys.stderr)
         return BAD_SCENE
-    results.write(arguments.out / f"scene_{arguments.file.stem}.json", report(arguments.file, scene, lines, dynamics))
+    name, whole = arguments.name or arguments.file.stem, report(arguments.file, scene, lines, dynamics)
+    if not arguments.forces:
+        whole["exports"] = write_exports(network_of(scene), arguments.out, f"scene_{name}")
+    results.write(arguments.out / f"scene_{name}.json", whole)
     for line in lines:
         print(f"{line['label']}: H {line['H']:.7g} N, V {line['V']:.7g} N, error {line['error']:.1e}")
     return 0

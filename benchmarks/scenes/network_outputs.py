@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.signal import welch
 
 from solvers import mooring_system
 from solvers.mooring.impedance import mooring_impedance, mooring_stiffness
 
 SERIES = 361  # instants of the tensions that are drawn
 SHOWN_HARMONICS, BODY_HARMONICS = 12, 3
-POSES, POSE_POINTS = 13, 31  # of the envelope: instants, and points of a line
+POSES, SERIES_POSES, POSE_POINTS = 24, 60, 31  # of the envelope: instants, and points of a line
 IMPEDANCE_CELLS = 40
+SEGMENTS = 8  # of a series, whose periodograms are averaged
+ALONG = 60  # points along a line at most
 NEVER = {"start": None, "share": 0.0}
 
 
@@ -92,11 +95,25 @@ def waveforms(study, reference: dict) -> dict:
     """Return times (s), tension of each line (N) at them, and harmonics of a periodic motion (N): mean, amplitudes."""
     wave, t = reference["wave"], study.instants(reference["history"])
     shown = np.unique(np.linspace(0, t.size - 1, min(t.size, SERIES if study.period else 4 * SERIES)).astype(int))
-    part = {"time": t[shown] - t[0], "tension": wave[:, shown], "harmonics": None}
+    part = {"time": t[shown] - t[0], "tension": wave[:, shown], "harmonics": None, "spectrum": None}
     if study.period is not None:
         spectrum = np.fft.rfft(wave) / wave.shape[1]
         part["harmonics"] = np.column_stack([spectrum[:, 0].real, 2 * abs(spectrum[:, 1 : SHOWN_HARMONICS + 1])])
+    else:
+        frequency, density = welch(wave, 1 / (t[1] - t[0]), nperseg=min(t.size, max(256, t.size // SEGMENTS)))
+        part["spectrum"] = {"frequency": frequency[1:], "density": density[:, 1:]}
     return part
+
+
+def along_lines(study, history) -> list[dict]:
+    """Return least, mean and greatest tension (N) over the window along each line, s in m from its anchor end."""
+    window, rows = LastWindow(history, study.period), []
+    for s, element in zip(history.system.layout.s, history.elements, strict=True):
+        tension = window.select(element.tension)
+        every = max(1, tension.shape[0] // ALONG)
+        rows.append({"s": ((s[1:] + s[:-1]) / 2)[::every], "low": tension.min(axis=1)[::every],
+                     "mean": tension.mean(axis=1)[::every], "high": tension.max(axis=1)[::every]})  # fmt: skip
+    return rows
 
 
 def body(study, reference: dict) -> list[dict]:
@@ -128,7 +145,8 @@ def impedance(study) -> dict:
 def envelope(study, history) -> dict:
     """Return positions of the lines at some instants of the motion, (poses, lines, 3, points) m, and those at rest."""
     window = LastWindow(history, study.period)
-    chosen = window.first + np.linspace(0, window.time.size - 1, POSES + 1)[:-1].astype(int)
+    count = POSES if study.period else SERIES_POSES
+    chosen = window.first + np.linspace(0, window.time.size - 1, count + 1)[:-1].astype(int)
     layout = history.system.layout
     at_rest = history.system.rest.r
     moving, resting = [], []
@@ -137,4 +155,4 @@ def envelope(study, history) -> dict:
         moving.append(np.moveaxis(element.r[:, kept][..., chosen], -1, 0))
         resting.append(at_rest[:, nodes[kept]])
     travel = [float(np.linalg.norm(m - r, axis=1).max()) for m, r in zip(moving, resting, strict=True)]
-    return {"rest": resting, "poses": [[line[k] for line in moving] for k in range(POSES)], "travel": travel}
+    return {"rest": resting, "poses": [[line[k] for line in moving] for k in range(count)], "travel": travel}

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from solvers import mooring_system, solve_time_domain
+from solvers import mooring_system, solve_network, solve_time_domain
 
 from .. import peers
 from ..network.systems import without_friction
@@ -39,6 +39,28 @@ def rows(study: Study) -> Iterator[dict]:
             yield row
             if tension is None:
                 break
+
+
+def static_rows(network) -> Iterator[dict]:
+    """Yield a row for each code that solves networks at rest: seconds, tension of each line beside ours, N."""
+    smooth = replace_friction(network)
+    state = solve_network(smooth)
+    ours = np.hypot(state.H, state.V)
+    for adapter in peers.solving("network").values():
+        began = time.perf_counter()
+        call, who = (lambda adapter=adapter: _solved(adapter, smooth)), f"{adapter.name}, networks at rest"
+        made, kind, message = harness.attempt(call, adapter.limit("network"), who)
+        row = {"method": adapter.label, "seconds": time.perf_counter() - began, "sentence": message[:200],
+               "smooth": smooth is not network, "tension": None, "ours": ours}  # fmt: skip
+        if not kind:
+            made, kind, message = harness.checked(made, (len(ours), 2))
+        yield row | ({"status": kind.upper(), "sentence": message[:200]} if kind else
+                     {"status": "SUCCESS", "tension": np.asarray(made)[:, 1]})  # fmt: skip
+
+
+def _solved(adapter, network):
+    answer = adapter.network(network)
+    return answer() if callable(answer) else answer
 
 
 def replace_friction(network):

@@ -19,6 +19,8 @@ from ..network.pictures import drawn
 from ..run import console, results
 from . import network_outputs as outputs
 from . import network_peers as peers_beside
+from .exports import write_exports
+from .margin import margins
 from .network_files import line_names, load, node_names
 from .network_study import PERIODS, REFERENCE_PERIODS, STEPPED, Study, error_of
 
@@ -74,7 +76,8 @@ def study(path: Path, network, notes, compact: bool = False):
     """Generator: yields None after each step of the work, and the report of the file last."""
     names = line_names(network)
     report = {"file": path.name, "name": getattr(network, "name", "") or path.stem, "compact": compact}
-    report |= {"description": getattr(network, "description", ""), "tolerance": TOLERANCE, "warnings": list(notes)}
+    report |= {"description": getattr(network, "description", ""), "tolerance": TOLERANCE}
+    report |= {"warnings": [*notes, *getattr(network, "warnings", ())], "margins": []}
     report |= {"moves": getattr(network, "motion", None) is not None, "lines": names}
     report |= {"coupled": _coupled_names(network)}
     total = steps(network, compact)
@@ -86,7 +89,11 @@ def study(path: Path, network, notes, compact: bool = False):
         yield report | {"failed": f"The network has no equilibrium: {error}"}
         return
     if not report["moves"]:
-        yield report | {"stiffness_at_rest": _stiffness_at_rest(network)}
+        peers = list(peers_beside.static_rows(network))
+        still = [{"line": name, "mean": T, "max": T} for name, T in zip(names, report["statics"]["exact"], strict=True)]
+        parts = {"static_peers": peers, "margins": _margins(network, still)}
+        parts["warnings"] = report["warnings"] + list(_static_warnings(network, names))
+        yield report | parts | {"stiffness_at_rest": _stiffness_at_rest(network)}
         return
     yield None
     yield from _motion(Study(network, compact), report, total - 1)
@@ -135,9 +142,26 @@ def _assemble(made: Study, report: dict, reference: dict, ladder, rows) -> dict:
         return parts | {"failed": f"The network could not be moved on a mesh fine enough to compare with: {failure}"}
     parts["motion"] = outputs.lines(made, report["lines"], reference, report["statics"])
     parts |= {"waveforms": outputs.waveforms(made, reference), "body": outputs.body(made, reference),
-              "envelope": outputs.envelope(made, reference["history"])}  # fmt: skip
+              "envelope": outputs.envelope(made, reference["history"]),
+              "along": outputs.along_lines(made, reference["history"]),
+              "static_peers": list(peers_beside.static_rows(made.network)),
+              "margins": _margins(made.network, parts["motion"])}  # fmt: skip
     parts["warnings"] = report["warnings"] + list(_warnings(made, reference, rows, parts["motion"]))
     return parts
+
+
+def _margins(network, rows: list[dict]) -> list[dict]:
+    known = getattr(network, "breaking_loads", ()) or [None] * len(rows)
+    return margins(rows, known, getattr(network, "safety_factors", None))
+
+
+def _static_warnings(network, names):
+    """Yield sentences on lines that are slack at rest in still water."""
+    state = solve_network(network)
+    for name, H, element in zip(names, state.H, network.elements, strict=True):
+        (x0, y0, _), (x1, y1, _) = (state.r[end] for end in element.ends)
+        if H == 0 and np.hypot(x1 - x0, y1 - y0) > 0 and not any(network.environment.current):
+            yield f"{name} is slack at rest: its {element.L:g} m are more than its ends are apart; it pulls nothing."
 
 
 def _impedance(made: Study) -> dict | None:
@@ -181,8 +205,6 @@ def _warnings(made: Study, reference: dict, rows, motion: list[dict]):
             f"The last two of {REFERENCE_PERIODS} periods differ by {reference['unsteady']:.2g} of the largest "
             "tension: the response is not yet periodic, or has another period than the motion."
         )
-    if all(element.cable.Cdn == 0 for element in network.elements):
-        yield "No line has transverse drag (Cdn = 0): transients do not die out."
     for row in motion:
         yield from _line_warnings(row)
 
@@ -248,6 +270,8 @@ def _run(arguments, networks: dict) -> dict:
             for value in study(path, network, notes, compact):
                 file[stem] = value and value | {"series": arguments.motion and arguments.motion.name}
                 yield None
+            if not compact:
+                file[stem]["exports"] = write_exports(network, arguments.out, f"network_{stem}")
 
     total = sum(steps(network, compact) for _, network, _ in networks.values())
     for _ in console.progress(work(), total, ", ".join(networks)):
@@ -259,6 +283,7 @@ def main(argv=None) -> int:
     """Command line."""
     parser = console.parser("scenes.networks", __doc__)
     parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help="network files: .toml, .map, .txt, .dat")
+    parser.add_argument("--name", help="of the result, where another file has the same stem")
     parser.add_argument("--compact", action="store_true", help="fewer settings: a section of the whole report")
     parser.add_argument("--kind", choices=("timed", "untimed"), help="timings only, or all else, in files of their own")
     parser.add_argument("--depth", type=float, metavar="M", help="depth of the water in m, where a MAP++ file asks")
@@ -267,12 +292,13 @@ def main(argv=None) -> int:
     )
     arguments = parser.parse_args(argv)
     try:
-        networks = {path.stem: (path, *load(path, arguments.depth, arguments.motion)) for path in arguments.files}
+        networks = {arguments.name or path.stem: (path, *load(path, arguments.depth, arguments.motion))
+                    for path in arguments.files}  # fmt: skip
         file = _run(arguments, networks)
     except InputError as error:
         print(error, file=sys.stderr)
         return BAD_FILE
-    names = {None: f"network_{arguments.files[0].stem}.json", "timed": "moving_networks.json",
+    names = {None: f"network_{arguments.name or arguments.files[0].stem}.json", "timed": "moving_networks.json",
              "untimed": "moving_networks_untimed.json"}  # fmt: skip
     results.write(arguments.out / names[arguments.kind], file)
     return 0

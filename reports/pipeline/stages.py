@@ -254,8 +254,9 @@ def _defects() -> Stage:
 SCENE_SECONDS = {"published": 1, "scenes": 2, "moving_scene": 9, "moving_network": 12}
 
 
-def scene_stage(path: Path, group: str = "scenes") -> Stage:
-    """Return the stage of one scene file, named after its stem; of a published line the forces only, no times."""
+def scene_stage(path: Path, group: str = "scenes", name: str = "") -> Stage:
+    """Return the stage of one scene file by its name, else its stem; of a published line the forces only, no times."""
+    name = name or path.stem
     published = group == "published"
     title = f"{'published value' if published else 'scene'} {path.stem}"
     arguments = (
@@ -264,13 +265,14 @@ def scene_stage(path: Path, group: str = "scenes") -> Stage:
         "--out",
         "{results}",
         *(("--forces",) if published else ()),
+        *(("--name", name) if name != path.stem else ()),
     )
     return Stage(
-        f"scene_{path.stem}",
+        f"scene_{name}",
         group,
         title,
         arguments,
-        f"scene_{path.stem}.json",
+        f"scene_{name}.json",
         (program("benchmarks.scenes.measure"),),
         (str(path.resolve()),),
         timed=not published,
@@ -300,8 +302,8 @@ def _series_of(path: Path) -> tuple[str, ...]:
     return (str((path.parent / named[1]).resolve()),) if named and (path.parent / named[1]).is_file() else ()
 
 
-def network_stage(path: Path, depth: float | None = None, series: Path | None = None) -> Stage:
-    """Return the stage of one network file, named after its stem; depth in m, where a MAP++ file asks for it.
+def network_stage(path: Path, depth: float | None = None, series: Path | None = None, name: str = "") -> Stage:
+    """Return the stage of one network file by its name, or else its stem; depth in m, where a MAP++ file asks for it.
 
     series: a CSV file with the motion of the body, in place of the file's own.
     """
@@ -309,7 +311,8 @@ def network_stage(path: Path, depth: float | None = None, series: Path | None = 
     moved = () if series is None else (str(series.resolve()),)
     arguments = (module, where, "--out", "{results}", *(("--motion", *moved) if moved else ()))
     arguments += () if depth is None else ("--depth", f"{depth:g}")
-    name, sources = f"network_{path.stem}", (where, *_series_of(path), *moved)
+    arguments += ("--name", name) if name and name != path.stem else ()
+    name, sources = f"network_{name or path.stem}", (where, *_series_of(path), *moved)
     return Stage(
         name,
         "moving_networks",
@@ -367,9 +370,7 @@ def plan(quick: bool, published: list[Path], claimed: Iterable[str] = ()) -> lis
     ]  # fmt: skip
 
 
-def scene_plan(paths: list[Path], depth: float | None = None, series: Path | None = None) -> list[Stage]:
-    """Return the stages of a page about somebody's own lines and networks."""
-    return [
-        _machine(),
-        *(network_stage(path, depth, series) if is_network(path) else scene_stage(path) for path in paths),
-    ]
+def scene_plan(names: dict[Path, str], depth: float | None = None, series: Path | None = None) -> list[Stage]:
+    """Return the stages of a page about somebody's own lines and networks, files with their names."""
+    return [_machine(), *(network_stage(path, depth, series, name) if is_network(path) else scene_stage(path, name=name)
+                          for path, name in names.items())]  # fmt: skip

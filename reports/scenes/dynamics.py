@@ -14,6 +14,10 @@ from ..page.analysis import pareto_front
 from ..page.figures import Figure, Group
 from ..page.formatting import DASH, number, plural, seconds, slug, status_words
 from ..page.tables import Table
+from . import network_tables
+from .animation import animate, caption
+from .network_figures import enlargement
+from .network_settings import STAR, mark_best, what_would_meet
 
 OWN = ("harmonic balance", "harmonic balance, corrected", "time domain")
 NO_TENSION = {"REFUSED": "refused", "UNSUPPORTED": "not applicable"}
@@ -34,15 +38,27 @@ def build(scene: dict, stem: str, figure_folder: Path, table_folder: Path) -> di
             _spectrum(dynamics, name, figure_folder),
             _envelope(dynamics, name, figure_folder),
         ]
-    tables = [_settings(dynamics, name), _statics(dynamics, name)]
+    tables = [network_tables.lines(dynamics, name)] if "motion" in dynamics else []
+    tables += [_settings(dynamics, name), _statics(dynamics, name)]
     return {
-        "sentence": _sentence(dynamics),
+        "sentence": describe_setting_to_use(dynamics),
+        "views": _views(scene, dynamics),
         "facts": _facts(dynamics),
         "python": dynamics["python"] and dynamics["python"].replace("FILE", scene["file"]),
         "warnings": dynamics["warnings"],
         "figures": Group(_caption(dynamics), figures),
         "tables": [table.write(table_folder) for table in tables],
     }
+
+
+def _views(scene: dict, dynamics: dict) -> dict | None:
+    """Return drawings of the line that moves, and their caption; None where nothing is known of it."""
+    poses = dynamics.get("poses")
+    if poses is None:
+        return None
+    factor = enlargement(poses)
+    drawn = animate(poses, scene["name"], dynamics["period"], factor, scene.get("seabed"))
+    return {"drawn": drawn, "caption": caption(dynamics["period"], factor, is_periodic=True)}
 
 
 def _setting(row: dict) -> str:
@@ -53,7 +69,8 @@ def _setting(row: dict) -> str:
     return f"time stepping with {row['nodes']} nodes and dt = {number(row['dt'])} s"
 
 
-def _sentence(dynamics: dict) -> str:
+def describe_setting_to_use(dynamics: dict) -> str:
+    """Return the setting to use, what it costs and which error it promises; else what would meet the tolerance."""
     best = dynamics["recommended"]
     if best is None:
         return "No setting solved this line: the table says how each failed."
@@ -61,7 +78,8 @@ def _sentence(dynamics: dict) -> str:
     tolerance = number(dynamics["tolerance"], 1)
     if best["meets"]:
         return f"Use {_setting(best)}: {cost}, within the tolerance of {tolerance}.{_cheaper(dynamics, best)}"
-    return f"No setting meets the tolerance of {tolerance}. The most accurate is {_setting(best)}: {cost}."
+    would = what_would_meet(best, dynamics["tolerance"], dynamics["reference"]["uncertainty"], "nodes")
+    return f"No setting meets the tolerance of {tolerance}. The most accurate is {_setting(best)}: {cost}. {would}"
 
 
 def _cheaper(dynamics: dict, best: dict) -> str:
@@ -106,7 +124,7 @@ def _reference(known: dict) -> str:
 
 
 def _caption(dynamics: dict) -> str:
-    tail = "Dashed: the tolerance of the scene. Star: the recommended setting. Ringed: on the Pareto front."
+    tail = f"Dashed: the tolerance of the scene. {STAR} Ringed: on the Pareto front."
     if dynamics.get("harmonics"):
         mean, *amplitudes = dynamics["harmonics"]
         great = int(np.argmax(amplitudes)) + 1
@@ -216,7 +234,7 @@ def _outcome(row, best) -> str:
     if row["status"] != "SUCCESS":
         return status_words(row["status"])
     same = best and all(best.get(key) == row.get(key) for key in ("method", "nodes", "harmonics", "dt"))
-    return "recommended" if same else ""
+    return mark_best(best) if same else ""
 
 
 def _statics(dynamics, name) -> Table:

@@ -16,7 +16,7 @@ from ..network.pictures import draw_network
 from ..page.analysis import pareto_front
 from ..page.figures import Figure, Group
 from ..page.formatting import number, plural
-from .network_settings import OWN, count_outcomes
+from .network_settings import OWN, STAR, count_outcomes
 
 SHOWN_TRAVEL = 0.05  # of the width of a picture, to which the motion of a line is enlarged
 NICE = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
@@ -32,7 +32,7 @@ def pictures(report: dict, name: str, folder: Path) -> Group:
     """Return the lines in space, from above, and from above around the body, with the envelope of their motion."""
     row = report["picture"] | {"name": name, "title": "In space", "near": None}
     poses = report.get("envelope")
-    factor = _enlargement(report)
+    factor = enlargement(poses)
     draw = None if poses is None else lambda axes: _draw_poses_in_space(axes, poses, factor)
     with plt.rc_context({"figure.constrained_layout.use": False}):
         figures = [draw_network(row, f"{name}_space", folder, draw)]
@@ -61,10 +61,14 @@ def _caption(report: dict, factor: int) -> str:
     )
 
 
-def _enlargement(report: dict) -> int:
-    """Return how many times motions are enlarged to be seen beside the size of the network."""
-    travel = max(report["envelope"]["travel"]) if "envelope" in report else 0.0
-    wanted = SHOWN_TRAVEL * _width(report["picture"]) / travel if travel else 1.0
+def enlargement(envelope: dict | None) -> int:
+    """Return how many times motions are enlarged to be seen beside the size of the lines; envelope: rest and poses."""
+    if envelope is None:
+        return 1
+    rest = [np.array(line) for line in envelope["rest"]]
+    pairs = ((np.array(line), r) for pose in envelope["poses"] for line, r in zip(pose, rest, strict=True))
+    travel = max(np.linalg.norm(line - r, axis=0).max() for line, r in pairs)
+    wanted = SHOWN_TRAVEL * max(np.ptp(np.concatenate(rest, axis=1)[:2], axis=1)) / travel if travel else 1.0
     return max(n for n in NICE if n <= max(1.0, wanted))
 
 
@@ -203,9 +207,9 @@ def tensions(report: dict, name: str, folder: Path) -> Group:
     axes.set_xlim(0, waves["time"][-1])
     add_legend(figure, axes, 3)
     alt = f"{title} of {plural(len(report['lines']), 'line')} of {report['name']}."
-    return Group(
-        "Converged in mesh and step; one curve a line.", [style.save(figure, folder, f"{name}_tension", title, alt)]
-    )
+    known = number(report["reference"]["uncertainty"], 2)
+    drawn = style.save(figure, folder, f"{name}_tension", title, alt)
+    return Group(f"Known to {known} of the largest tension; one curve a line.", [drawn])
 
 
 def harmonics(report: dict, name: str, folder: Path) -> Figure | None:
@@ -220,6 +224,36 @@ def harmonics(report: dict, name: str, folder: Path) -> Figure | None:
                   **look)  # fmt: skip
     axes.set_xticks(number_of)
     return style.save(figure, folder, f"{name}_harmonics", title, f"{title} of every line, 1 to {number_of.size}.")
+
+
+def spectrum(report: dict, name: str, folder: Path) -> Figure | None:
+    """Return the spectral density of every line's tension over a series; None of a periodic motion."""
+    part = report["waveforms"].get("spectrum")
+    if part is None:
+        return None
+    title = "Spectrum of the tension"
+    figure, axes = panel(title, "frequency, Hz", "density, kN^2/Hz", yscale="log")
+    density = KN**2 * np.array(part["density"])
+    least = SMALLEST * density.max()
+    for line, row, look in zip(report["lines"], density, _looks(report["lines"]), strict=True):
+        axes.plot(part["frequency"], np.where(row > least, row, np.nan), linewidth=0.9, label=line, **look)
+    shown = np.flatnonzero((density > least).any(axis=0))
+    axes.set_xlim(0, part["frequency"][shown[-1]] if shown.size else None)
+    return style.save(figure, folder, f"{name}_spectrum", title, f"{title} of every line.")
+
+
+def along(report: dict, name: str, folder: Path) -> Figure | None:
+    """Return least to greatest and mean tension along every line."""
+    if not report.get("along"):
+        return None
+    title = "Tension along the lines"
+    figure, axes = panel(title, "s / length, from the anchor end", "tension, kN")
+    for line, part, look in zip(report["lines"], report["along"], _looks(report["lines"]), strict=True):
+        s = np.array(part["s"]) / (part["s"][0] + part["s"][-1])
+        axes.fill_between(s, KN * np.array(part["low"]), KN * np.array(part["high"]), color=look["color"], alpha=0.12)
+        axes.plot(s, KN * np.array(part["mean"]), label=line, **look)
+    axes.set_xlim(0, 1)
+    return style.save(figure, folder, f"{name}_along", title, f"{title}: least to greatest, and mean, of every line.")
 
 
 def work(report: dict, name: str, folder: Path) -> Figure:
@@ -247,7 +281,8 @@ def work(report: dict, name: str, folder: Path) -> Figure:
 
 def details(report: dict, name: str, folder: Path) -> Group:
     """Return harmonics and error against run time side by side."""
-    figures = [figure for figure in (harmonics(report, name, folder), work(report, name, folder)) if figure]
-    lines = "Harmonics in the colours of the tensions above. " if len(figures) > 1 else ""
-    return Group(f"{lines}{count_outcomes(report['ladder'])}. Dashed: the tolerance. Star: the recommended setting. "
+    drawn = (harmonics, spectrum, along, work)
+    figures = [figure for draw in drawn if (figure := draw(report, name, folder)) is not None]
+    lines = "Lines in the colours of the tensions above; along them shaded from least to greatest. "
+    return Group(f"{lines}{count_outcomes(report['ladder'])}. Dashed: the tolerance. {STAR} "
                  "Ringed: the Pareto front of this project.", figures)  # fmt: skip

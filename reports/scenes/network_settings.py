@@ -9,6 +9,7 @@ from ..page.formatting import number, plural, seconds, status_words
 TIMINGS = "timings"
 """Key of the results that has the run times of settings by file, where they were measured apart."""
 OWN = ("time domain", "harmonic balance")
+STAR = "Star: the recommended setting, or where none meets the tolerance the most accurate one."
 UNSUPPORTED = {"REFUSED": "refused", "UNSUPPORTED": "not applicable"}
 """Status of another code without an answer -> words."""
 
@@ -43,6 +44,11 @@ def recommend(report: dict) -> dict | None:
     return min(rows, key=lambda row: row["promised"]) | {"meets": False} if rows else None
 
 
+def mark_best(best: dict) -> str:
+    """Return what a table says of the best setting: recommended only where its promise meets the tolerance."""
+    return "recommended" if best["meets"] else "most accurate"
+
+
 def describe_setting(row: dict) -> str:
     """Return a setting in words."""
     if row["method"] == "harmonic balance":
@@ -62,7 +68,33 @@ def sentence(report: dict) -> str:
     )
     if best["meets"]:
         return f"Use {describe_setting(best)}: {cost}, within the tolerance of {tolerance}."
-    return f"No setting meets the tolerance of {tolerance}. The most accurate is {describe_setting(best)}: {cost}."
+    return (
+        f"No setting meets the tolerance of {tolerance}. The most accurate is {describe_setting(best)}: {cost}. "
+        f"{what_would_meet(best, report['tolerance'], report['reference']['uncertainty'], 'cells')}"
+    )
+
+
+def what_would_meet(best: dict, tolerance: float, uncertainty: float, parts: str) -> str:
+    """Return which setting would meet a tolerance, by the order of the methods, or why no promise can be made.
+
+    parts: "cells" or "nodes"; both methods are of second order in these and in the step.
+    """
+    if uncertainty >= tolerance:
+        return (
+            f"The converged tension that it is compared with is known to {number(uncertainty, 2)} only, so no setting "
+            "can be promised to meet it; slack and touchdown are the usual causes, with which errors fall slowly."
+        )
+    allowed = tolerance - uncertainty
+    finer = (best["error"] / allowed) ** 0.5
+    if best["method"] == "time domain":
+        step = f"dt = {number(best['dt'] / finer, 2)} s"
+        return f"By second order it would take about {_more(best[parts], finer)} {parts} and {step}."
+    return f"By second order it would take about {_more(best[parts], finer)} {parts}, and harmonics in proportion."
+
+
+def _more(count: int, factor: float) -> int:
+    """Return a count times a factor, rounded up to tens."""
+    return int(-(-count * factor // 10) * 10)
 
 
 def _duration(report: dict, best: dict) -> str:

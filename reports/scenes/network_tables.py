@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from ..page.formatting import DASH, number, seconds, status_words, two_digits
 from ..page.tables import Table
-from .network_settings import OWN, UNSUPPORTED, sentence
+from .margins import describe_margin
+from .network_settings import OWN, UNSUPPORTED, mark_best, sentence
 
 KN = 1e-3
 COORDINATES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
@@ -157,7 +158,7 @@ def _outcome(row: dict, best: dict | None) -> str:
     if row["method"] not in OWN:
         return f"{row['sentence']}{', on a smooth seabed' if row['smooth'] else ''}"
     keys = ("method", "cells", "steps", "harmonics")
-    return "recommended" if best and all(best.get(key) == row.get(key) for key in keys) else ""
+    return mark_best(best) if best and all(best.get(key) == row.get(key) for key in keys) else ""
 
 
 def peers(report: dict, name: str) -> Table | None:
@@ -189,7 +190,7 @@ def as_text(table: Table) -> str:
     return "\n".join(line.rstrip() for line in lines)
 
 
-def _lines_for_terminal(report: dict) -> Table:
+def lines_for_terminal(report: dict) -> Table:
     """Return the table of lines in as few columns as a terminal has room for."""
     full = lines(report, "terminal")
     columns = {key: LINES[key] for key in ("line", "pretension", "min", "mean", "max", "std", "time_of_max")}
@@ -208,7 +209,8 @@ def summarise(report: dict, stem: str) -> str:
     if "failed" in report:
         text.append(report["failed"])
     if "motion" in report:
-        text += ["tensions in kN", as_text(_lines_for_terminal(report)), sentence(report)]
+        text += ["tensions in kN", as_text(lines_for_terminal(report)), sentence(report)]
     elif report.get("statics"):
         text += ["tensions in kN", as_text(statics(report, stem))]
+    text += describe_margin(report.get("margins", []))
     return "\n".join([*text, *(f"- {warning}" for warning in report["warnings"])])

@@ -7,9 +7,11 @@ from pathlib import Path
 from ..page.formatting import number, slug
 from ..page.section import Content, Inputs, Section
 from ..page.tables import Table
+from . import margins
 from . import network_figures as figures
 from . import network_settings as settings
 from . import network_tables as tables
+from .animation import animate, caption
 
 
 def build(inputs: Inputs) -> Content:
@@ -38,7 +40,8 @@ def _show(report: dict, stem: str, inputs: Inputs) -> dict:
     name, folder = f"network_{slug(stem)}", inputs.figures
     shown = {
         "stem": stem, "data": report, "pictures": None, "tables": [], "sentence": "", "facts": [], "python": None,
-        "tensions": None, "details": None, "all": not report["compact"],
+        "tensions": None, "details": None, "all": not report["compact"], "views": None,
+        "exports": margins.describe_exports(report.get("exports")),
     }  # fmt: skip
     if "picture" in report and not report["compact"]:
         shown["pictures"] = figures.pictures(report, name, folder)
@@ -51,13 +54,21 @@ def _show(report: dict, stem: str, inputs: Inputs) -> dict:
 def _motion(report: dict, name: str, folder: Path) -> dict:
     shown = {
         "sentence": settings.sentence(report),
-        "facts": settings.describe_reference(report),
+        "facts": margins.describe_margin(report.get("margins", [])) + settings.describe_reference(report),
         "python": settings.python_to_paste(report),
         "tensions": figures.tensions(report, name, folder),
     }
     if report["compact"]:
         return shown
-    return shown | {"details": figures.details(report, name, folder)}
+    return shown | {"details": figures.details(report, name, folder), "views": _views(report)}
+
+
+def _views(report: dict) -> dict:
+    """Return drawings of the lines that move, and their caption."""
+    factor, duration = figures.enlargement(report["envelope"]), report["period"] or report["duration"]
+    seabed = report["picture"]["seabed"]
+    drawn = animate(report["envelope"], report["name"], duration, factor, seabed)
+    return {"drawn": drawn, "caption": caption(duration, factor, is_periodic=bool(report["period"]))}
 
 
 def _tables(report: dict, name: str) -> list[Table | None]:
@@ -66,12 +77,15 @@ def _tables(report: dict, name: str) -> list[Table | None]:
     if report["compact"]:
         return [tables.settings(report, name)] if report.get("ladder") else []
     if "motion" in report:
-        made += [tables.lines(report, name), tables.settings(report, name)]
+        made += [tables.lines(report, name), margins.margin_table(report.get("margins"), name)]
+        made.append(tables.settings(report, name))
         made += [tables.peers(report, name), tables.body(report, name), *tables.matrices(report, name)]
     elif report.get("ladder"):
         made.append(tables.settings(report, name))
     if "statics" in report:
         made.append(tables.statics(report, name))
+        made.append(margins.static_peers(report, name))
+        made += [] if "motion" in report else [margins.margin_table(report.get("margins"), name)]
     return made + tables.stiffness_at_rest(report, name)
 
 

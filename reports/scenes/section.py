@@ -8,7 +8,7 @@ from pathlib import Path
 from ..page import analysis
 from ..page.formatting import number
 from ..page.section import Content, Inputs, Section
-from . import dynamics, figures, tables
+from . import dynamics, figures, margins, tables
 
 
 def build(inputs: Inputs) -> Content:
@@ -19,16 +19,21 @@ def build(inputs: Inputs) -> Content:
 
 def _show(scene: dict, stem: str, inputs: Inputs) -> dict:
     surroundings = _read_surroundings(Path(scene["path"]), stem)
+    table = margins.margin_table(scene.get("margins"), f"scene_{stem}")
     return {
         "stem": stem,
         "data": scene,
         "profiles": figures.profiles(scene, surroundings, inputs.figures),
         "ladder": figures.ladder(scene, surroundings, inputs.looks, inputs.figures),
         "tables": tables.scene_tables(scene, stem, inputs.tables),
+        "suspected": scene.get("suspected", ()),
+        "margin": table and table.write(inputs.tables),
+        "margin_words": margins.describe_margin(scene.get("margins", [])),
+        "exports": margins.describe_exports(scene.get("exports")),
         "warnings": list(dict.fromkeys(text for line in scene["lines"] for text in line["warnings"])),
         "paste": _describe_python(scene),
         "python": _python_to_paste(scene),
-        "dynamics": dynamics.build(scene, stem, inputs.figures, inputs.tables),
+        "dynamics": dynamics.build(scene | {"seabed": surroundings["seabed"]}, stem, inputs.figures, inputs.tables),
     }
 
 

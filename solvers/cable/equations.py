@@ -13,7 +13,7 @@ from typing import Self
 import numpy as np
 
 from ..common.outcome import InputError, Status
-from ..common.properties import MAX_STRAIN
+from ..common.properties import MAX_STRAIN, missing_seabed_stiffness
 from ..numerics.chain import ChainSystem, Residual
 from . import planar as planar_equations
 from . import spatial as spatial_equations
@@ -72,11 +72,7 @@ class CableEquations(CableOutputs, ChainSystem):
         self.has_seabed = environment.depth is not None
         self.seabed_stiffness = environment.seabed_stiffness if seabed_stiffness is None else seabed_stiffness
         if self.has_seabed and environment.seabed_stiffness is None:
-            problem = (
-                "not given (N/m^2), and a line over a seabed (depth is set) needs it in dynamics; "
-                f"{self.w0 / (0.1 * d):.3g} N/m^2 lets a resting line sink a tenth of its diameter"
-            )
-            raise InputError(problem, field="seabed_stiffness", unit="N/m^2")
+            raise missing_seabed_stiffness("a moving line", d)
         if self.has_seabed and self.anchor[2] < -environment.depth:
             problem = f"z = {self.anchor[2]:g} m is below the seabed, z = {-environment.depth:g} m"
             raise InputError(problem, field="anchor", value=self.scene.anchor, unit="m")

@@ -9,12 +9,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from ..catenary.pretension import mean_pretension, pretension_warnings
 from ..catenary.span import Span, solve_span
-from ..common.outcome import InputError, Outcome, Status
+from ..common.outcome import InputError, Outcome, Status, describe_vector
 from ..common.types import as_system
 from ..common.validation import flags, one_of, positive_number, refuse_for_lines
 from ..numerics.chain import BandedJacobian, Residual, stack
@@ -29,14 +30,14 @@ _ROUNDING = 1e-14  # mean change of a state that fifty roundings make
 MIN_LOAD_STEP = 2.0**-10  # of the load parameter, in the continuation
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class StaticState(Outcome):
     """Equilibrium: y (n_f, N) as in ``fields``; r (3, N): positions of the nodes in m; forces in N, public frame.
 
     residual_norm: of the rows in N/m ("box"), or the largest jump between shots in tensions and chords ("shooting").
     """
 
-    system: CableEquations = field(repr=False)
+    system: Any = field(repr=False)  # CableSystem
     y: np.ndarray = field(repr=False)
     r: np.ndarray = field(repr=False)
     status: Status
@@ -60,8 +61,13 @@ class StaticState(Outcome):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What the mesh has lost: a pretension that is off by more than ``MAX_PRETENSION_ERROR``."""
-        return pretension_warnings(self.pretension_error, "nodes")
+        """What is suspected in the input, and what the mesh has lost: a pretension off by ``MAX_PRETENSION_ERROR``."""
+        return *self.system.input_warnings(), *pretension_warnings(self.pretension_error, "nodes")
+
+    def describe(self):
+        """Yield the tension at the fairlead and the force on the anchor."""
+        yield f"{self.r.shape[1]} nodes; T = {self.tension[-1]:.7g} N at the fairlead"
+        yield f"force on the anchor {describe_vector(self.anchor_force)} N"
 
     @property
     def fairlead_force(self) -> np.ndarray:

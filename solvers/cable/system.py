@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import make_interp_spline
 
+from ..common.diagnostics import check_drag
 from ..common.motion import Ramped
 from ..common.outcome import InputError
 from ..common.properties import CableProperties, Environment
@@ -75,6 +76,9 @@ def cable_system(
     >>> cable_system(scene, nodes=20).fields
     ('eps', 'u', 'v', 'phi')
     """
+    if not hasattr(scene, "length"):
+        problem = f"{type(scene).__name__} is no Scene; mooring_system takes a Network, too"
+        raise InputError(problem, field="scene", value=scene)
     motion = scene.motion if motion is None else motion
     return CableSystem(scene, check_mesh(nodes, mesh, scene.length), _is_planar(fields, scene, motion), motion, source)
 
@@ -130,8 +134,17 @@ class CableSystem(CableEquations):
         return self.equilibrium.y
 
     def rest_warnings(self) -> tuple[str, ...]:
-        """Return a warning where the pretension is off that of the exact catenary."""
-        return self.equilibrium.warnings
+        """Return ``input_warnings``, and one where the pretension is off that of the exact catenary."""
+        return tuple(dict.fromkeys((*self.input_warnings(), *self.equilibrium.warnings)))
+
+    def input_warnings(self) -> tuple[str, ...]:
+        """Return what is suspected in the scene, no drag across the line, and friction that the rows do not carry."""
+        scene, friction = self.scene, max(getattr(self.scene, "friction", ()), default=0.0)
+        suspected = list(getattr(scene, "warnings", ()))
+        suspected += check_drag([scene.cable], self.motion is not None, scene.environment.current)
+        if friction > 0 and self.needs_mesh_check:
+            suspected.append(f"friction: {friction:g} of the seabed is not in these equations, the line slides freely")
+        return tuple(dict.fromkeys(suspected))
 
     def quasi_static_predictor(self, t) -> np.ndarray | None:
         """Return the equilibrium as it follows the fairlead, (n_f, N, S), or None."""

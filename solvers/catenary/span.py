@@ -80,7 +80,7 @@ class Span:
 _UNITS = {"w": "N/m", "EA": "N", "L": "m", "x": "m", "z": "m", "friction": "(dimensionless)", "clearance": "m"}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class CatenaryState(Outcome):
     """Solution of a span.
 
@@ -104,6 +104,11 @@ class CatenaryState(Outcome):
     status: Status
     iterations: int
     residual_norm: float
+
+    def describe(self):
+        """Yield forces at the fairlead, and what lies on the seabed."""
+        yield f"{self.regime.value}: T = {self.tension:.7g} N at the fairlead, H = {self.H:.7g} N, V = {self.V:.7g} N"
+        yield f"{self.grounded_length:.5g} m of {self.span.L:g} m on the seabed"
 
     @property
     def tension(self) -> float:

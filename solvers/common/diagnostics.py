@@ -18,6 +18,15 @@ _COMPARED = 500  # instants at which two waveforms are compared
 _POSITIONS = 200  # of the fairlead, for its excursion
 
 
+def check_drag(cables, is_moving: bool, current):
+    """Yield a warning where a CableProperties of these (or None) in motion or a current has no drag across the line."""
+    if (is_moving or any(current)) and any(cable is not None and cable.Cdn == 0 for cable in cables):
+        yield (
+            "Cdn: 0, or not given: no drag acts across the line, so currents do not push it and motions die out late "
+            "or never; DNV-OS-E301 has 2.4 for studless chain and 1.6 for fibre rope"
+        )
+
+
 def check_history(history):
     """Yield warnings about a TimeHistory: position of the fairlead, tension, resolution in time, periodicity."""
     system, time = history.ramped_system, history.time

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from enum import Enum
+from functools import cached_property
 from typing import Self
 
 
@@ -107,6 +109,11 @@ class ConvergenceError(RuntimeError):
         self.outcome = outcome
 
 
+def describe_vector(vector) -> str:
+    """Return words for three components."""
+    return f"({', '.join(f'{part:.6g}' for part in vector)})"
+
+
 class Outcome:
     """Mixin of every result: expects the fields ``status``, ``iterations`` and ``residual_norm``."""
 
@@ -118,6 +125,28 @@ class Outcome:
     def success(self) -> bool:
         """True when the result can be used."""
         return self.status is Status.SUCCESS
+
+    def describe(self) -> Iterator[str]:
+        """Yield the main numbers with their units, a line of text each; a failed result yields none."""
+        yield from ()
+
+    def __repr__(self) -> str:
+        """Status, main numbers and warnings, in one to five lines; nothing is solved for."""
+        lines = [f"{type(self).__name__}: {self.status.name}, {self.iterations} iterations, "
+                 f"residual {self.residual_norm:.2g}"]  # fmt: skip
+        lines += self.describe() if self.success else [self.status.value]
+        return "\n  ".join([*lines, *self._describe_warnings()])
+
+    def _describe_warnings(self) -> Iterator[str]:
+        """Yield a line on the warnings; those that are kept once asked for may take a solve, which this starts not."""
+        if not hasattr(type(self), "warnings"):
+            return
+        if isinstance(type(self).warnings, cached_property) and "warnings" not in vars(self):  # type: ignore[attr-defined]
+            yield "warnings: ask .warnings"
+            return
+        warnings = self.warnings  # type: ignore[attr-defined]
+        more = f" (and {len(warnings) - 1} more: .warnings)" if len(warnings) > 1 else ""
+        yield f"warning: {warnings[0]}{more}" if warnings else "no warnings"
 
     def or_raise(self, given) -> Self:
         """Return this result if it is a success; raises ConvergenceError naming what was ``given`` otherwise."""

@@ -37,7 +37,11 @@ class Environment:
         object.__setattr__(self, "rho", non_negative_number("rho", self.rho, "kg/m^3"))
         object.__setattr__(self, "g", positive_number("g", self.g, "m/s^2"))
         if self.depth is not None:
-            object.__setattr__(self, "depth", positive_number("depth", self.depth, "m"))
+            depth = real_number("depth", self.depth, "m")
+            if depth < 0:
+                problem = f"{depth:g} m must be > 0: the seabed is at z = -depth, so give {-depth:g} m"
+                raise InputError(problem, field="depth", value=depth, unit="m")
+            object.__setattr__(self, "depth", positive_number("depth", depth, "m"))
         object.__setattr__(self, "current", vector("current", self.current, "m/s"))
         for name, unit, without in (("seabed_stiffness", "N/m^2", None), ("seabed_damping", "N s/m^2", 0.0)):
             if getattr(self, name) is None and without is None:
@@ -47,6 +51,19 @@ class Environment:
                 problem = f"{value:g} {unit} takes a seabed, and depth (m) is not given"
                 raise InputError(problem, field=name, value=value, unit=unit)
             object.__setattr__(self, name, value)
+
+
+SEABED_PRESSURE = 3e6  # Pa/m, of the seabed that MoorDyn and MoorPy take where none is given (kBot)
+
+
+def missing_seabed_stiffness(who: str, diameter, field="seabed_stiffness") -> InputError:
+    """Return the error of who takes a seabed's stiffness and has none, with a usual value for a diameter in m."""
+    problem = (
+        f"not given (N/m^2), and {who} over a seabed takes it: usual are {SEABED_PRESSURE:g} Pa/m times the diameter "
+        f"(the default of MoorDyn, kBot), here {SEABED_PRESSURE * diameter:.2g} N/m^2; or leave out depth, which "
+        "removes the seabed"
+    )
+    return InputError(problem, field=field, unit="N/m^2")
 
 
 _COEFFICIENTS = {  # field -> unit
@@ -60,7 +77,7 @@ _COEFFICIENTS = {  # field -> unit
 
 @dataclass(frozen=True)
 class CableProperties:
-    """Section of a cable: diameter in m, mass_per_length (in air) in kg/m, EA in N.
+    """Section of a cable: diameter in m, mass_per_length (in air) in kg/m, EA in N, breaking_load in N or None.
 
     submerged_weight in N/m per unstretched length; if None it follows from mass, diameter and environment, (2.2).
     For dynamics, HB (1)-(12): drag coefficients Cdn, Cdb (normal, binormal, on d l; Cdb is Cdn unless given) and Cdt
@@ -77,6 +94,7 @@ class CableProperties:
     diameter: float | None = None
     mass_per_length: float | None = None
     submerged_weight: float | None = None
+    breaking_load: float | None = field(default=None, kw_only=True)
     Cdn: float = field(default=0.0, kw_only=True)
     Cdb: float | None = field(default=None, kw_only=True)
     Cdt: float = field(default=0.0, kw_only=True)
@@ -85,7 +103,7 @@ class CableProperties:
 
     def __post_init__(self):
         object.__setattr__(self, "EA", positive_number("EA", self.EA, "N"))
-        for name, unit in (("diameter", "m"), ("mass_per_length", "kg/m")):
+        for name, unit in (("diameter", "m"), ("mass_per_length", "kg/m"), ("breaking_load", "N")):
             if getattr(self, name) is not None:
                 object.__setattr__(self, name, positive_number(name, getattr(self, name), unit))
         if self.diameter is not None and self.diameter > _LARGEST:

@@ -34,6 +34,11 @@ def last_period(time, period) -> tuple[float, float]:
     return max(time[0], time[-1] - period), period
 
 
+def describe_range(name: str, values) -> str:
+    """Return words for forces over time (K,) in N: the least, mean and greatest."""
+    return f"{name} {values.min():.6g} to {values.max():.6g} N, mean {values.mean():.6g} N"
+
+
 class Response:
     """Mixin of results with ``system``, ``time`` (K,), ``y`` and ``ydot`` (n_f, N, K), at(t), rate_at(t), last_period.
 
@@ -42,6 +47,7 @@ class Response:
 
     system: Any  # a chain with ``tension``, ``positions`` and ``direction``
     if TYPE_CHECKING:  # of the class of the result
+        time: Any
         y: Any
         ydot: Any
         last_period: Any
@@ -74,6 +80,12 @@ class Response:
         """
         coarser = self.system.coarser() if self.correction is None and self.repeat is not None else None
         return None if coarser is None else relative_change(self, self.repeat(coarser[0]))
+
+    def describe(self):
+        """Yield how long the result is, and the extremes of its fairlead tension."""
+        yield f"{self.y.shape[1]} nodes, {self.time.size} instants to t = {self.time[-1]:.6g} s"
+        if hasattr(self.system, "tension"):
+            yield describe_range("fairlead tension", self.tension[-1])
 
     @property
     def fairlead_force(self) -> np.ndarray:

@@ -9,6 +9,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .outcome import InputError
+
 Vector = Sequence[float] | NDArray[np.floating]
 """Three numbers in x, y, z as they are given; validated, they are a tuple of floats."""
 
@@ -28,5 +30,11 @@ class Movement(Protocol):
 
 @singledispatch
 def as_system(given):
-    """Return what a solver works on: what is given, or what the room of a scene or network has registered for it."""
+    """Return what a solver works on: what is given, or what the room of a scene or network has registered for it.
+
+    Raises InputError for what is neither.
+    """
+    if not hasattr(given, "nodes"):
+        problem = f"{type(given).__name__} is no system, and no Scene or Network, which are taken as one"
+        raise InputError(problem, field="system", value=given)
     return given

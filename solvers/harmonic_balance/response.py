@@ -18,7 +18,7 @@ from ..numerics.fourier import Basis
 from ..numerics.newton import Step
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class PeriodicResponse(Response, Outcome):
     """Periodic state: coefficients z (n_f, N, C) about ``system.rest_state()`` in the order of ``basis.harmonic``.
 
@@ -48,6 +48,11 @@ class PeriodicResponse(Response, Outcome):
     event: tuple[float, int] | None = None
     correction: float | None = None
     repeat: Callable | None = field(repr=False, default=None, compare=False)
+
+    def describe(self):
+        """Yield period and harmonics, then what ``Response`` does."""
+        yield f"period {self.last_period[1]:.6g} s, {self.basis.harmonics} harmonics"
+        yield from super().describe()
 
     @property
     def time(self) -> np.ndarray:

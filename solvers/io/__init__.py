@@ -2,6 +2,7 @@
 
 from .curve_file import load_curve, save_curve
 from .map_file import read_map_file
+from .map_writer import write_map_file
 from .moordyn_file import load_moordyn
 from .moordyn_writer import write_moordyn
 from .motion_file import load_body_motion
@@ -16,5 +17,6 @@ __all__ = [
     "load_network",
     "read_map_file",
     "save_curve",
+    "write_map_file",
     "write_moordyn",
 ]

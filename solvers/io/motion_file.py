@@ -20,11 +20,10 @@ from ..common.motion import SampledMotion
 from ..common.outcome import InputError
 from ..common.types import Vector
 from ..common.validation import positive_number, real_number, vector
+from .keys import NETWORK
 
 COORDINATES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 COLUMNS = ("time", *COORDINATES, "roll_deg", "pitch_deg", "yaw_deg")
-KEYS = {"reference", "frequency", "period", "amplitude", "phase", "sine", "cosine", "file"}
-"""Of the [motion] table of a network file."""
 
 _DESCRIPTIONS = ("amplitude", "sine", "file")  # a motion is described by one of these keys
 
@@ -121,7 +120,7 @@ def motion_from_table(table: dict, folder: Path) -> BodyMotion:
         problem = "[motion] takes one of amplitude (m, rad), sine with cosine (m, rad), and file"
         raise InputError(f"{problem}; given: {' and '.join(given) or 'none'}", label="")
     reference = vector("motion.reference", table.get("reference", [0.0, 0.0, 0.0]), "m", "coordinates")
-    strangers = {"amplitude": set(), "file": KEYS - {"file", "reference"}}.get(given[0], {"phase"})
+    strangers = {"amplitude": set(), "file": NETWORK["motion"].keys() - {"file", "reference"}}.get(given[0], {"phase"})
     for key in sorted(strangers & set(table)):
         raise InputError(f"has no meaning beside {given[0]}; leave it out", field=f"motion.{key}", value=table[key])
     if given[0] == "file":

@@ -19,30 +19,27 @@ file = "series.csv"          in place of all these but reference: a series, see 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from os import PathLike
 from pathlib import Path
 
 from ..common.body_motion import BodyMotion
+from ..common.diagnostics import check_drag
 from ..common.outcome import InputError
-from ..common.properties import CableProperties, Environment
+from ..common.properties import CableProperties, Environment, missing_seabed_stiffness
 from ..network.model import Element, Network, Node
-from .motion_file import KEYS as MOTION_KEYS
+from .keys import NETWORK, SECTION, check_keys
 from .motion_file import motion_from_table
-from .scene import (  # private to this package: one wording of errors for all scene files
-    _check_keys,
+from .plausibility import suspect_angles, suspect_heights, suspect_phases, suspect_section
+from .scene import (  # one wording of errors for all scene files
     _point,
+    check_table,
+    read_safety_factors,
     read_tables,
 )
 
-_SECTION = ("diameter", "mass_per_length", "submerged_weight", "Cdn", "Cdb", "Cdt", "Ca", "damping")
 _LOADS = ("mass", "volume", "force", "CdA", "Ca")
-_TABLES = {  # table -> required keys, optional keys
-    "line_types": (("name", "EA"), _SECTION),
-    "nodes": (("name", "kind", "r"), _LOADS),
-    "elements": (("line_type", "length", "anchor", "fairlead"), ("friction",)),
-}
 
 
 @dataclass(frozen=True)
@@ -51,6 +48,8 @@ class NamedNetwork(Network):
 
     motion : of the body that carries the coupled nodes, or None
     notes : what the file says and has no meaning here, or is taken in a way of its own, one sentence each
+    warnings : what is suspected by its magnitude, with the likely unit or sign, one sentence each
+    breaking_loads : of each element, N, or None; safety_factors : on mean and dynamic tension, for the page of the file
     """
 
     name: str = ""
@@ -58,10 +57,15 @@ class NamedNetwork(Network):
     node_names: tuple[str, ...] = ()
     motion: BodyMotion | None = None
     notes: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+    breaking_loads: tuple[float | None, ...] = ()
+    safety_factors: tuple[float, float] | None = None
 
 
 def load_network(path: str | PathLike[str]) -> NamedNetwork:
     """Read a network file. Raises InputError naming file, table, key and value of what is missing, unknown or wrong.
+
+    What is suspected by its magnitude, a unit or a sign, stands in ``warnings``.
 
     >>> from importlib.resources import files
     >>> from solvers.io import load_network
@@ -72,10 +76,10 @@ def load_network(path: str | PathLike[str]) -> NamedNetwork:
 
 
 def _from_tables(data: dict, path: Path) -> NamedNetwork:
-    _check("the top level", data, tuple(_TABLES), ("name", "description", "environment", "motion"))
+    check_keys("the top level", data, NETWORK[""])
     for key in ("name", "description"):
         _text(key, data.get(key, ""))
-    _check_keys("environment", data.get("environment", {}))
+    check_table("environment", data.get("environment", {}), NETWORK)
     environment = Environment(**data.get("environment", {}))
     types, nodes = (_by_name(name, data[name]) for name in ("line_types", "nodes"))
     cables = {name: _located(where, _cable, table) for name, (where, table) in types.items()}
@@ -85,19 +89,38 @@ def _from_tables(data: dict, path: Path) -> NamedNetwork:
         _located(where, _element, table, cables, order, environment)
         for where, table in _entries("elements", data["elements"])
     ]
+    if "safety_factors" in data:
+        check_table("safety_factors", data["safety_factors"], NETWORK)
+    types_of_lines = [cables[table["line_type"]] for table in data["elements"]]
     try:
-        return NamedNetwork(
+        network = NamedNetwork(
             *(tuple(made), tuple(lines), environment),
             name=data.get("name", path.stem),
             description=data.get("description", ""),
             node_names=tuple(nodes),
             motion=_motion(data["motion"], path.parent, made, lines, environment) if "motion" in data else None,
+            breaking_loads=tuple(cable.breaking_load for cable in types_of_lines),
+            safety_factors=read_safety_factors(data),
         )
+        return replace(network, warnings=tuple(_suspect(network, cables, data.get("motion", {}))))
     except InputError as error:
         if not error.item or error.item[0] != "node":
             raise
         i = error.item[1]
         raise error.labelled(f"[[nodes]] {list(nodes)[i]!r} ({made[i].kind})") from None
+
+
+def _suspect(network, cables: dict[str, CableProperties], motion: dict):
+    """Yield sentences on what is suspected in a network, its line types by name and its [motion] table."""
+    for name, cable in cables.items():
+        yield from (f"[[line_types]] {name!r}: {text}" for text in suspect_section(cable, network.environment))
+    heights = {name: node.r[2] for name, node in zip(network.node_names, network.nodes, strict=True)}
+    kinds = zip(network.node_names, network.nodes, strict=True)
+    anchors = tuple(name for name, node in kinds if node.kind == "fixed")
+    yield from suspect_heights(heights, anchors, network.environment.depth is not None)
+    yield from suspect_angles(network.motion)
+    yield from suspect_phases(motion.get("phase", ()))
+    yield from check_drag(cables.values(), network.motion is not None, network.environment.current)
 
 
 def _entries(name: str, tables):
@@ -109,20 +132,8 @@ def _entries(name: str, tables):
     for i, table in enumerate(tables, start=1):
         own = repr(table["name"]) if "name" in table else f"number {i}"
         where = f"[[{name}]] {own}"
-        _check(where, table, *_TABLES[name])
+        check_keys(where, table, NETWORK[name])
         yield where, table
-
-
-def _check(where: str, table: dict, required, optional):
-    known = (*required, *optional)
-    for key in table:
-        if key not in known:
-            near = [k for k in known if k.lower() == key.lower()] or get_close_matches(key, known, n=1)
-            hint = f"did you mean {near[0]!r}?" if near else f"known keys are {', '.join(sorted(known))}"
-            raise InputError(f"unknown key {key!r} in {where}; {hint}", field=key, value=table[key], label="")
-    for key in required:
-        if key not in table:
-            raise InputError(f"missing key {key!r} in {where}", field=key, label="")
 
 
 def _by_name(kind: str, tables) -> dict:
@@ -151,7 +162,7 @@ def _located(where: str, make, *arguments):
 
 
 def _cable(table) -> CableProperties:
-    return CableProperties(table["EA"], **{key: table[key] for key in _SECTION if key in table})
+    return CableProperties(table["EA"], **{key: table[key] for key in SECTION if key in table})
 
 
 def _node(table) -> Node:
@@ -181,9 +192,7 @@ def _element(table, cables, order, environment) -> Element:
 
 def _motion(table, folder: Path, nodes, elements, environment) -> BodyMotion:
     """Return the motion of the body; raises InputError for what a moving network needs and the file lacks."""
-    if not isinstance(table, dict):
-        raise InputError(f"{table!r} must be a table, [motion]", field="motion", value=table)
-    _check("[motion]", table, (), sorted(MOTION_KEYS))
+    check_table("motion", table, NETWORK)
     motion = motion_from_table(table, folder)
     if not any(node.kind == "coupled" for node in nodes):
         raise InputError('no node has kind = "coupled", which a body would move', field="motion")
@@ -192,8 +201,8 @@ def _motion(table, folder: Path, nodes, elements, environment) -> BodyMotion:
             problem = "its line type has no diameter (m) and mass_per_length (kg/m), and [motion] takes both"
             raise InputError(problem, field="line_type", label=f"[[elements]] number {i}: line_type")
     if environment.depth is not None and environment.seabed_stiffness is None:
-        problem = "not given (N/m^2), and [motion] over a seabed takes it"
-        raise InputError(problem, field="environment.seabed_stiffness", unit="N/m^2")
+        diameter = max(element.cable.diameter for element in elements)
+        raise missing_seabed_stiffness("[motion]", diameter, "environment.seabed_stiffness")
     return motion
 
 

@@ -22,7 +22,7 @@ from __future__ import annotations
 import math
 import tomllib
 from dataclasses import dataclass
-from difflib import get_close_matches
+from functools import cached_property
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -30,35 +30,23 @@ from typing import Any
 import numpy as np
 
 from ..catenary.span import Span
+from ..common.diagnostics import check_drag
 from ..common.motion import Motion
 from ..common.outcome import InputError
-from ..common.properties import CableProperties, Environment
+from ..common.properties import CableProperties, Environment, missing_seabed_stiffness
 from ..common.types import Vector, as_system
 from ..common.validation import positive_number, real_number, vector
 from ..mooring.system import mooring_system
-
-_SECTION = ("diameter", "mass_per_length", "submerged_weight", "Cdn", "Cdb", "Cdt", "Ca", "damping")
-_KEYS = {
-    "": {"name", "description", "tolerance", "environment", "line", "ends", "motion"},
-    "environment": {"rho", "g", "depth", "current", "seabed_stiffness", "seabed_damping"},
-    "line": {"length", "EA", "friction", *_SECTION},
-    "ends": {"anchor", "fairlead"},
-    "motion": {"frequency", "period", "amplitude", "phase"},
-}
-_REQUIRED = {
-    "": ("line", "ends"),
-    "environment": (),
-    "line": ("length", "EA"),
-    "ends": ("anchor", "fairlead"),
-    "motion": ("amplitude",),
-}
+from .keys import SCENE, SECTION, check_keys
+from .plausibility import suspect_heights, suspect_phases, suspect_rest, suspect_section
 
 
 @dataclass(frozen=True)
 class Scene:
     """One line with its environment: length in m, friction a tuple of coefficients, anchor and fairlead (3,) in m.
 
-    motion: of the fairlead about that position, or None. Raises InputError naming the key, its value and its unit.
+    motion: of the fairlead about that position, or None; safety_factors: on mean and dynamic tension, for the page of
+    a file; notes: what its text alone makes suspect. Raises InputError naming the key, its value and its unit.
 
     >>> section = CableProperties(EA=384.243e6, diameter=0.09, mass_per_length=77.7066)
     >>> Scene("my line", section, 902.2, (0.0, 0.0, -320.0), (848.67, 0.0, -70.0)).spans()[0].z  # m
@@ -75,10 +63,14 @@ class Scene:
     tolerance: float = 1e-6
     description: str = ""
     motion: Motion | None = None
+    safety_factors: tuple[float, float] | None = None
+    notes: tuple[str, ...] = ()
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> Scene:
         """Read a scene file. Raises InputError naming file and key for anything missing, unknown or out of range.
+
+        What is suspected by its magnitude, a unit or a sign, stands in ``warnings``.
 
         >>> from importlib.resources import files
         >>> Scene.load(files("reference_data") / "scenes" / "shallow_chain.toml").environment.depth  # m
@@ -86,17 +78,31 @@ class Scene:
         """
         return read_tables(path, cls._from_tables)
 
+    @cached_property
+    def warnings(self) -> tuple[str, ...]:
+        """What is suspected by its magnitude, with the likely unit or sign, one sentence each."""
+        water, of_section = self.environment, tuple(suspect_section(self.cable, self.environment))
+        return (
+            *of_section,
+            *suspect_heights(
+                {"anchor": self.anchor[2], "fairlead": self.fairlead[2]}, ("anchor",), water.depth is not None
+            ),
+            *self.notes,
+            *check_drag([self.cable], self.motion is not None, water.current),
+            *(() if of_section else suspect_rest(self.spans()[0], water.current)),
+        )
+
     @classmethod
     def _from_tables(cls, data: dict, path: Path) -> Scene:
-        tables = {"environment": {}, "line": {}, "ends": {}} | {k: data[k] for k in _KEYS if k in data}
+        tables = {"environment": {}, "line": {}, "ends": {}} | {k: data[k] for k in SCENE if k in data}
         for name, table in {"": data, **tables}.items():
-            _check_keys(name, table)
+            check_table(name, table, SCENE)
         for key in ("name", "description"):
             if not isinstance(data.get(key, ""), str):
                 raise InputError(f"{data[key]!r} must be a text", field=key, value=data[key])
         line, ends = tables["line"], tables["ends"]
         friction = line.get("friction", 0.0)
-        section = {key: line[key] for key in _SECTION if key in line}
+        section = {key: line[key] for key in SECTION if key in line}
         scene = cls(
             name=data.get("name", path.stem),
             description=data.get("description", ""),
@@ -108,11 +114,16 @@ class Scene:
             anchor=_point("ends.anchor", ends["anchor"]),
             fairlead=_point("ends.fairlead", ends["fairlead"]),
             motion=_motion(tables["motion"]) if "motion" in tables else None,
+            safety_factors=read_safety_factors(data),
+            notes=tuple(suspect_phases(tables.get("motion", {}).get("phase", ()))),
         )
         if not scene.friction:
             problem = "the list is empty; give one coefficient or several"
             raise InputError(problem, field="line.friction", value=friction)
-        scene.spans()
+        try:
+            scene.spans()
+        except InputError as error:
+            raise _explained(error, list(suspect_section(scene.cable, scene.environment))) from None
         if scene.motion is not None:
             scene._check_dynamics()
         return scene
@@ -126,8 +137,7 @@ class Scene:
         if depth is None:
             return
         if self.environment.seabed_stiffness is None:
-            problem = "not given (N/m^2), and [motion] over a seabed takes it"
-            raise InputError(problem, field="environment.seabed_stiffness", unit="N/m^2")
+            raise missing_seabed_stiffness("[motion]", self.cable.diameter, "environment.seabed_stiffness")
         period = np.linspace(0.0, self.motion.period, 64 * self.motion.harmonics + 1)  # type: ignore[union-attr]
         lowest = self.fairlead[2] + self.motion.displacement(period)[2].min()  # type: ignore[union-attr]
         if lowest < -depth:
@@ -148,6 +158,21 @@ class Scene:
             "clearance": 0.0 if depth is None else z0 + depth,
         }
         return tuple(Span(**shape, friction=friction) for friction in self.friction)
+
+
+def _explained(error: InputError, suspected: list[str]) -> InputError:
+    """Return the error of a line that has no span, with what is suspected of its section, or what a file can say."""
+    hint = suspected[0] if suspected else "In a file: leave out depth." if error.field == "w" else ""
+    return InputError(f"{error.problem}. {hint}", field=error.field, value=error.value, unit=error.unit)
+
+
+def read_safety_factors(data: dict) -> tuple[float, float] | None:
+    """Return the factors on mean and dynamic tension of the tables of a file, None where there are none."""
+    if "safety_factors" not in data:
+        return None
+    table = data["safety_factors"]
+    mean, dynamic = (positive_number(f"safety_factors.{k}", table[k], "(dimensionless)") for k in ("mean", "dynamic"))
+    return mean, dynamic
 
 
 def read_tables(path, build):
@@ -175,18 +200,11 @@ def _path_error(path, problem) -> InputError:
     return InputError(problem, field="path", value=str(path), label=str(path))
 
 
-def _check_keys(name: str, table):
-    where = f"[{name}]" if name else "the top level"
+def check_table(name: str, table, tables):
+    """Raise InputError for a table of a file, "" for the top level, that is none or has wrong keys."""
     if not isinstance(table, dict):
         raise InputError(f"{table!r} must be a table, [{name}]", field=name, value=table)
-    for key in table:
-        if key not in _KEYS[name]:
-            near = [k for k in _KEYS[name] if k.lower() == key.lower()] or get_close_matches(key, _KEYS[name], n=1)
-            hint = f"did you mean {near[0]!r}?" if near else f"known keys are {', '.join(sorted(_KEYS[name]))}"
-            raise InputError(f"unknown key {key!r} in {where}; {hint}", field=key, value=table[key], label="")
-    for key in _REQUIRED[name]:
-        if key not in table:
-            raise InputError(f"missing key {key!r} in {where}", field=key, label="")
+    check_keys(f"[{name}]" if name else "the top level", table, tables[name])
 
 
 def _tolerance(value) -> float:

@@ -36,6 +36,18 @@ def rest_warnings(system) -> tuple[str, ...]:
     return pretension_warnings(system.rest.pretension_error, "cells")
 
 
+def friction_warnings(system) -> tuple[str, ...]:
+    """Return a warning where lines rest on a seabed whose friction the equilibrium has none of."""
+    model = system.model
+    friction = max(segment.friction for segment in model.segments)
+    if friction == 0 or model.environment.depth is None:
+        return ()
+    return (
+        f"friction: {friction:g} of the seabed acts in motion only; at rest the lying line slides freely, and "
+        "solve_span and solve_network have the friction of a line as it was laid",
+    )
+
+
 def largest_change(fine, coarse) -> float | None:
     """Return the largest ``relative_change`` of two results of a line, or of the elements of a network."""
     changes = [relative_change(*pair) for pair in zip(fine.lines, coarse.lines, strict=True)]
@@ -43,7 +55,8 @@ def largest_change(fine, coarse) -> float | None:
 
 
 def check_history(history):
-    """Yield warnings about a MooringHistory: rest, mesh, step, slack, periodicity."""
+    """Yield warnings about a MooringHistory: input, rest, mesh, step, slack, periodicity."""
+    yield from history.system.input_warnings()
     yield from rest_warnings(history.system)
     time = history.time
     if time.size < 3:
@@ -90,7 +103,8 @@ def _element(result, index) -> str:
 
 
 def check_response(response):
-    """Yield warnings about a MooringResponse: rest, mesh, harmonics."""
+    """Yield warnings about a MooringResponse: input, rest, mesh, harmonics."""
+    yield from response.system.input_warnings()
     yield from rest_warnings(response.system)
     yield from check_mesh(response.mesh_error, "cells")
     count, (first, period) = response.basis.harmonics, response.last_period

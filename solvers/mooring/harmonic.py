@@ -29,7 +29,7 @@ from .samples import predict_tensions, sampled_residual, sampled_tangents
 from .stepped_orbit import SteppedOrbit
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class MooringResponse(MooringOutputs, PeriodicResponse):
     """Periodic state of a moving line: PeriodicResponse with the outputs of MooringOutputs at the samples.
 

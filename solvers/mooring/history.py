@@ -11,7 +11,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from scipy.interpolate import PchipInterpolator
 
 from ..common.outcome import ConvergenceError, InputError, Outcome, Status
-from ..common.response import Response, last_period, within_history
+from ..common.response import Response, describe_range, last_period, within_history
 from . import diagnostics
 from .coarsening import common_nodes
 from .diagnostics import largest_change
@@ -53,6 +53,15 @@ class MooringOutputs(Response):
         time: Any
         yddot: Any
         end_tension_at: Any
+
+    def describe(self):
+        """Yield how long the result is, and extremes of the fairlead tension, of a network that of the worst line."""
+        cells = self.system.line.length.size
+        yield f"{cells} cells, {self.time.size} instants to t = {self.time[-1]:.6g} s"
+        tensions = [np.linalg.norm(line.fairlead_force, axis=0) for line in self.lines]
+        worst = max(range(len(tensions)), key=lambda e: tensions[e].max())
+        name = "fairlead tension" if self.system.model.is_line else f"elements[{worst}], the most loaded: tension"
+        yield describe_range(name, tensions[worst])
 
     @cached_property
     def _forces(self):
@@ -169,7 +178,7 @@ class ElementOutputs(Response):
         return self.result.end_tension_at(np.asarray(t, dtype=float), 0, self.index)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class MooringHistory(MooringOutputs, Outcome):
     """Motion over time: time (K,) s; y, ydot, yddot (n, N, K): coordinates of the nodes in m, their rates.
 

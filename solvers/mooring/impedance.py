@@ -15,6 +15,7 @@ from ..common.body_motion import BodyMotion
 from ..common.outcome import InputError
 from ..common.validation import non_negative_number, positive_number, real_array, vector
 from ..harmonic_balance.solve import solve_periodic
+from .system import mooring_system
 
 COORDINATES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 
@@ -22,11 +23,12 @@ COORDINATES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 def mooring_impedance(system, frequency, reference=(0.0, 0.0, 0.0)) -> np.ndarray:
     """Return Z (F, 6, 6) of the lines linearised about rest at frequencies (F,) in Hz, or (6, 6) of one.
 
-    system: a MooringSystem in space (``fields="spatial"``) with coupled nodes; reference: point (3,) that the body
-    turns about, m. N/m, N and N m. Unsymmetric where the moment at rest is not zero. Still water has no linear drag,
-    and friction of the seabed is that of the regularised law at rest. Raises InputError naming what is wrong,
-    ConvergenceError without an equilibrium.
+    system: a MooringSystem in space (``fields="spatial"``) with coupled nodes, a Scene or a Network; reference: point
+    (3,) that the body turns about, m. N/m, N and N m. Unsymmetric where the moment at rest is not zero. Still water has
+    no linear drag, and friction of the seabed is that of the regularised law at rest. Raises InputError naming what is
+    wrong, ConvergenceError without an equilibrium.
     """
+    system = _in_space(system)
     arms = _arms(system, reference)
     given = np.atleast_1d(real_array(frequency))
     omega = [2 * np.pi * non_negative_number("frequency", f, "Hz") for f in given.tolist()]
@@ -59,6 +61,7 @@ def harmonic_impedance(
     frequency in Hz; amplitude (6,): of surge, sway, heave in m and roll, pitch, yaw in rad, one at a time; a column
     whose amplitude is zero is NaN. options: of ``solve_periodic``. Raises as that and ``mooring_impedance`` do.
     """
+    system = _in_space(system)
     _arms(system, reference)
     frequency = positive_number("frequency", frequency, "Hz")
     sizes = real_array(amplitude)
@@ -73,6 +76,11 @@ def harmonic_impedance(
         first = 2 * both @ np.exp(-2j * np.pi * frequency * response.time) / response.time.size
         Z[:, j] = -first / (-1j * sizes[j])  # sin is the real part of -i exp
     return Z
+
+
+def _in_space(given):
+    """Return a MooringSystem as it is, a Scene or Network on the default mesh in space."""
+    return given if hasattr(given, "axes") else mooring_system(given, fields="spatial")
 
 
 def _arms(system, reference) -> np.ndarray:

@@ -7,15 +7,15 @@ section that the dynamics takes. Where elements follow one another they are one 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..catenary.span import Span, solve_span
 from ..common.outcome import InputError
-from ..common.properties import CableProperties, Environment
+from ..common.properties import CableProperties, Environment, missing_seabed_stiffness
 from ..network.model import Element, Network, Node
 from ..network.solve import solve_network
 
@@ -60,6 +60,7 @@ class MooringModel:
     """Segments (k,) between points, network.Node each; environment; name for messages.
 
     is_line: whether each segment follows the one before, and each point, from the first to the last.
+    given: the Scene or Network that it was made of.
     """
 
     name: str
@@ -67,6 +68,7 @@ class MooringModel:
     points: tuple[Node, ...]
     environment: Environment
     is_line: bool = True
+    given: Any = field(default=None, repr=False, compare=False)
 
     @property
     def length(self) -> float:
@@ -155,7 +157,7 @@ class CatenariesAtRest(NamedTuple):
 def build_model(given) -> MooringModel:
     """Return the model of a Scene or a Network. Raises InputError where what dynamics needs is missing."""
     if isinstance(given, Network):
-        return _from_network(given)
+        return replace(_from_network(given), given=given)
     for name in ("cable", "length", "anchor", "fairlead", "environment"):
         if not hasattr(given, name):
             raise InputError(f"{given!r} is no Scene and no Network", field="scene", value=given)
@@ -163,7 +165,7 @@ def build_model(given) -> MooringModel:
     weight = given.cable.weight_in(given.environment)
     segment = Segment(weight, given.cable.EA, given.length, friction, given.cable)
     points = Node("fixed", given.anchor), Node("coupled", given.fairlead)
-    return _require_dynamic_data(MooringModel(given.name, (segment,), points, given.environment))
+    return _require_dynamic_data(MooringModel(given.name, (segment,), points, given.environment, given=given))
 
 
 def _from_network(network) -> MooringModel:
@@ -202,6 +204,5 @@ def _require_dynamic_data(model) -> MooringModel:
                 raise InputError(f"not given ({unit}), and a moving line takes it", field=where, unit=unit)
     environment = model.environment
     if environment.depth is not None and environment.seabed_stiffness is None:
-        problem = "not given (N/m^2), and a moving line over a seabed takes it"
-        raise InputError(problem, field="seabed_stiffness", unit="N/m^2")
+        raise missing_seabed_stiffness("a moving line", max(segment.cable.diameter for segment in model.segments))
     return model

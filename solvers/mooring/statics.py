@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from ..common.outcome import Outcome, Status
+from ..common.outcome import Outcome, Status, describe_vector
 from ..numerics.continuation import continue_in_load
 from ..numerics.newton import Step, relaxed_newton
 from . import elimination, equations
 from .components import merge_states
-from .diagnostics import exact_pretension, rest_warnings
+from .diagnostics import exact_pretension, friction_warnings, rest_warnings
 
 TOLERANCE = 1e-13  # largest change of a position over the length: some hundred roundings of a coordinate
 SOFT_STRAIN = 0.1  # of the greatest tension, where the continuation begins
@@ -26,7 +26,7 @@ MIN_LOAD_STEP = 2.0**-10  # of the load parameter, in the continuation
 SLACK_STIFFNESS = 1e-9  # of the stiffest cell's, in the Jacobian alone, at nodes of slack cells: it is singular else
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class MooringState(Outcome):
     """Equilibrium: y (n, N): coordinates of the nodes in m, axes of the system; tension (C,) of the cells, N.
 
@@ -56,8 +56,18 @@ class MooringState(Outcome):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What the mesh has lost: a pretension that is off."""
-        return rest_warnings(self.system) if self.success else ()
+        """What is suspected in the input, friction that the rest has none of, and a pretension that is off."""
+        made = self.system.input_warnings() + friction_warnings(self.system)
+        return made + rest_warnings(self.system) if self.success else made
+
+    def describe(self):
+        """Yield the tension at the fairlead and the force on the anchor; of a network the range of all cells."""
+        if self.system.model.is_line:
+            yield f"{self.r.shape[1]} nodes; T = {self.fairlead_tension:.7g} N at the fairlead"
+            yield f"force on the anchor {describe_vector(self.anchor_force)} N"
+        else:
+            low, high = self.tension.min(), self.tension.max()
+            yield f"{self.r.shape[1]} nodes; tension {low:.6g} to {high:.6g} N in its cells"
 
     @property
     def fairlead_force(self) -> np.ndarray:

@@ -8,6 +8,7 @@ from functools import cached_property, partial
 
 import numpy as np
 
+from ..common.diagnostics import check_drag
 from ..common.outcome import InputError, Status
 from ..common.properties import MAX_STRAIN
 from ..common.types import as_system
@@ -145,6 +146,13 @@ class MooringSystem:
         return merge_responses(self, responses)
 
     # ------------------------------------------------------------ about the equilibrium
+    def input_warnings(self) -> tuple[str, ...]:
+        """Return what is suspected in the scene or network, and where there is no drag across a line in motion."""
+        model, current = self.model, self.model.environment.current
+        suspected = [*getattr(model.given, "warnings", ())]
+        suspected += check_drag([part.cable for part in model.segments], self.motion is not None, current)
+        return tuple(dict.fromkeys(suspected))
+
     @cached_property
     def rest(self) -> MooringState:
         """The discrete equilibrium of this mesh, undisplaced; raises ConvergenceError where there is none."""

@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..common.outcome import InputError, Outcome, Status
+from ..common.outcome import InputError, Outcome, Status, describe_vector
 from ..common.types import Vector
 from ..common.validation import flags, one_of, real_array, real_number, vector
 from .equations import NetworkEquations
@@ -24,7 +24,7 @@ from .rounding import refine_within_rounding
 from .start import MAX_CONTACT_ELEMENTS, robust_start
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class NetworkState(Outcome):
     """Equilibrium of a network with n nodes and e elements.
 
@@ -50,6 +50,13 @@ class NetworkState(Outcome):
     operations: float
     residual_norm: float
     equations: NetworkEquations = field(repr=False, compare=False)
+
+    def describe(self):
+        """Yield the extremes of the tension at the fairlead ends, and the force on what carries the coupled nodes."""
+        tension = np.hypot(self.H, self.V)
+        yield f"{tension.size} lines, {tension.min():.6g} to {tension.max():.6g} N at their fairlead ends"
+        if self.coupled.any():
+            yield f"force on the coupled nodes {describe_vector(self.reaction[self.coupled].sum(axis=0))} N"
 
     @cached_property
     def stiffness(self) -> np.ndarray:

@@ -20,7 +20,7 @@ from .tracing import CurvePoint, CurveTrace, TraceState, as_response, instants_o
 MAX_COUNT = 10**5  # harmonics, samples or points, far beyond what memory holds
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ResponseCurve(Outcome):
     """P periodic responses along a curve, from the start of the parameter's range on; see ``response_curve``.
 
@@ -64,6 +64,13 @@ class ResponseCurve(Outcome):
         if self.multipliers is None:
             return None
         return np.array([abs(each).max(initial=0.0) < 1.0 for each in self.multipliers], dtype=bool)
+
+    def describe(self):
+        """Yield the range of the parameter that was followed, the folds and the outputs."""
+        unit = UNITS.get(self.parameter, "")
+        first, last = self.values[[0, -1]]
+        yield f"{self.values.size} points from {first:.6g} to {last:.6g} {unit}, {len(self.folds)} folds"
+        yield f"outputs from {self.least.min():.6g} to {self.greatest.max():.6g}"
 
     def harmonic(self, k, component=0, node=-1) -> np.ndarray:
         """Return amplitudes (P,) of harmonic k >= 1 of a field at a node."""

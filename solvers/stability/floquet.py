@@ -79,6 +79,9 @@ def floquet(
     Raises InputError for bad options, and for a chain that is too long.
     """
     steps = whole_number("steps", steps, 1, MAX_STEPS)
+    if not hasattr(response, "system"):
+        problem = f"{type(response).__name__} is no PeriodicResponse: give what solve_periodic returns of it"
+        raise InputError(problem, field="response", value=response)
     one_of("scheme", scheme, tuple(SCHEMES))
     flags(out_of_plane=out_of_plane)
     if hasattr(response, "linearised_period"):

@@ -15,7 +15,7 @@ from ..common.response import Response, last_period, within_history
 from ..numerics.chain import ChainSystem
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class TimeHistory(Response, Outcome):
     """Motion over time: time (K,) s; y, ydot (n_f, N, K); Newton iterations and factorisations in total.
 

@@ -103,7 +103,7 @@ REFUSED = [
     ("[[nodes]]", "[[node]]", "unknown key 'node' in the top level; did you mean 'nodes'?"),
     ("depth = 200.0", "Depth = 200.0", "unknown key 'Depth' in [environment]; did you mean 'depth'?"),
     ("mass = 500.0", "masse = 500.0", "unknown key 'masse' in [[nodes]] 'ground joint'; did you mean 'mass'?"),
-    ("friction = 0.7", "CB = 0.7", "unknown key 'CB' in [[elements]] number 1; known keys are anchor, fairlead"),
+    ("friction = 0.7", "CB = 0.7", "unknown key 'CB' in [[elements]] number 1; did you mean 'friction'?"),
     ("EA = 5.5e8", "ea = 5.5e8", "unknown key 'ea' in [[line_types]] 'wire'; did you mean 'EA'?"),
     ("EA = 5.5e8", "", "missing key 'EA' in [[line_types]] 'wire'"),
     ("EA = 5.5e8", "EA = -5.5e8", "[[line_types]] 'wire': EA: -5.5e+08 N must be > 0"),

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import csv
 import json
+import os
 import re
 import shutil
 import subprocess
 import sys
 
 import pytest
+
+from solvers.io import load_moordyn, read_map_file
 
 from .test_report import ROOT, Page, broken_anchors, fetched, missing_files, report, undescribed
 
@@ -26,6 +29,7 @@ diameter = 0.12
 mass_per_length = 25.0
 Cdn = 1.2
 Ca = 1.0
+breaking_load = 6e5
 [[nodes]]
 name = "south"
 kind = "fixed"
@@ -61,11 +65,16 @@ anchor = "buoy"
 fairlead = "fairlead"
 """
 MOTION = """
+[safety_factors]
+mean = 1.1
+dynamic = 1.5
 [motion]
 period = 10.0
 amplitude = [1.0, 0.0, 0.5, 0.0, 0.0, 0.0]
 """
 LINES = ("south \N{EN DASH} buoy", "north \N{EN DASH} buoy", "buoy \N{EN DASH} fairlead")
+ROUNDING = 1e-12  # relative: sums of a few numbers
+PEER = 2e-3  # relative: codes that stop at a distance, MoorPy at 0.05 m
 NAME, OWN = "ropes", ("time domain", "harmonic balance")
 
 
@@ -131,6 +140,70 @@ def test_the_recommended_setting_is_the_cheapest_within_the_tolerance(built):
     assert f"on {best['cells']} cells with" in shown and "within the tolerance of 0.01" in shown
 
 
+def test_each_line_has_its_margin(built):
+    """Design tension and utilisation worked out anew from mean and greatest tension; the worst in the terminal."""
+    folder, shown, result, text = built
+    with (folder / "out" / "tables" / f"network_{NAME}_margin.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert tuple(row["line"] for row in rows) == LINES
+    used = []
+    for row, line in zip(rows, result["motion"], strict=True):
+        design = 1.1 * line["mean"] + 1.5 * (line["max"] - line["mean"])
+        assert float(row["design"]) == pytest.approx(design, rel=ROUNDING)
+        used.append(design / (0.95 * 6e5))
+        assert float(row["utilisation"]) == pytest.approx(used[-1], rel=ROUNDING)
+    worst = LINES[used.index(max(used))]
+    assert re.search(rf"Utilisation at most {max(used):.3g}\d*, of {worst}: within the strength", shown)
+    assert "gamma_mean = 1.1 and gamma_dyn = 1.5, of the file" in text
+
+
+def test_lines_move_on_the_page_and_stand_still_on_paper(built):
+    """Two views; each line is a polyline through its points at every instant, which ends where it began."""
+    _, _, result, text = built
+    views = re.findall(r'<svg class="moving".*?</svg>', text)
+    assert len(views) == 2 and 'aria-label="Two ropes and a chain, moving, from above"' in views[1]
+    for view in views:
+        moving = re.findall(r'<polyline class="line" points="([^"]+)"><animate [^>]*values="([^"]+)"', view)
+        assert len(moving) == len(LINES)
+        for points, values in moving:
+            poses = values.split(";")
+            assert len(poses) == len(result["envelope"]["poses"]) + 1 and poses[0] == poses[-1] == points
+    assert "prefers-reduced-motion" in text and fetched(Page(text)) == []
+
+
+def test_files_for_other_programs_are_linked_and_read_back(built):
+    """MoorDyn's and MAP++'s have the lengths of the lines; other codes at rest agree, where they are installed."""
+    folder, _, result, text = built
+    for program, read in (("moordyn.txt", load_moordyn), ("map.map", lambda path: read_map_file(path, depth=100.0))):
+        file = f"results/network_{NAME}_{program}"
+        assert f'href="{file}"' in text
+        assert [element.L for element in read(folder / "out" / file).elements] == [75.0, 75.0, 80.0]
+    for row in result["static_peers"]:
+        if row["tension"]:
+            assert row["tension"] == pytest.approx(result["statics"]["exact"], rel=PEER), row["method"]
+
+
+NAMING = (
+    "import json, sys; from pathlib import Path; from reports.pipeline.naming import name_files; "
+    "print(*name_files([Path(file) for file in sys.argv[2:]], Path(sys.argv[1])).values())"
+)
+
+
+def test_files_of_one_name_in_two_folders_are_kept_apart(tmp_path):
+    """Results and pages are named by stem, with the folder where that is taken; the same file keeps its name."""
+
+    def names(*files) -> list[str]:
+        command = [sys.executable, "-c", NAMING, "names.json", *files]
+        run = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=60,
+                             env=os.environ | {"PYTHONPATH": str(ROOT)})  # fmt: skip
+        assert run.returncode == 0, run.stderr
+        return run.stdout.split()
+
+    assert names("a/line.toml") == ["line"]
+    assert names("b/line.toml") == ["line-b"]
+    assert names("b/line.toml", "a/line.toml", "c/b/line.toml") == ["line-b", "line", "line-b-2"]
+
+
 SENTENCE = (
     "import json, sys; from reports.scenes.network_settings import *; "
     "report = json.load(open(sys.argv[1]))[sys.argv[2]]; "
@@ -148,6 +221,7 @@ def test_without_a_setting_within_the_tolerance_the_best_is_named(built):
     best = min(own, key=lambda row: row["error"])
     assert "No setting meets the tolerance of 1e-12. The most accurate is" in run.stdout, run.stderr
     assert f"on {best['cells']} cells with" in run.stdout
+    assert "so no setting can be promised" in run.stdout or "By second order it would take about" in run.stdout
 
 
 def test_failures_are_said_and_no_page_is_blank(built, tmp_path):

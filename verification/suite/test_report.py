@@ -214,7 +214,7 @@ def test_cells_stand_as_their_headings(whole_pages):
     [
         (["no_such_scene.toml"], "no_such_scene.toml: there is no such scene file"),
         (["--only", "nonsense"], "unknown stage 'nonsense'; the stages are tests, machine"),
-        ([SCENE, SCENE], "two scene files have the same name"),
+        ([SCENE, SCENE], "a scene file is given twice"),
     ],
 )
 def test_bad_arguments_end_with_a_clear_message(arguments, message):

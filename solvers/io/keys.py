@@ -1,0 +1,170 @@
+"""The keys of scene and network files: what each takes, in which unit; readers and schema take them from here.
+
+A Key's kind is one of ``schema.KINDS``; its help is one sentence for an editor or for who mistypes it.
+"""
+
+from __future__ import annotations
+
+from difflib import get_close_matches
+from typing import NamedTuple
+
+from ..common.outcome import InputError
+
+
+class Key(NamedTuple):
+    """What a key takes: kind, unit ("" without), one sentence, and whether it must be there."""
+
+    kind: str
+    unit: str
+    help: str
+    required: bool = False
+
+
+_NAME = {
+    "name": Key("text", "", "Name of the system, as pages show it."),
+    "description": Key("text", "", "What the system is, in a sentence or two."),
+}
+ENVIRONMENT = {
+    "rho": Key("non_negative", "kg/m^3", "Density of the water; 1025 where it is not given."),
+    "g": Key("positive", "m/s^2", "Gravity; 9.80665 where it is not given."),
+    "depth": Key("positive", "m", "Depth of the flat seabed at z = -depth; without it there is no seabed."),
+    "current": Key("vector", "m/s", "Steady velocity [x, y, z] of the water."),
+    "seabed_stiffness": Key("non_negative", "N/m^2", "Of the seabed, per length of line and metre of penetration."),
+    "seabed_damping": Key("non_negative", "N s/m^2", "Of the seabed, per length of line and m/s, while it is pressed."),
+}
+SECTION = {
+    "diameter": Key("positive", "m", "Diameter of the cylinder with the line's displacement and drag."),
+    "mass_per_length": Key("positive", "kg/m", "Mass in air per unstretched length."),
+    "submerged_weight": Key("number", "N/m", "Weight in water per unstretched length; else from mass and diameter."),
+    "breaking_load": Key("positive", "N", "Minimum breaking load, for the margin on the page of the file."),
+    "Cdn": Key("non_negative", "", "Coefficient of the drag across the line, on d l."),
+    "Cdb": Key("non_negative", "", "Coefficient of the binormal drag, on d l; Cdn where it is not given."),
+    "Cdt": Key("non_negative", "", "Coefficient of the drag along the line, on pi d l."),
+    "Ca": Key("non_negative", "", "Added-mass coefficient across the line."),
+    "damping": Key("non_negative", "s", "Kelvin-Voigt time of the material: T = EA (eps + damping d(eps)/dt)."),
+}
+_EA = {"EA": Key("positive", "N", "Axial stiffness of the line.", True)}
+_FACTORS = {
+    "mean": Key("positive", "", "Factor on the mean tension.", True),
+    "dynamic": Key("positive", "", "Factor on what the greatest tension has above the mean.", True),
+}
+_FREQUENCY = {
+    "frequency": Key("positive", "Hz", "Frequency of the motion; or period."),
+    "period": Key("positive", "s", "Period of the motion; or frequency."),
+}
+SCENE = {
+    "": _NAME | {
+        "tolerance": Key("tolerance", "", "Relative error wanted of the fairlead tension."),
+        "environment": Key("table", "", "Water, gravity and seabed."),
+        "line": Key("table", "", "The line.", True),
+        "ends": Key("table", "", "Where the line begins and ends.", True),
+        "motion": Key("table", "", "Motion of the fairlead about its place."),
+        "safety_factors": Key("table", "", "Factors of the design tension beside breaking_load."),
+    },
+    "environment": ENVIRONMENT,
+    "line": {"length": Key("positive", "m", "Unstretched length of the line.", True)} | _EA
+    | {"friction": Key("friction", "", "Coefficient of the seabed's friction, or a list to compare.")} | SECTION,
+    "ends": {
+        "anchor": Key("vector", "m", "Place [x, y, z] of the anchor, z up from still water.", True),
+        "fairlead": Key("vector", "m", "Place [x, y, z] of the fairlead, z up from still water.", True),
+    },
+    "motion": _FREQUENCY | {
+        "amplitude": Key("rows_of_three", "m", "Amplitudes [x, y, z]; or such a row for each harmonic.", True),
+        "phase": Key("rows_of_three", "rad", "Phases of the sines, in the shape of amplitude."),
+    },
+    "safety_factors": _FACTORS,
+}  # fmt: skip
+"""Of a scene file: table -> key -> Key; "" is the top level."""
+NETWORK = {
+    "": _NAME | {
+        "environment": Key("table", "", "Water, gravity and seabed."),
+        "line_types": Key("tables", "", "Sections of the lines.", True),
+        "nodes": Key("tables", "", "Points where lines meet.", True),
+        "elements": Key("tables", "", "Lines between nodes.", True),
+        "motion": Key("table", "", "Motion of the body that carries the coupled nodes."),
+        "safety_factors": Key("table", "", "Factors of the design tension beside breaking_load."),
+    },
+    "environment": ENVIRONMENT,
+    "line_types": {"name": Key("text", "", "Name, by which elements refer to it.", True)} | _EA | SECTION,
+    "nodes": {
+        "name": Key("text", "", "Name, by which elements refer to it.", True),
+        "kind": Key("kind", "", "fixed: an anchor; free: solved for; coupled: moved by the body.", True),
+        "r": Key("vector", "m", "Place [x, y, z], z up from still water; of a free node a guess.", True),
+        "mass": Key("non_negative", "kg", "Point mass."),
+        "volume": Key("non_negative", "m^3", "Displaced volume."),
+        "force": Key("vector", "N", "External force [x, y, z]."),
+        "CdA": Key("non_negative", "m^2", "Drag coefficient times area."),
+        "Ca": Key("non_negative", "", "Added-mass coefficient of the volume."),
+    },
+    "elements": {
+        "line_type": Key("text", "", "Name of a line type.", True),
+        "length": Key("positive", "m", "Unstretched length.", True),
+        "anchor": Key("text", "", "Name of the node at the lower end.", True),
+        "fairlead": Key("text", "", "Name of the node at the upper end.", True),
+        "friction": Key("non_negative", "", "Coefficient of the seabed's friction."),
+    },
+    "motion": {
+        "reference": Key("vector", "m", "Point [x, y, z] that the body turns about; the origin where it is not given."),
+    } | _FREQUENCY | {
+        "amplitude": Key("six", "m, rad", "Amplitudes of surge, sway, heave (m), roll, pitch, yaw (rad)."),
+        "phase": Key("six", "rad", "Phases of the sines."),
+        "sine": Key("rows_of_six", "m, rad", "Coefficients of sines, a row of six for each harmonic."),
+        "cosine": Key("rows_of_six", "m, rad", "Coefficients of cosines, a row of six for each harmonic."),
+        "file": Key("text", "", "Series of the motion in CSV, beside this file."),
+    },
+    "safety_factors": _FACTORS,
+}  # fmt: skip
+"""Of a network file: table -> key -> Key; "" is the top level."""
+
+ALIASES = {
+    "rho": "density water_density rho_w rhow",
+    "g": "gravity",
+    "depth": "water_depth waterdepth wtrdpth seabed h",
+    "current": "current_velocity current_speed u",
+    "seabed_stiffness": "kbot k_bot kb bottom_stiffness",
+    "seabed_damping": "cbot c_bot bottom_damping",
+    "diameter": "d diam od d_nom",
+    "mass_per_length": "m mass massden mass_density mass_per_unit_length linear_mass",
+    "submerged_weight": "w weight wet_weight weight_in_water",
+    "breaking_load": "mbl mbs mbf breaking_strength minimum_breaking_load",
+    "Cdn": "cd drag drag_coefficient cd_normal can_drag",
+    "Cdt": "cdax cd_tangential cd_axial",
+    "Ca": "cm can cmn added_mass ca_normal",
+    "damping": "ba beta zeta internal_damping",
+    "EA": "e stiffness axial_stiffness ae",
+    "length": "l unstrlen unstretched_length l0",
+    "friction": "mu cb friction_coefficient seabed_friction",
+    "anchor": "nodeanch anchor_node start attacha",
+    "fairlead": "nodefair fairlead_node end attachb",
+    "frequency": "f freq",
+    "period": "t tp",
+    "amplitude": "a amp",
+    "kind": "type",
+    "r": "position xyz coordinates",
+    "mass": "m",
+    "volume": "v",
+    "line_type": "type linetype",
+}
+"""Key -> what other programs and papers call it, in small letters."""
+
+
+def check_keys(where: str, table: dict, keys: dict[str, Key]):
+    """Raise InputError for a key of a table that is not known, naming the likely one, or for one that is missing."""
+    for key in table:
+        if key not in keys:
+            raise InputError(
+                f"unknown key {key!r} in {where}; {_likely(key, keys)}", field=key, value=table[key], label=""
+            )
+    for key, about in keys.items():
+        if about.required and key not in table:
+            raise InputError(f"missing key {key!r} in {where}", field=key, label="")
+
+
+def _likely(key: str, keys: dict[str, Key]) -> str:
+    same = [known for known in keys if known.lower() == key.lower()]
+    usual = [known for known in keys if key.lower() in ALIASES.get(known, "").split()]
+    near = same or usual or get_close_matches(key, keys, n=1)
+    if not near:
+        return f"known keys are {', '.join(sorted(keys))}"
+    about = keys[near[0]]
+    return f"did you mean {near[0]!r}?" + (f" {about.help.rstrip('.')} ({about.unit or 'no unit'})." if usual else "")
