@@ -67,6 +67,11 @@ class IrregularMotion:
         """Root mean square of the displacement over the time of repetition, (3,), m."""
         return np.sqrt((abs(self.amplitude) ** 2).sum(axis=0) / 2)
 
+    @property
+    def velocity_deviation(self) -> np.ndarray:
+        """Root mean square of the velocity over the time of repetition, (3,), m/s."""
+        return np.sqrt((abs(self.amplitude * self._rates[:, None]) ** 2).sum(axis=0) / 2)
+
     @cached_property
     def _rates(self) -> np.ndarray:
         """i omega of the harmonics, (K,), 1/s."""

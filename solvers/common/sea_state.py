@@ -25,11 +25,11 @@ _MOST_HARMONICS = 10**6
 
 @dataclass(frozen=True, eq=False)
 class ResponseOperators:
-    """Response amplitude operators: what a wave of 1 m amplitude makes of surge, sway, heave (m), roll, pitch, yaw (rad).
+    """Response amplitude operators: what a wave of 1 m makes of surge, sway, heave (m), roll, pitch, yaw (rad).
 
     frequency (n,) in Hz, increasing; heading (h,) in degrees, increasing, the direction into which the waves run, from
-    the x axis towards the y axis; operators (h, n, 6), complex, m/m and rad/m. Linear in frequency and heading, as at the
-    first frequency below it, zero above the last. Raises InputError naming the field that is wrong.
+    the x axis towards the y axis; operators (h, n, 6), complex, m/m and rad/m. Linear in frequency and heading, as
+    at the first frequency below it, zero above the last. Raises InputError naming the field that is wrong.
     """
 
     frequency: np.ndarray
@@ -47,7 +47,9 @@ class ResponseOperators:
             object.__setattr__(self, name, array)
         operators = np.array(self.operators, dtype=complex)
         if operators.shape != (heading.size, frequency.size, 6):
-            problem = f"shape {operators.shape} must be ({heading.size}, {frequency.size}, 6): heading, frequency, motion"
+            problem = (
+                f"shape {operators.shape} must be ({heading.size}, {frequency.size}, 6): heading, frequency, motion"
+            )
             raise InputError(problem, field="operators", value=self.operators, unit="m/m, rad/m")
         check_finite("operators", operators, "m/m, rad/m")
         if frequency[0] < 0:
@@ -88,7 +90,7 @@ class SeaState:
     spectrum; operators; heading in degrees, into which the waves run; seed of numpy's default generator; duration in s,
     after which the realisation repeats; reference (3,) in m, the point whose motion the operators give.
     amplitudes: "rayleigh" (random, as those of a stretch of a Gaussian sea: its variance differs from seed to seed) or
-    "deterministic" (phases alone are random: every seed has the variance of the spectrum, and extremes vary too little).
+    "deterministic" (phases alone are random: every seed has the variance of the spectrum, extremes vary too little).
     """
 
     spectrum: Spectrum

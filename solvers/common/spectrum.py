@@ -82,7 +82,7 @@ class Spectrum:
 
     def at(self, frequency: ArrayLike) -> np.ndarray:
         """Return the density at frequencies in Hz, any shape, m^2/Hz; zero outside those of the spectrum."""
-        return np.interp(frequency, self.frequency, self.density, left=0.0, right=0.0)
+        return np.interp(np.asarray(frequency, dtype=float), self.frequency, self.density, left=0.0, right=0.0)
 
     def moment(self, order: int, lowest: float = 0.0, highest: float = math.inf) -> float:
         """Return the integral of f^order S(f) between two frequencies in Hz, m^2 Hz^order: exact for the lines."""

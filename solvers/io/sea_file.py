@@ -74,7 +74,9 @@ def _operators(columns) -> ResponseOperators:
         at = np.searchsorted(headings, heading), np.searchsorted(frequencies, values)
         table[(*at, k)] = _one_operator(columns, name, values.size)
     if np.isnan(table).any() or values.size != headings.size * frequencies.size:
-        problem = f"{values.size} rows for {headings.size} headings of {frequencies.size} frequencies: each heading takes "
+        problem = (
+            f"{values.size} rows for {headings.size} headings of {frequencies.size} frequencies: each heading takes "
+        )
         raise InputError(problem + "the same frequencies, each once", field="heading", unit="degrees")
     return ResponseOperators(frequencies, table, headings)
 
