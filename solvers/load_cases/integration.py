@@ -10,6 +10,7 @@ import numpy as np
 
 from ..common.body_motion import BodyMotion
 from ..common.outcome import InputError, Status
+from ..common.properties import MAX_STRAIN
 from ..common.response import ROUNDING
 from ..common.sea_state import SeaMotion, SeaState
 from ..mooring import equations
@@ -56,6 +57,7 @@ def integrate_case(given, case, *, dt, cells) -> CaseSeries:
     motion = case.motion.motion() if isinstance(case.motion, SeaState) else case.motion
     moved = move_system(given, case)
     system = mooring_system(moved, cells, mesh=_fitted_mesh(moved, motion, cells), motion=motion)
+    _require_offset_within_reach(given, case, system, cells)
     repeats = case.motion.duration if isinstance(case.motion, SeaState) else case.whole_duration
     dt = repeats / math.ceil(repeats / dt * (1 - ROUNDING))
     count = math.ceil(case.whole_duration / dt * (1 - 1e-9))
@@ -80,6 +82,17 @@ def integrate_case(given, case, *, dt, cells) -> CaseSeries:
         for e, observer in zip([0] if model.is_line else elements, observers, strict=False):
             lines[e] = observer.series()
     return CaseSeries(dt, tuple(lines), Status.SUCCESS, None, iterations)  # type: ignore[arg-type]
+
+
+def _require_offset_within_reach(given, case, system, cells):
+    """Raise InputError where an offset stretches a line at rest as no mooring line is stretched."""
+
+    def is_torn(one) -> bool:
+        return bool((one.rest.tension > MAX_STRAIN * one.line.EA).any())
+
+    if any(case.offset) and is_torn(system) and not is_torn(mooring_system(given, cells)):
+        problem = f"{list(case.offset)} m stretches a line by more than {100 * MAX_STRAIN:g} % at rest"
+        raise InputError(problem, field="offset", value=case.offset, unit="m")
 
 
 def _fitted_mesh(given, motion, cells):

@@ -1,9 +1,9 @@
 """Statistics of a tension over a load case: moments, extremes from a Weibull fit, damage-equivalent load.
 
 Extremes: the largest value between two up-crossings of the mean is a peak; peaks over the mean are fitted with a
-Weibull distribution of two parameters by maximum likelihood, and the extreme of a longer time with N peaks is exceeded by one
-peak in N on average. Its confidence interval is that of the fit (delta method, Fisher information of the Weibull
-distribution): how much it would vary with another seed, while the peaks are independent and of that distribution.
+Weibull distribution of two parameters by maximum likelihood, and the extreme of a longer time with N peaks is exceeded
+by one peak in N on average. Its confidence interval is that of the fit (delta method, Fisher information of the
+Weibull distribution): how much it would vary with another seed, while the peaks are independent and so distributed.
 
 Damage: rainflow cycles as ASTM E1049-85 counts them, half cycles by half; the load of one cycle a second that does the
 same damage by a Woehler curve of exponent m is (sum n_i S_i^m / T)^(1/m), S_i the ranges and T the time in s.

@@ -143,7 +143,10 @@ def test_what_is_wrong_with_a_series_is_named_with_its_line(tmp_path, text, mess
 
 TABLES = [
     ("frequncy = 0.1", "unknown key 'frequncy' in [motion]; did you mean 'frequency'?"),
-    ("frequency = 0.1", "[motion] takes one of amplitude (m, rad), sine with cosine (m, rad), file, and spectrum; given: none"),
+    (
+        "frequency = 0.1",
+        "[motion] takes one of amplitude (m, rad), sine with cosine (m, rad), file, and spectrum; given: none",
+    ),
     ('amplitude = [1,0,0,0,0,0]\nfile = "a"', "file, and spectrum; given: amplitude and file"),
     ("amplitude = [1,0,0,0,0,0]", "motion.frequency: takes either frequency (Hz) or period (s); given: none"),
     ("amplitude = [1,0,0,0,0,0]\nperiod = 0.0", "motion.period: 0 s must be > 0"),
