@@ -1,8 +1,9 @@
 """Steps and cells for a tolerance on what is asked: chosen from pilot cases, checked on a sample of the table.
 
 The error of a setting is what half the step, and what twice the cells, change of maximum, standard deviation and
-damage-equivalent load, each over itself, by 4/3 for a method of second order; SAFETY times the sum of both is promised.
-The pilots are the cases of the fastest and of the widest motion, and some in between: of each the first PILOT_TIME.
+damage-equivalent load, each over itself (LEAST_SIZE of the mean at least), by 4/3 for a method of second order; SAFETY
+times the sum of both is promised. The pilots are the cases of the fastest and of the widest motion, and some in between:
+of each the first PILOT_TIME.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ FINEST = 0.005, 400
 PILOT_TIME = 600.0  # s after the ramp
 PILOTS = 4
 SAMPLE = 5  # cases of the table that are run again
+LEAST_SIZE = 0.01  # of the mean tension: a smaller deviation or range errs over that, for it matters to nobody
 SAFETY = 1.5  # the estimates are those of second order, which slack and touchdown reach late
 _ORDER_FACTOR = 4 / 3  # of a change by half a step, for the error of the whole one: 1 / (1 - 2^-2)
 LEAST_ARM = 10.0  # m
@@ -82,7 +84,7 @@ def _error(results, finer) -> float:
             return np.inf
         for a, b in zip(one.lines, other.lines, strict=True):
             for name in QUANTITIES:
-                size = abs(getattr(b, name))
+                size = max(abs(getattr(b, name)), LEAST_SIZE * abs(b.mean))
                 largest = max(largest, abs(getattr(a, name) - getattr(b, name)) / size if size else 0.0)
     return largest
 

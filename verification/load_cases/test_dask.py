@@ -18,7 +18,7 @@ SEAS = [sea_case(f"sea {seed}", 0.4 + 0.02 * seed, seed, duration=200.0) for see
 
 
 def test_two_workers_give_the_same_rows_though_one_is_killed():
-    """A local cluster of two processes, one killed once some rows are done: all rows, equal to those of this process."""
+    """A local cluster of two processes, one killed once some rows are done: all rows, as this process has them."""
     with (
         distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
         distributed.Client(cluster) as client,
