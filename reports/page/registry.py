@@ -16,6 +16,7 @@ from ..network.section import NETWORKS
 from ..papers.errata import ERRATA
 from ..papers.published import PUBLISHED
 from ..papers.section import ITEMS
+from ..scenes.load_cases import LOAD_CASES
 from ..scenes.networks import MOVING_NETWORKS
 from ..scenes.section import SCENES
 from ..stability.section import STABILITY
@@ -30,5 +31,5 @@ SECTIONS = (
 )  # fmt: skip
 """Of the whole report; the sections of one part stand together, in the order of the parts."""
 
-SCENE_SECTIONS = (SCENES, MOVING_NETWORKS, MACHINE)
+SCENE_SECTIONS = (SCENES, MOVING_NETWORKS, LOAD_CASES, MACHINE)
 """Of the page about somebody's own lines and networks."""

@@ -2,7 +2,7 @@
 
 The error of a setting is what half the step, and what twice the cells, change of maximum, standard deviation and
 damage-equivalent load, each over itself (LEAST_SIZE of the mean at least), by 4/3 for a method of second order; SAFETY
-times the sum of both is promised. The pilots are the cases of the fastest and of the widest motion, and some in between:
+times the sum of both is promised. The pilots are the cases of the fastest and of the widest motion, and some between:
 of each the first PILOT_TIME.
 """
 
