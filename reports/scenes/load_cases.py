@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from matplotlib import pyplot as plt
 
-from ..drawing.axes import KN, add_legend, panel
+from ..drawing import style
+from ..drawing.axes import add_legend, panel
 from ..page.figures import Figure, Group
 from ..page.formatting import number, plural, slug, status_words
 from ..page.section import Content, Inputs, Section
@@ -93,7 +93,7 @@ def _sentence(summary: dict) -> str:
     )
     if accuracy["sampled"]:
         text += (
-            f" Measured with half the step and twice the cells on {plural(accuracy['sampled'], 'case')} of the table: at "
+            f" Measured with half the step and twice the cells on {plural(accuracy['sampled'], 'case')} of it: at "
             f"most {100 * accuracy['measured']:.2g} %, within the tolerance in {accuracy['within']}."
         )
     return text
@@ -113,26 +113,23 @@ def _figures(summary: dict, name: str, folder: Path) -> Group | None:
 
 
 def _scatter(rows, names, name, folder) -> Figure:
-    figure, axes = panel()
+    title = "Greatest tension over the height of the waves"
+    figure, axes = panel(title, "significant height, m", "greatest tension, kN")
     for line in names:
-        pairs = np.array([(height, KN * row["maximum"]) for height, row in rows if row["line"] == line])
+        pairs = np.array([(height, 1e-3 * row["maximum"]) for height, row in rows if row["line"] == line])
         axes.plot(*pairs.T, "o", markersize=3, alpha=0.7, label=line)
-    axes.set(xlabel="significant height, m", ylabel="greatest tension, kN")
-    add_legend(axes)
-    data = {"line": [row["line"] for _, row in rows], "height_m": [height for height, _ in rows],
-            "maximum_N": [row["maximum"] for _, row in rows]}  # fmt: skip
-    return Figure.save(figure, name, folder, "Over the height of the waves", data)
+    add_legend(figure, axes)
+    return style.save(figure, folder, name, title, f"{title}, one point a case and line.")
 
 
 def _exceedance(rows, names, name, folder) -> Figure:
-    figure, axes = panel()
+    title = "Exceedance of the greatest tension"
+    figure, axes = panel(title, "greatest tension, kN", "share of cases that exceed it", yscale="log")
     for line in names:
-        values = np.sort([KN * row["maximum"] for _, row in rows if row["line"] == line])[::-1]
-        axes.step(values, np.arange(1, values.size + 1) / values.size, where="post", label=line)
-    axes.set(xlabel="greatest tension, kN", ylabel="share of cases that exceed it", yscale="log")
-    add_legend(axes)
-    data = {"line": [row["line"] for _, row in rows], "maximum_N": [row["maximum"] for _, row in rows]}
-    return Figure.save(figure, name, folder, "Exceedance", data)
+        values = np.sort([1e-3 * row["maximum"] for _, row in rows if row["line"] == line])[::-1]
+        axes.plot(values, np.arange(1, values.size + 1) / values.size, drawstyle="steps-post", label=line)
+    add_legend(figure, axes)
+    return style.save(figure, folder, name, title, f"{title}, one curve a line.")
 
 
 def summarise(summary: dict, out: Path) -> str:

@@ -12,7 +12,7 @@ from solvers.load_cases import solve_load_cases
 from .systems import CATENARY, sea_case
 
 distributed = pytest.importorskip("distributed", reason="the optional extra dask is not installed")
-pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning", "ignore::DeprecationWarning")
+pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning")  # of sockets to the worker that is killed
 SETTING = {"dt": 0.2, "cells": 8}
 SEAS = [sea_case(f"sea {seed}", 0.4 + 0.02 * seed, seed, duration=200.0) for seed in range(24)]
 

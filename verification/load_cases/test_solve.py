@@ -285,4 +285,6 @@ def test_fingerprints_tell_inputs_apart():
     assert fingerprint(CATENARY, SEAS[0]) == fingerprint(replace(CATENARY), replace(SEAS[0]))
     others = [(CATENARY, SEAS[1]), (TAUT, SEAS[0]), (CATENARY, replace(SEAS[0], duration=100.1)), (CATENARY,)]
     others.append((CATENARY, replace(SEAS[0], motion=replace(SEAS[0].motion, seed=99))))
-    assert len({fingerprint(*pair) for pair in [(CATENARY, SEAS[0]), *others]}) == 6
+    other = replace(SURGE, operators=1.01 * SURGE.operators)
+    others.append((CATENARY, replace(SEAS[0], motion=replace(SEAS[0].motion, operators=other))))
+    assert len({fingerprint(*pair) for pair in [(CATENARY, SEAS[0]), *others]}) == 7
