@@ -141,8 +141,8 @@ def describe(found: dict) -> str:
         text.append(
             f"{name}: dt {row['dt']:g} s, {row['cells']} cells; promised {100 * row['promised']:.2g} %, measured "
             f"{100 * row['measured']:.2g} %; within in {row['within']} of {row['cases']}; largest errors: {errors}\n"
-            f"  {np.mean(row['seconds_an_hour']):.3g} CPU seconds an hour, {row['count']} hours in {row['total'] / 2:.4g} s "
-            f"on two cores; MoorDyn {row['ratio']:.3g} times that"
+            f"  {np.mean(row['seconds_an_hour']):.3g} CPU seconds an hour, {row['count']} hours in "
+            f"{row['total'] / 2:.4g} s on two cores; MoorDyn {row['ratio']:.3g} times that"
             f"{'' if row['reached'] else ' (at a larger error)'}"
         )
         text += [

@@ -73,8 +73,9 @@ DEFECTS = (
         "offsets move the coupled points the other way", f"{_SOLVE}offset_and_current_change_the_rest",
     ),
     _defect(
-        "cycles of half the range", "load_cases.statistics", "damage_equivalent_load", "largest * damage ** (1 / exponent)",
-        "largest / 2 * damage ** (1 / exponent)", "factor", "amplitudes in place of ranges", f"{_STATISTICS}cycles_of_the_standard",
+        "cycles of half the range", "load_cases.statistics", "damage_equivalent_load",
+        "largest * damage ** (1 / exponent)", "largest / 2 * damage ** (1 / exponent)", "factor",
+        "amplitudes in place of ranges", f"{_STATISTICS}cycles_of_the_standard",
     ),
     _defect(
         "half cycles counted whole", "load_cases.statistics", "damage_equivalent_load", "(span, count)", "(span, 1.0)",
@@ -87,7 +88,8 @@ DEFECTS = (
     ),
     _defect(
         "an extreme without the mean", "load_cases.results", "_extreme", "float(tension.mean() + part)", "float(part)",
-        "term", "extremes are those over the mean", f"{_SOLVE}a_linear_line_has_rayleigh_maxima_and_the_damage_of_a_narrow_band",
+        "term", "extremes are those over the mean",
+        f"{_SOLVE}a_linear_line_has_rayleigh_maxima_and_the_damage_of_a_narrow_band",
     ),
     _defect(
         "an error of the step alone", "load_cases.accuracy", "choose_setting", "by_step + by_mesh", "by_step", "term",
