@@ -1,17 +1,23 @@
 """Readers of input files: scenes and networks in TOML, motions in CSV, MAP++ and MoorDyn files."""
 
+from .case_file import load_system, read_load_cases
 from .map_file import read_map_file
 from .moordyn_file import load_moordyn
 from .moordyn_writer import write_moordyn
 from .motion_file import load_body_motion
 from .network_scene import load_network
 from .scene import Scene
+from .sea_file import load_response_operators, load_spectrum
 
 __all__ = [
     "Scene",
     "load_body_motion",
     "load_moordyn",
     "load_network",
+    "load_response_operators",
+    "load_spectrum",
+    "load_system",
+    "read_load_cases",
     "read_map_file",
     "write_moordyn",
 ]
