@@ -26,7 +26,7 @@ SCENES = console.ROOT / "reference_data" / "scenes"
 HOUR, RAMP = 3600.0, 120.0  # s
 TOLERANCE = 0.02  # promised of maximum, standard deviation and damage
 COMPARED = 600.0  # s of a case that MoorDyn runs, for an hour takes it minutes; its cost is proportional
-MOORDYN = ((10, 0.1), (20, 0.1), (20, 0.05), (40, 0.05), (40, 0.025), (80, 0.025))
+MOORDYN = ((10, 0.1), (10, 0.05), (10, 0.025), (20, 0.1), (20, 0.05), (20, 0.025), (40, 0.05), (40, 0.025), (80, 0.025))
 """Cells and coupling steps in s, by rising cost: a coupling step moves the fairlead with one velocity, which excites
 short waves of fine meshes; MoorDyn's own steps are shorter."""
 CASES = {"line": 1000, "three lines": 100}
