@@ -14,7 +14,7 @@ from .pipeline.ledger import digests, write_atomically
 from .pipeline.naming import name_files
 from .pipeline.runner import BusyError, Ended, run_all
 from .pipeline.sources import OUT, files_of
-from .pipeline.stages import GROUPS, SLOW, Stage, plan, scene_plan
+from .pipeline.stages import CORES, GROUPS, SLOW, Stage, load_case_plan, plan, scene_plan
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -26,7 +26,8 @@ def _parser() -> argparse.ArgumentParser:
         "what was asked for cannot be done.",
     )
     parser.add_argument("scenes", nargs="*", type=Path, metavar="FILE", help="a page about these only: "
-                        "scenes and networks (.toml), MAP++ (.map, .dat) and MoorDyn files (.txt, .dat)")  # fmt: skip
+                        "scenes and networks (.toml), MAP++ (.map, .dat) and MoorDyn files (.txt, .dat); or tables of "
+                        "load cases (.csv) and the system that they are for")  # fmt: skip
     parser.add_argument(
         "--depth", type=float, metavar="M", help="depth of the water, m, where a MAP++ file asks for it"
     )
@@ -50,6 +51,13 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--only", nargs="+", metavar="STAGE", help=f"run these only (after the scene files), of: {', '.join(GROUPS)}"
     )
+    cases = parser.add_argument_group("load cases")
+    cases.add_argument("--dask", metavar="ADDRESS", help="solve them on the workers of a Dask scheduler")
+    cases.add_argument("--jobs", type=int, default=CORES, metavar="J", help=f"threads (default: {CORES})")
+    cases.add_argument("--tolerance", type=float, metavar="E", help="relative error of what is asked (default: 0.02)")
+    cases.add_argument("--dt", type=float, metavar="S", help="step in s, with --cells in place of --tolerance")
+    cases.add_argument("--cells", type=int, metavar="N", help="cells of a line")
+    cases.add_argument("--wohler", type=float, metavar="M", help="exponent of the Woehler curve (default: 3)")
     parser.add_argument("--out", type=Path, default=OUT, metavar="DIR",
                         help=f"folder of page and results (default: {OUT} below this one)")  # fmt: skip
     parser.add_argument("--fresh", action="store_true", help="measure again what has not changed since the last run")
@@ -69,11 +77,18 @@ def _check_arguments(parser: argparse.ArgumentParser, argv) -> argparse.Namespac
             parser.error(f"{path}: there is no such scene file")
     if trouble := external_solvers.set_files(arguments.solver):
         parser.error(trouble)
+    if _tables(arguments) and len(arguments.scenes) != len(_tables(arguments)) + 1:
+        parser.error("tables of load cases (.csv) take one system beside them: cases.csv my_system.toml")
     if len({path.resolve() for path in arguments.scenes}) < len(arguments.scenes):
         parser.error("a scene file is given twice")
     if arguments.out.exists() and not arguments.out.is_dir():
         parser.error(f"{arguments.out}: is a file, and --out wants a folder")
     return arguments
+
+
+def _tables(arguments) -> list[Path]:
+    """Return the tables of load cases among the files."""
+    return [path for path in arguments.scenes if path.suffix.lower() == ".csv"]
 
 
 def main(argv=None) -> int:
@@ -116,6 +131,13 @@ def main(argv=None) -> int:
 
 def _plan(arguments, out: Path) -> tuple[list[Stage], str]:
     """Return the stages, and the file name of the page."""
+    if tables := _tables(arguments):
+        (system,) = (path for path in arguments.scenes if path not in tables)
+        named = {name: getattr(arguments, name) for name in ("dask", "tolerance", "dt", "cells", "wohler")}
+        options = [word for name, value in named.items() if value is not None for word in (f"--{name}", str(value))]
+        options += ["--fresh"] if arguments.fresh else []
+        name = f"cases-{'-'.join(path.stem for path in tables)}-{system.stem}.html"
+        return load_case_plan(tables, system, tuple(options), arguments.jobs), name
     if arguments.scenes:
         names = name_files(arguments.scenes, out / "results" / "names.json")
         return scene_plan(names, arguments.depth, arguments.motion), f"scene-{'-'.join(names.values())}.html"
@@ -143,7 +165,8 @@ def _page(out: Path, name: str, stages: list[Stage], ended: list[Ended], whole: 
 
 
 def _print_lines(stages: list[Stage], results: Path):
-    """Print the lines of every file, and the setting to use."""
+    """Print the lines of every file and the setting to use, and tables of load cases."""
+    from .scenes import load_cases
     from .scenes.network_settings import merge_timings
     from .scenes.network_tables import summarise
     from .scenes.terminal import summarise_scene
@@ -152,6 +175,9 @@ def _print_lines(stages: list[Stage], results: Path):
         path = results / stage.output
         if stage.group == "scenes" and path.exists():
             print(summarise_scene(json.loads(path.read_text(encoding="utf-8"))), end="\n\n")
+        if stage.group == "load_cases" and path.exists():
+            for summary in json.loads(path.read_text(encoding="utf-8")).values():
+                print(load_cases.summarise(summary, results.parent), end="\n\n")
         if stage.group == "moving_networks" and path.exists():
             for stem, report in merge_timings(json.loads(path.read_text(encoding="utf-8"))).items():
                 print(summarise(report, stem), end="\n\n")

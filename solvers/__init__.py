@@ -12,6 +12,7 @@ from .common.outcome import ConvergenceError, InputError, Status
 from .common.properties import CableProperties, Environment
 from .harmonic_balance.solve import PeriodicResponse, solve_periodic
 from .io.scene import Scene
+from .load_cases.solve import solve_load_cases
 from .mooring.system import MooringSystem, mooring_system
 from .network.model import Element, Network, Node
 from .network.solve import NetworkState, solve_network
@@ -48,6 +49,7 @@ __all__ = [
     "cable_system",
     "mooring_system",
     "response_curve",
+    "solve_load_cases",
     "solve_network",
     "solve_periodic",
     "solve_span",

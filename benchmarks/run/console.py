@@ -61,9 +61,14 @@ def add_jobs(parser):
     parser.add_argument("--jobs", type=number, default=os.cpu_count() or 1, metavar="J", help="processes")
 
 
+def asks_for_lines() -> bool:
+    """Return whether a parent draws the bar, from lines `progress <done> <total>` on stdout."""
+    return os.environ.get(PROGRESS) == "lines"
+
+
 def progress(items, total: int, label: str):
     """Yield from ``items`` under a bar on stderr, or with one line on stdout a step where a parent asks for lines."""
-    if os.environ.get(PROGRESS) != "lines":
+    if not asks_for_lines():
         yield from tqdm(items, total=total, desc=label, file=sys.stderr)
         return
     for done, item in enumerate(items, start=1):

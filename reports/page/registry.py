@@ -16,6 +16,7 @@ from ..network.section import NETWORKS
 from ..papers.errata import ERRATA, read_errata
 from ..papers.published import PUBLISHED
 from ..papers.section import ITEMS, entries
+from ..scenes.load_cases import LOAD_CASES
 from ..scenes.networks import MOVING_NETWORKS
 from ..scenes.section import SCENES
 from ..stability.section import STABILITY
@@ -39,5 +40,5 @@ def claimed_tests() -> set[str]:
     return {*of_sections, *of_items, *of_errata}
 
 
-SCENE_SECTIONS = (SCENES, MOVING_NETWORKS, MACHINE)
+SCENE_SECTIONS = (SCENES, MOVING_NETWORKS, LOAD_CASES, MACHINE)
 """Of the page about somebody's own lines and networks."""

@@ -251,7 +251,7 @@ def _defects() -> Stage:
     )
 
 
-SCENE_SECONDS = {"published": 1, "scenes": 2, "moving_scene": 9, "moving_network": 12}
+SCENE_SECONDS = {"published": 1, "scenes": 2, "moving_scene": 9, "moving_network": 12, "load_cases": 60}
 
 
 def scene_stage(path: Path, group: str = "scenes", name: str = "") -> Stage:
@@ -326,6 +326,31 @@ def network_stage(path: Path, depth: float | None = None, series: Path | None = 
     )
 
 
+def load_case_stages(cases: list[Path], system: Path, options: tuple[str, ...] = (), jobs: int = CORES) -> list[Stage]:
+    """Return a stage for each table of load cases on a system; options: those of benchmarks.load_cases.table."""
+    module = "benchmarks.load_cases.table"
+    return [
+        Stage(
+            f"load_cases_{path.stem}_{system.stem}",
+            "load_cases",
+            f"load cases {path.stem}",
+            (module, str(path.resolve()), str(system.resolve()), "--out", "{results}", "--jobs", "{jobs}", *options),
+            f"load_cases_{path.stem}_{system.stem}.json",
+            (program(module),),
+            (str(path.resolve()), str(system.resolve()), *_files_beside(path), *_files_beside(system)),
+            seconds=SCENE_SECONDS["load_cases"],
+            jobs=jobs,
+        )
+        for path in cases
+    ]
+
+
+def _files_beside(path: Path) -> tuple[str, ...]:
+    """Return the CSV files that a file names: operators, spectra, series."""
+    named = dict.fromkeys(re.findall(r"[^\s,\"'=]+\.csv", path.read_text(encoding="utf-8", errors="replace")))
+    return tuple(str((path.parent / name).resolve()) for name in named if (path.parent / name).is_file())
+
+
 # ---------------------------------------------------------------- the whole
 SLOW = ("work_precision", "defects", "benchmarks", "speed", "moving_scene", "moving_networks")
 """Groups left out by --quick; results of an earlier whole run are still shown."""
@@ -344,6 +369,7 @@ GROUPS = (
     "moving_scene",
     "moving_networks",
     "published",
+    "load_cases",
 )
 
 
@@ -374,3 +400,8 @@ def scene_plan(names: dict[Path, str], depth: float | None = None, series: Path 
     """Return the stages of a page about somebody's own lines and networks, files with their names."""
     return [_machine(), *(network_stage(path, depth, series, name) if is_network(path) else scene_stage(path, name=name)
                           for path, name in names.items())]  # fmt: skip
+
+
+def load_case_plan(cases: list[Path], system: Path, options: tuple[str, ...] = (), jobs: int = CORES) -> list[Stage]:
+    """Return the stages of a page about tables of load cases on one system."""
+    return [_machine(), *load_case_stages(cases, system, options, jobs)]

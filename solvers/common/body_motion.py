@@ -9,6 +9,7 @@ reference). t may be complex where it may be in both parts: a complex step passe
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import reduce
 from typing import Any
 
 import numpy as np
@@ -214,8 +215,9 @@ def _rotation(angles) -> np.ndarray:
 
 def _rotation_derivatives(angles, rates, seconds) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return R and its first two time derivatives, (S, 3, 3) each; angles and their derivatives (3, S) in rad, s."""
-    yaw, pitch, roll = (_axis_rotation(axis, angles[axis], rates[axis], seconds[axis]) for axis in (2, 1, 0))
-    return _product(_product(yaw, pitch), roll)
+    turning = [axis for axis in (2, 1, 0) if angles[axis].any() or rates[axis].any() or seconds[axis].any()]
+    parts = [_axis_rotation(axis, angles[axis], rates[axis], seconds[axis]) for axis in turning or [2]]
+    return reduce(_product, parts)
 
 
 def _axis_rotation(axis: int, angle, rate, second) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

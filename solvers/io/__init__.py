@@ -1,5 +1,6 @@
 """Readers of input files: scenes and networks in TOML, motions in CSV, MAP++ and MoorDyn files; response curves."""
 
+from .case_file import load_system, read_load_cases
 from .curve_file import load_curve, save_curve
 from .map_file import read_map_file
 from .map_writer import write_map_file
@@ -8,6 +9,7 @@ from .moordyn_writer import write_moordyn
 from .motion_file import load_body_motion
 from .network_scene import load_network
 from .scene import Scene
+from .sea_file import load_response_operators, load_spectrum
 
 __all__ = [
     "Scene",
@@ -15,6 +17,10 @@ __all__ = [
     "load_curve",
     "load_moordyn",
     "load_network",
+    "load_response_operators",
+    "load_spectrum",
+    "load_system",
+    "read_load_cases",
     "read_map_file",
     "save_curve",
     "write_map_file",

@@ -52,6 +52,23 @@ _FREQUENCY = {
     "frequency": Key("positive", "Hz", "Frequency of the motion; or period."),
     "period": Key("positive", "s", "Period of the motion; or frequency."),
 }
+SEA = {
+    "spectrum": Key(
+        "text", "", "Spectrum: jonswap, pierson_moskowitz, or a CSV file of frequency (Hz) and density (m^2/Hz)."
+    ),
+    "Hs": Key("positive", "m", "Significant wave height of the spectrum."),
+    "Tp": Key("positive", "s", "Peak period of the spectrum."),
+    "gamma": Key("positive", "", "Peak enhancement of JONSWAP; by Hs and Tp where it is not given."),
+    "heading": Key("number", "degrees", "Direction into which the waves run, from x towards y; 0 without it."),
+    "seed": Key("count", "", "Whole number that chooses the waves."),
+    "duration": Key("positive", "s", "Time after which the waves repeat."),
+    "amplitudes": Key("amplitudes", "", "Of the waves: rayleigh, random as in a sea, or deterministic."),
+    "operators": Key("text", "", "Response amplitude operators of the body in CSV, beside this file."),
+}
+"""Of a [motion] in waves."""
+_REFERENCE = {
+    "reference": Key("vector", "m", "Point [x, y, z] that the body turns about; the origin where it is not given.")
+}
 SCENE = {
     "": _NAME | {
         "tolerance": Key("tolerance", "", "Relative error wanted of the fairlead tension."),
@@ -72,9 +89,10 @@ SCENE = {
         "amplitude": Key("rows_of_three", "m", "Amplitudes [x, y, z]; or such a row for each harmonic.", True),
         "phase": Key("rows_of_three", "rad", "Phases of the sines, in the shape of amplitude."),
     },
+    "sea": _REFERENCE | SEA,
     "safety_factors": _FACTORS,
 }  # fmt: skip
-"""Of a scene file: table -> key -> Key; "" is the top level."""
+"""Of a scene file ("sea": its [motion] where that has a spectrum): table -> key -> Key; "" is the top level."""
 NETWORK = {
     "": _NAME | {
         "environment": Key("table", "", "Water, gravity and seabed."),
@@ -103,15 +121,13 @@ NETWORK = {
         "fairlead": Key("text", "", "Name of the node at the upper end.", True),
         "friction": Key("non_negative", "", "Coefficient of the seabed's friction."),
     },
-    "motion": {
-        "reference": Key("vector", "m", "Point [x, y, z] that the body turns about; the origin where it is not given."),
-    } | _FREQUENCY | {
+    "motion": _REFERENCE | _FREQUENCY | {
         "amplitude": Key("six", "m, rad", "Amplitudes of surge, sway, heave (m), roll, pitch, yaw (rad)."),
         "phase": Key("six", "rad", "Phases of the sines."),
         "sine": Key("rows_of_six", "m, rad", "Coefficients of sines, a row of six for each harmonic."),
         "cosine": Key("rows_of_six", "m, rad", "Coefficients of cosines, a row of six for each harmonic."),
         "file": Key("text", "", "Series of the motion in CSV, beside this file."),
-    },
+    } | SEA,
     "safety_factors": _FACTORS,
 }  # fmt: skip
 """Of a network file: table -> key -> Key; "" is the top level."""

@@ -15,6 +15,9 @@ amplitude = [2.0, 0.0, 0.0, 0.0, 0.05, 0.0]
                              surge, sway, heave (m), roll, pitch, yaw (rad), of sin(2 pi f t + phase); phase (rad): 0;
                              or sine and cosine: lists of rows of six, one for each harmonic of the frequency
 file = "series.csv"          in place of all these but reference: a series, see solvers/io/motion_file.py
+spectrum = "jonswap"         in place of them: waves, or "pierson_moskowitz", or a CSV file; Hs (m), Tp (s), gamma;
+operators = "raos.csv"       seed, duration (s) until they repeat, heading (degrees); amplitudes = "rayleigh" or
+                             "deterministic"; response amplitude operators: see solvers/io/sea_file.py
 """
 
 from __future__ import annotations

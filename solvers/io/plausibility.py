@@ -98,7 +98,7 @@ def suspect_angles(motion, name: str = "[motion]") -> Iterator[str]:
     rotation = getattr(motion, "rotation", None)
     if rotation is None:
         return
-    last = motion.period if motion.period is not None else float(rotation.time[-1])
+    last = motion.period or getattr(rotation, "repeats_after", None) or float(rotation.time[-1])
     largest = float(abs(rotation.displacement(np.linspace(0.0, last, 512))).max())
     if largest > LARGEST_ROTATION:
         yield (

@@ -15,6 +15,8 @@ fairlead = [-5.2, 0.0, -70.0]
 frequency = 0.05                     Hz, or period (s)
 amplitude = [5.0, 0.0, 0.0]          m in x, y, z, of sin(2 pi f t + phase); phase (rad) is 0 where it is not given;
                                      both may be lists of rows [x, y, z], one for each harmonic of the frequency
+spectrum = "jonswap"                 in place of all these: a sea that moves a body with the fairlead, by response
+                                     amplitude operators; its keys are those of a network file
 """
 
 from __future__ import annotations
@@ -30,6 +32,7 @@ from typing import Any
 import numpy as np
 
 from ..catenary.span import Span
+from ..common.body_motion import BodyMotion
 from ..common.diagnostics import check_drag
 from ..common.motion import Motion
 from ..common.outcome import InputError
@@ -38,6 +41,7 @@ from ..common.types import Vector, as_system
 from ..common.validation import positive_number, real_number, vector
 from ..mooring.system import mooring_system
 from .keys import SCENE, SECTION, check_keys
+from .motion_file import motion_from_table
 from .plausibility import suspect_heights, suspect_phases, suspect_rest, suspect_section
 
 
@@ -62,7 +66,7 @@ class Scene:
     friction: tuple[float, ...] = (0.0,)
     tolerance: float = 1e-6
     description: str = ""
-    motion: Motion | None = None
+    motion: Motion | BodyMotion | None = None
     safety_factors: tuple[float, float] | None = None
     notes: tuple[str, ...] = ()
 
@@ -95,8 +99,9 @@ class Scene:
     @classmethod
     def _from_tables(cls, data: dict, path: Path) -> Scene:
         tables = {"environment": {}, "line": {}, "ends": {}} | {k: data[k] for k in SCENE if k in data}
+        in_waves = isinstance(tables.get("motion"), dict) and "spectrum" in tables["motion"]
         for name, table in {"": data, **tables}.items():
-            check_table(name, table, SCENE)
+            check_table(name, table, SCENE | {"motion": SCENE["sea" if in_waves else "motion"]})
         for key in ("name", "description"):
             if not isinstance(data.get(key, ""), str):
                 raise InputError(f"{data[key]!r} must be a text", field=key, value=data[key])
@@ -113,7 +118,7 @@ class Scene:
             friction=tuple(friction) if isinstance(friction, list) else (friction,),
             anchor=_point("ends.anchor", ends["anchor"]),
             fairlead=_point("ends.fairlead", ends["fairlead"]),
-            motion=_motion(tables["motion"]) if "motion" in tables else None,
+            motion=_motion(tables["motion"], path.parent) if "motion" in tables else None,
             safety_factors=read_safety_factors(data),
             notes=tuple(suspect_phases(tables.get("motion", {}).get("phase", ()))),
         )
@@ -138,11 +143,13 @@ class Scene:
             return
         if self.environment.seabed_stiffness is None:
             raise missing_seabed_stiffness("[motion]", self.cable.diameter, "environment.seabed_stiffness")
-        period = np.linspace(0.0, self.motion.period, 64 * self.motion.harmonics + 1)  # type: ignore[union-attr]
-        lowest = self.fairlead[2] + self.motion.displacement(period)[2].min()  # type: ignore[union-attr]
+        if not isinstance(self.motion, Motion):  # of a sea: looked at as it is integrated
+            return
+        period = np.linspace(0.0, self.motion.period, 64 * self.motion.harmonics + 1)
+        lowest = self.fairlead[2] + self.motion.displacement(period)[2].min()
         if lowest < -depth:
             problem = f"takes the fairlead down to z = {lowest:g} m, below the seabed, {-depth:g} m"
-            raise InputError(problem, field="motion.amplitude", value=self.motion.sine.tolist(), unit="m")  # type: ignore[union-attr]
+            raise InputError(problem, field="motion.amplitude", value=self.motion.sine.tolist(), unit="m")
 
     def spans(self) -> tuple[Span, ...]:
         """Return the line as solvers.Span in its vertical plane, one for each friction coefficient."""
@@ -215,7 +222,9 @@ def _tolerance(value) -> float:
     return tolerance
 
 
-def _motion(table: dict) -> Motion:
+def _motion(table: dict, folder: Path) -> Motion | BodyMotion:
+    if "spectrum" in table:
+        return motion_from_table(table, folder)
     given = [key for key in ("frequency", "period") if key in table]
     if len(given) != 1:
         raise InputError(f"[motion] takes either frequency (Hz) or period (s); given: {' and '.join(given) or 'none'}")

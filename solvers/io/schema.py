@@ -11,7 +11,7 @@ import sys
 from os import PathLike
 from pathlib import Path
 
-from .keys import NETWORK, SCENE, Key
+from .keys import NETWORK, SCENE, SEA, Key
 
 _NUMBER = {"type": "number"}
 _VECTOR = {"type": "array", "items": _NUMBER, "minItems": 3, "maxItems": 3}
@@ -29,6 +29,8 @@ KINDS: dict[str, dict] = {
     "rows_of_six": {"type": "array", "items": _SIX, "minItems": 1},
     "friction": {"oneOf": [_NON_NEGATIVE, {"type": "array", "items": _NON_NEGATIVE, "minItems": 1}]},
     "kind": {"enum": ["fixed", "free", "coupled"]},
+    "count": {"type": "integer", "minimum": 0},
+    "amplitudes": {"enum": ["rayleigh", "deterministic"]},
 }
 """Kind of a Key -> what its value must be."""
 
@@ -49,11 +51,24 @@ _SERIES = {"required": ["file"], "propertyNames": {"enum": ["file", "reference"]
 _FILE = {"required": ["file"]}
 _ROWS = {"anyOf": [{"required": ["sine"]}, {"required": ["cosine"]}]}
 _NOT_WITH_ROWS = {"anyOf": [{"required": ["phase"]}, {"required": ["amplitude"]}, _FILE]}
+_IN_WAVES = {
+    "required": ["spectrum", "seed", "duration", "operators"],
+    "propertyNames": {"enum": ["reference", *SEA]},
+    "if": {"properties": {"spectrum": {"enum": ["jonswap", "pierson_moskowitz"]}}},
+    "then": {"required": ["Hs", "Tp"]},
+    "else": {"propertyNames": {"not": {"enum": ["Hs", "Tp", "gamma"]}}},
+}
+_OF_FAIRLEAD = {"required": ["amplitude"], "propertyNames": {"enum": list(SCENE["motion"])}, **_ONE_FREQUENCY}
+_SCENE_TABLES = SCENE | {
+    "motion": {name: key._replace(required=False) for name, key in (SCENE["motion"] | SCENE["sea"]).items()}
+}
+_NOT_IN_WAVES = {"propertyNames": {"not": {"enum": list(SEA)}}}
 _NETWORK_MOTION = {
     "oneOf": [
         _SERIES,
-        {"required": ["amplitude"], **_ONE_FREQUENCY, "not": {"anyOf": [_ROWS, _FILE]}},
-        {**_ROWS, **_ONE_FREQUENCY, "not": _NOT_WITH_ROWS},
+        _IN_WAVES,
+        {"required": ["amplitude"], **_ONE_FREQUENCY, **_NOT_IN_WAVES, "not": {"anyOf": [_ROWS, _FILE]}},
+        {**_ROWS, **_ONE_FREQUENCY, **_NOT_IN_WAVES, "not": _NOT_WITH_ROWS},
     ]
 }
 
@@ -65,7 +80,12 @@ def build_schema(kind: str) -> dict:
     ['length', 'EA']
     """
     tables, title, motion, whole = {
-        "scene": (SCENE, "A scene: one mooring line", _ONE_FREQUENCY, [_SCENE_MOTION, _OVER_SEABED]),
+        "scene": (
+            _SCENE_TABLES,
+            "A scene: one mooring line",
+            {"oneOf": [_OF_FAIRLEAD, _IN_WAVES]},
+            [_SCENE_MOTION, _OVER_SEABED],
+        ),
         "network": (NETWORK, "A network of mooring lines", _NETWORK_MOTION, [_OVER_SEABED]),
     }[kind]
     extra = _EXTRA | {"motion": motion}

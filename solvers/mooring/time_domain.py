@@ -206,3 +206,29 @@ def balancing_acceleration(system, r, v) -> np.ndarray:
     a = np.linalg.solve(mass, -R[..., None])[..., 0]
     a[system.prescribed_nodes] = system.path(np.zeros(1))[0, 2]
     return a
+
+
+def stream_line(system, *, dt, count, tolerance, ramp, path, chunk):
+    """Generator of the states of ``count`` steps of dt in s from rest, ``chunk`` steps at a time, none of them kept.
+
+    ramp: time in s over which the motion grows; path (count + 1, 3, P, n): of the prescribed nodes at the ends of the
+    steps, ramped. Yields (first, r, v, r''): the number of the first state, 0 for that at rest, and (k, N, n) each,
+    overwritten later; what is returned is (status, time in s and node where it failed or None, iterations).
+    """
+    moved = system.ramped(ramp) if ramp else system
+    run = _Run(moved, None, tolerance, None, _initial_state(moved, None, moves_at_once=not ramp))
+    yield 0, *(part[None].copy() for part in run.state[:3])
+    record = tuple(np.empty((chunk, *run.state[0].shape)) for _ in range(3))
+    for done in range(0, count, chunk):
+        last = min(done + chunk, count)
+        taken = run.advance(dt * np.arange(done, last + 1), record, 1, path[done : last + 1])
+        states = tuple(part[:taken] for part in record)
+        if taken:
+            yield done + 1, *states
+        if done + taken < last:
+            return Status.STEP_FAILED, (dt * (done + taken), run.worst), run.iterations
+        if run.greatest_tension() > MAX_STRAIN * system.line.EA.min():
+            y = states[0].transpose(2, 1, 0)
+            if (invalid := system.invalid(y)) is not None:
+                return invalid[0], _first_time(system, dt * np.arange(done + 1, last + 1), y), run.iterations
+    return Status.SUCCESS, None, run.iterations

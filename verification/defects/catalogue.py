@@ -7,13 +7,16 @@ import random
 from .cables import DEFECTS as CABLES
 from .defect import Defect
 from .dynamics import DEFECTS as DYNAMICS
+from .load_cases import DEFECTS as LOAD_CASES
 from .mooring import DEFECTS as MOORING
 from .multipliers import DEFECTS as MULTIPLIERS
 from .networks import DEFECTS as NETWORKS
 from .spans import DEFECTS as SPANS
 from .stability import DEFECTS as STABILITY
 
-CATALOGUE: tuple[Defect, ...] = (*SPANS, *NETWORKS, *CABLES, *DYNAMICS, *MOORING, *STABILITY, *MULTIPLIERS)
+CATALOGUE: tuple[Defect, ...] = (
+    *SPANS, *NETWORKS, *CABLES, *DYNAMICS, *MOORING, *LOAD_CASES, *STABILITY, *MULTIPLIERS
+)  # fmt: skip
 
 # ---------------------------------------------------------------- kinds of checks
 FROZEN = (
@@ -156,6 +159,13 @@ _LINE = tuple(
     for name in ("equations", "order", "statics", "model", "time_domain", "slack", "seabed", "periodic", "network")
 )
 _LAYOUT = ("mooring/test_layout.py", *_LINE)
+_CASES = (
+    "common/test_sea_state.py",
+    "io/test_case_file.py",
+    "load_cases/test_statistics.py",
+    "load_cases/test_solve.py",
+    "load_cases/test_accuracy.py",
+)
 _FILES = {
     **dict.fromkeys(
         (
@@ -309,6 +319,20 @@ _FILES = {
             "mooring.linearised_newmark",
         ),
         ("stability/test_line_multipliers.py",),
+    ),
+    **dict.fromkeys(("common.spectrum", "common.irregular_motion", "common.sea_state"), _CASES[:1]),
+    **dict.fromkeys(("io.sea_file", "io.case_file", "common.load_case"), _CASES[1:]),
+    "io.csv_columns": ("io/test_motion_file.py", "io/test_case_file.py"),
+    **dict.fromkeys(
+        (
+            "load_cases.integration",
+            "load_cases.statistics",
+            "load_cases.results",
+            "load_cases.accuracy",
+            "load_cases.solve",
+            "load_cases.fingerprint",
+        ),
+        _CASES,
     ),
     "io.scene": ("common/test_failures.py", "catenary/test_invariants.py", "io/test_scene.py"),
 }

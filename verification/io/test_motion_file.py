@@ -143,13 +143,16 @@ def test_what_is_wrong_with_a_series_is_named_with_its_line(tmp_path, text, mess
 
 TABLES = [
     ("frequncy = 0.1", "unknown key 'frequncy' in [motion]; did you mean 'frequency'?"),
-    ("frequency = 0.1", "[motion] takes one of amplitude (m, rad), sine with cosine (m, rad), and file; given: none"),
-    ('amplitude = [1,0,0,0,0,0]\nfile = "a"', "and file; given: amplitude and file"),
+    (
+        "frequency = 0.1",
+        "[motion] takes one of amplitude (m, rad), sine with cosine (m, rad), file, and spectrum; given: none",
+    ),
+    ('amplitude = [1,0,0,0,0,0]\nfile = "a"', "file, and spectrum; given: amplitude and file"),
     ("amplitude = [1,0,0,0,0,0]", "motion.frequency: takes either frequency (Hz) or period (s); given: none"),
     ("amplitude = [1,0,0,0,0,0]\nperiod = 0.0", "motion.period: 0 s must be > 0"),
     ("amplitude = [1,0,0]\nperiod = 9.0", "motion.amplitude: [1, 0, 0] must be six numbers, surge, sway"),
     ("amplitude = [1,0,0,0,'a',0]\nperiod = 9.0", "motion.amplitude[4]: 'a' must be a real number (rad)"),
-    ("amplitude = [1,0,0,0,0,0]\nperiod = 9.0\ncosine = []", "and file; given: amplitude and cosine"),
+    ("amplitude = [1,0,0,0,0,0]\nperiod = 9.0\ncosine = []", "file, and spectrum; given: amplitude and cosine"),
     ("sine = [[1,0,0,0,0,0]]\nperiod = 9.0\nphase = []", "motion.phase: has no meaning beside sine; leave it out"),
     ("sine = [1,0,0,0,0,0]\nperiod = 9.0", "motion.sine: [1, 0, 0, 0, 0, 0] must be rows of six"),
     ("sine = [[1,0,0,0,0,true]]\nperiod = 9.0", "motion.sine[0]: True must be a real number (rad)"),

@@ -44,7 +44,7 @@ MAY_IMPORT = {
 
 # Rooms of solvers from the lowest to the highest: imports between rooms run only downwards.
 ROOMS = ("common", "numerics", "catenary", "network", "cable", "time_domain", "harmonic_balance", "stability",
-         "mooring", "io")  # fmt: skip
+         "mooring", "io", "load_cases")  # fmt: skip
 # The dynamic solvers know chains only, and no line.
 UNRELATED = {"time_domain": ("catenary", "network", "cable"),
              "harmonic_balance": ("catenary", "network", "cable", "time_domain"),
@@ -73,6 +73,8 @@ TEST_ROOMS = ("browser",)  # looks at the finished page, and imports none of the
 
 # Beside that, what one file alone may import.
 ALSO = {
+    "benchmarks/load_cases/table.py": ("distributed",),
+    "solvers/load_cases/statistics.py": ("rainflow",),
     "solvers/numerics/compiled.py": (
         "numba",
     ),  # whose loops are worth it is measured: those of numerics/lu/bordered, harmonic_balance/blocks

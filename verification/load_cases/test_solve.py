@@ -1,0 +1,290 @@
+"""Tables of load cases: theory of a linear line, agreement with time stepping, executors, bad rows, resumed tables."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import signal
+import subprocess
+import sys
+import time
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+import pytest
+
+from solvers import BodyMotion, InputError, Motion, mooring_system, solve_span, solve_time_domain
+from solvers.common.load_case import LoadCase
+from solvers.common.sea_state import SeaState
+from solvers.common.spectrum import Spectrum
+from solvers.io.case_file import read_records
+from solvers.load_cases import CaseResult, solve_load_cases
+from solvers.load_cases.fingerprint import fingerprint
+from solvers.load_cases.integration import CHUNK, integrate_case
+from verification import ROOT
+
+from .systems import CATENARY, SURGE, TAUT, TWO_LINES, sea_case
+
+LINEAR = 0.02  # relative: inertia and drag of a light rope that is moved slowly, and its second order in the motion
+ERRORS = 3.5  # standard errors of an average: once in two thousand
+ROUNDING = 1e-9  # relative: chunks of steps begin with a new factorisation, and Newton stops at 1e-4 of a change
+NEWTON = 1e-3  # of a change of tension: two iterations that each stop at 1e-4 of it, over many steps
+SETTING = {"dt": 0.2, "cells": 8}
+SEAS = [sea_case(f"sea {seed}", 0.5 + 0.2 * seed, seed) for seed in range(6)]
+
+
+def test_a_linear_line_has_rayleigh_maxima_and_the_damage_of_a_narrow_band(record_property):
+    """A taut rope in slow, small, narrow-banded surge: tension by its stiffness, extremes and damage in closed form."""
+    deviation, duration, exponent = 0.02, 36000.0, 3.0
+    band = Spectrum([0.0779, 0.078, 0.082, 0.0821], [0.0, 1.0, 1.0, 0.0])
+    sea = Spectrum(band.frequency, band.density * deviation**2 / band.moment(0))
+    cases = [LoadCase(f"{seed}", SeaState(sea, SURGE, seed, duration + 100.0), duration, 100.0) for seed in range(6)]
+    table = solve_load_cases(TAUT, cases, dt=0.5, cells=4, wohler=exponent, reference_time=duration)
+    state = solve_span(TAUT.spans()[0])
+    pull = np.array([state.H, state.V]) / math.hypot(state.H, state.V) @ state.stiffness[:, 0]
+    seen = table.values("standard_deviation")[:, 0]
+    scatter = [case.motion.motion().translation.standard_deviation[0] / deviation for case in cases]
+    assert seen / scatter == pytest.approx(pull * deviation, rel=LINEAR)
+    peaks = 0.08 * duration
+    wanted = {
+        "extreme": math.sqrt(2 * math.log(peaks)),
+        "damage_equivalent_load": 2 * math.sqrt(2) * (0.08 * math.gamma(1 + exponent / 2)) ** (1 / exponent),
+    }
+    for name, theory in wanted.items():
+        value = table.values(name)[:, 0] - (table.values("mean")[:, 0] if name == "extreme" else 0.0)
+        value = value / seen
+        error, sampling = value.mean() - theory, value.std() / math.sqrt(len(cases))
+        record_property(name, f"{value.mean():.5g} for {theory:.5g}, sampling error {sampling:.2g}")
+        assert abs(error) <= ERRORS * sampling + LINEAR * theory, name
+
+
+@pytest.mark.parametrize("system", [CATENARY, TWO_LINES], ids=["line", "network"])
+def test_a_row_is_what_time_stepping_gives(system):
+    """Statistics of a regular motion are those of the history on the same mesh, though no history is kept."""
+    motion = BodyMotion.harmonic(0.1, (1.5, 0, 0.5, 0, 0.02, 0))
+    case = LoadCase("regular", motion, duration=300.0, ramp=20.0)
+    series = integrate_case(system, case, dt=0.1, cells=12)
+    moved = mooring_system(system, 12, motion=motion)
+    history = solve_time_domain(moved, dt=0.1, duration=320.0, ramp=20.0)
+    assert history.time.size > 2 * CHUNK
+    for line, kept in zip(history.lines, series.lines, strict=True):
+        tension = np.linalg.norm(line.fairlead_force, axis=0)[201:]
+        anchor = np.linalg.norm(line.anchor_force, axis=0)[201:]
+        assert kept.fairlead.size == 3000
+        assert kept.fairlead == pytest.approx(tension, rel=0, abs=NEWTON * np.ptp(tension))
+        assert kept.anchor == pytest.approx(anchor, rel=0, abs=NEWTON * np.ptp(anchor))
+    e = moved.layout
+    for i, kept in enumerate(series.lines):
+        z = history.r[2, e.nodes[i]][:, 201:]
+        lying = np.diff(e.s[i]) @ ((z[1:] < -50.0) & (z[:-1] < -50.0))
+        least, most = np.diff(e.s[i]).min(), np.diff(e.s[i]).max()
+        assert (kept.grounded >= lying - ROUNDING).all() and (kept.grounded <= lying + 2 * most).all() and least > 0
+        assert 20 < kept.grounded.min() < kept.grounded.max() < 200
+
+
+def test_offset_and_current_change_the_rest():
+    """A case at an offset, or in a current, is that of a system there: the same numbers to the last bit."""
+    case = LoadCase("there", BodyMotion.harmonic(0.1, (1.0, 0, 0, 0, 0, 0)), 40.0, 10.0)
+    x, y, z = CATENARY.fairlead
+    there = replace(CATENARY, fairlead=(x + 2.0, y, z), environment=replace(CATENARY.environment, current=(0.6, 0, 0)))
+    moved = replace(case, offset=(2.0, 0.0, 0.0), current=(0.6, 0.0, 0.0))
+    one, other = (solve_load_cases(s, [c], **SETTING).cases for s, c in ((there, case), (CATENARY, moved)))
+    assert one == other
+    assert solve_load_cases(CATENARY, [case], **SETTING).cases[0].lines[0].mean < 0.99 * one[0].lines[0].mean
+    nodes = tuple(replace(n, r=(n.r[0] + 2.0, *n.r[1:])) if n.kind == "coupled" else n for n in TWO_LINES.nodes)
+    there = replace(TWO_LINES, nodes=nodes)
+    moved = replace(case, offset=(2.0, 0.0, 0.0))
+    one, other = (solve_load_cases(s, [c], **SETTING).cases for s, c in ((there, case), (TWO_LINES, moved)))
+    assert one == other
+
+
+def test_slack_is_timed():
+    """A rope that a wide motion lets go slack has its time in that, and says so; a small one has none."""
+    wide, small = (LoadCase("x", Motion.harmonic(0.1, (a, 0, 0)), 50.0, 10.0) for a in (6.0, 0.1))
+    (wide, small) = solve_load_cases(TAUT, [wide, small], dt=0.05, cells=8).cases
+    assert 5.0 < wide.lines[0].slack_time < 45.0 and any("slack" in text for text in wide.lines[0].warnings)
+    assert small.lines[0].slack_time == 0.0 and not any("slack" in text for text in small.lines[0].warnings)
+
+
+def test_extremes_of_longer_times_are_higher():
+    """The extreme of ten times the reference time is higher, and lies in no interval without the estimate in it."""
+    case = sea_case("long", 0.5, 1, duration=600.0)
+    short, long = (
+        solve_load_cases(TAUT, [case], **SETTING, reference_time=time).cases[0].lines[0] for time in (3600.0, 36000.0)
+    )
+    assert short.extreme_low < short.extreme < short.extreme_high
+    assert long.extreme > short.extreme > short.mean and short.maximum == long.maximum
+
+
+# ---------------------------------------------------------------- executors
+def test_results_do_not_depend_on_the_executor():
+    """Threads, one process, two processes and no executor at all give the same rows, bit for bit."""
+    alone = solve_load_cases(CATENARY, SEAS, **SETTING).cases
+    assert all(case.success for case in alone) and len({case.lines[0].maximum for case in alone}) == len(alone)
+    with ThreadPoolExecutor(3) as pool:
+        assert solve_load_cases(CATENARY, SEAS, **SETTING, executor=pool).cases == alone
+    assert solve_load_cases(CATENARY, SEAS, **SETTING, executor=partial(ProcessPoolExecutor, 2)).cases == alone
+
+
+class KillsItsProcess:
+    """A motion that ends the process that first asks for it, and after that is a surge."""
+
+    def __init__(self, mark):
+        self.mark, self.surge = str(mark), BodyMotion.harmonic(0.1, (1.0, 0, 0, 0, 0, 0)).translation
+
+    def displacement(self, t):
+        """Return that of the surge, if the process lives."""
+        if not os.path.exists(self.mark):
+            with open(self.mark, "w", encoding="utf-8"):
+                pass
+            os.kill(os.getpid(), signal.SIGKILL)
+        return self.surge.displacement(t)
+
+    def velocity(self, t):
+        """Return that of the surge."""
+        return self.surge.velocity(t)
+
+    def directions(self):
+        """Return those of the surge."""
+        return self.surge.directions()
+
+
+def test_a_killed_process_loses_nothing(tmp_path):
+    """A worker killed in the middle breaks its pool, another one goes on, and the table is that of one process."""
+    killer = LoadCase("killer", KillsItsProcess(tmp_path / "killed"), 50.0, 10.0)
+    cases = [*SEAS[:3], killer, *SEAS[3:]]
+    table = solve_load_cases(CATENARY, cases, **SETTING, executor=partial(ProcessPoolExecutor, 2))
+    assert (tmp_path / "killed").exists()
+    assert table.cases == solve_load_cases(CATENARY, cases, **SETTING).cases
+
+
+# ---------------------------------------------------------------- bad rows
+def test_a_bad_row_spoils_no_other():
+    """Rows below the seabed, out of reach or that raise have their status; the others are as without them."""
+    deep = LoadCase("deep", BodyMotion.harmonic(0.1, (0, 0, 60.0, 0, 0, 0)), 40.0, 10.0)
+    far = LoadCase("far", SEAS[0].motion, 40.0, 10.0, offset=(120.0, 0.0, 0.0))
+    broken = LoadCase("broken", KillsItsProcess("/"), 40.0, 10.0)
+    broken.motion.surge = None
+    given = InputError("-1 m must be > 0", field="Hs")
+    table = solve_load_cases(CATENARY, [SEAS[0], deep, far, broken, given, SEAS[1]], **SETTING)
+    assert [case.status for case in table.cases][3:] == ["FAILED", "INVALID_INPUT", "SUCCESS"]
+    assert table.cases[1].status == "INVALID_INPUT" and "below the seabed" in table.cases[1].message
+    assert table.cases[2].status == "INVALID_INPUT" and "offset: [120.0, 0.0, 0.0] m" in table.cases[2].message
+    assert table.cases[4].message == "Hs: -1 m must be > 0"
+    alone = solve_load_cases(CATENARY, SEAS[:2], **SETTING).cases
+    assert (table.cases[0], replace(table.cases[5], number=1)) == alone
+    assert np.isnan(table.values("maximum")[1:5]).all() and len(table.failed) == 4 and "4 failed" in repr(table)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({}, "give either dt (s) and cells, or tolerance"),
+        ({"dt": 0.1}, "give either dt (s) and cells, or tolerance"),
+        ({"dt": 0.1, "cells": 8, "tolerance": 0.1}, "give either dt (s) and cells, or tolerance"),
+        ({"dt": -0.1, "cells": 8}, "dt: -0.1 s"),
+        ({"dt": 0.1, "cells": 1}, "cells: 1"),
+        ({"dt": 0.1, "cells": 8, "wohler": 0.0}, "wohler: 0"),
+    ],
+)
+def test_bad_settings_are_refused(arguments, message):
+    """Before any work, with name, value and unit."""
+    with pytest.raises(InputError) as caught:
+        solve_load_cases(CATENARY, SEAS, **arguments)
+    assert message in str(caught.value)
+    with pytest.raises(InputError, match="list of LoadCase"):
+        solve_load_cases(CATENARY, [], **SETTING)
+
+
+# ---------------------------------------------------------------- what is kept
+def test_progress_counts_rows():
+    """It is called with none done, then after each row."""
+    counts = []
+    solve_load_cases(CATENARY, SEAS[:3], **SETTING, progress=lambda done, total: counts.append((done, total)))
+    assert counts == [(0, 3), (1, 3), (2, 3), (3, 3)]
+
+
+def test_rows_of_other_inputs_are_not_taken(tmp_path):
+    """A resumed table takes rows of the same inputs, and computes those whose case, system or setting has changed."""
+    output, counts = tmp_path / "cases.csv", []
+
+    def solve(system=CATENARY, cases=SEAS[:3], **changed):
+        counts.clear()
+        return solve_load_cases(
+            system, cases, **(SETTING | changed), output=output, progress=lambda done, _: counts.append(done)
+        ).cases
+
+    first = solve()
+    assert counts[0] == 0 and solve() == first and counts == [3]
+    solve(cases=[*SEAS[:2], SEAS[4]])
+    assert counts[0] == 2
+    solve(replace(CATENARY, length=220.5))
+    assert counts[0] == 0
+    solve(wohler=4.0)
+    assert counts[0] == 0
+    solve(resume=False)
+    assert counts[0] == 0
+    with pytest.raises(InputError, match="no content that a later run could compare"):
+        solve(cases=[LoadCase("function", KillsItsProcess("/"), 40.0)])
+
+
+def test_a_torn_record_is_cut_off(tmp_path):
+    """The end of a file that was being written when the power failed is computed again, bit for bit."""
+    output = tmp_path / "cases.csv"
+    whole = solve_load_cases(CATENARY, SEAS[:3], **SETTING, output=output)
+    rows = tmp_path / "cases.jsonl"
+    text, table = rows.read_bytes(), output.read_text()
+    rows.write_bytes(text[:-7])
+    output.unlink()
+    assert len(read_records(rows)) == 2
+    assert solve_load_cases(CATENARY, SEAS[:3], **SETTING, output=output).cases == whole.cases
+    assert output.read_text() == table
+    assert sorted(rows.read_text().splitlines()) == sorted(text.decode().splitlines())
+
+
+def test_records_are_the_rows_bit_for_bit():
+    """A row that went through JSON is equal to itself."""
+    for case in solve_load_cases(CATENARY, [SEAS[0], InputError("x", field="y")], **SETTING).cases:
+        assert CaseResult.from_record(json.loads(json.dumps(case.as_record()))) == case
+
+
+PROGRAM = """
+from verification.load_cases.systems import CATENARY, sea_case
+from solvers.load_cases import solve_load_cases
+cases = [sea_case(f"sea {seed}", 0.5 + 0.02 * seed, seed, duration=400.0) for seed in range(24)]
+solve_load_cases(CATENARY, cases, dt=0.1, cells=20, output="cases.csv")
+"""
+
+
+def test_a_killed_table_goes_on(tmp_path):
+    """Killed with SIGKILL after some rows, the program goes on, and its file is that of an uninterrupted run."""
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    for folder in ("killed", "whole"):
+        (tmp_path / folder).mkdir()
+    run = partial(subprocess.Popen, [sys.executable, "-c", PROGRAM], env=environment)
+    rows = tmp_path / "killed" / "cases.jsonl"
+    child = run(cwd=tmp_path / "killed")
+    deadline = time.monotonic() + 120
+    while time.monotonic() < deadline and not (rows.exists() and rows.read_bytes().count(b"\n") >= 3):
+        time.sleep(0.01)
+    child.kill()
+    child.wait()
+    left = rows.read_bytes().count(b"\n")
+    assert 3 <= left < 24 and not (tmp_path / "killed" / "cases.csv").exists()
+    assert run(cwd=tmp_path / "killed").wait() == 0 and run(cwd=tmp_path / "whole").wait() == 0
+    killed, whole = ((tmp_path / folder / "cases.csv").read_text() for folder in ("killed", "whole"))
+    assert killed == whole and killed.count("SUCCESS") == 24
+    assert rows.read_bytes().count(b"\n") == 24  # no row that was kept is computed again
+
+
+def test_fingerprints_tell_inputs_apart():
+    """Equal content has one, and a changed digit anywhere another."""
+    assert fingerprint(CATENARY, SEAS[0]) == fingerprint(replace(CATENARY), replace(SEAS[0]))
+    others = [(CATENARY, SEAS[1]), (TAUT, SEAS[0]), (CATENARY, replace(SEAS[0], duration=100.1)), (CATENARY,)]
+    others.append((CATENARY, replace(SEAS[0], motion=replace(SEAS[0].motion, seed=99))))
+    other = replace(SURGE, operators=1.01 * SURGE.operators)
+    others.append((CATENARY, replace(SEAS[0], motion=replace(SEAS[0].motion, operators=other))))
+    assert len({fingerprint(*pair) for pair in [(CATENARY, SEAS[0]), *others]}) == 7
