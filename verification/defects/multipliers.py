@@ -65,6 +65,10 @@ DEFECTS: tuple[Defect, ...] = (
         "multipliers", "term", "the multiplier of a prescribed velocity kept among the others", _TOWED,
     ),
     _defect(
+        "dense-neighbours-swapped", "dense", "assemble", "cells[:, i]", "cells[::-1, i]", "index",
+        "the blocks of a cell's two nodes in each other's place", _TOWED,
+    ),
+    _defect(
         "algebraic-exponents-counted", "floquet", "_of_chain",
         "MAX_GROWTH * response.basis.omega",
         "np.inf", "regime",

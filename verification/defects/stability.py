@@ -41,7 +41,7 @@ DEFECTS: tuple[Defect, ...] = (
         "a central difference divided by one step in place of two", _DERIVATIVE,
     ),
     _defect(
-        "curve-frequency-kept", "family", "build_family", "replace(motion, frequency=value)", "replace(motion)",
+        "curve-frequency-kept", "family", "_tunable", "replace(motion, frequency=value)", "replace(motion)",
         "input", "the motion keeps its frequency whatever the parameter is", _LINE,
     ),
     _defect(
