@@ -86,16 +86,20 @@ def assemble_line(model, layout, axes, slip_speed, only=None) -> Line:
         tuple(float(c) for c in axes @ np.array(environment.current)))  # fmt: skip
 
 
-def take_end_cell(model, layout, axes, line, end, element) -> tuple[Line, np.ndarray]:
+def take_end_cell(model, layout, axes, line, end, element, load=None) -> tuple[Line, np.ndarray]:
     """Return the Line of the cell at the first (end 0) or last (end -1) node of an element, and its two nodes.
 
-    element None: the end of a line, with all that its node carries; else of the element alone.
+    element None: the end of a line, with all that its node carries; else of the element alone. load (n,): of its end,
+    where that is not its own weight, N.
     """
     e = end if element is None else element
     cells, nodes = layout.cells[e], layout.nodes[e][:2] if end == 0 else layout.nodes[e][-2:]
     c = cells.start if end == 0 else cells.stop - 1
-    if element is not None:
-        line = assemble_line(model, layout, axes, line.slip_speed, only=e)
+    if element is not None:  # nodes carry the element alone; cells are those of the line, which may be calibrated
+        alone = assemble_line(model, layout, axes, line.slip_speed, only=e)
+        line = alone._replace(**{name: getattr(line, name) for name in CELL_FIELDS})
+        if load is not None:
+            line.load[nodes[end]] = load
     arrays: dict = {"first": np.array([0]), "last": np.array([1])}
     for name, value in line._asdict().items():
         if isinstance(value, np.ndarray) and name not in arrays:

@@ -43,13 +43,29 @@ def calibrate_line(system):
     length = np.linalg.norm(chord, axis=0) / (1 + tension / line.EA)
     load = np.zeros((3, system.nodes))
     load[:, 1:-1] = -np.diff(force, axis=1)
-    anchor_V = -states[0].V if segments[0].reversed else states[0].V_anchor
-    fairlead_V = -states[-1].V_anchor if segments[-1].reversed else states[-1].V
-    load[2, 0] = anchor_V - force[2, 0]
-    load[2, -1] = -fairlead_V + force[2, -1]
+    load[2, 0] = _heights(segments[0], states[0])[0] - force[2, 0]
+    load[2, -1] = -_heights(segments[-1], states[-1])[1] + force[2, -1]
     ratio = line.length / length  # keeps what stands at the nodes
     changed = {name: getattr(line, name) * ratio for name in ("mass", "added_mass", "normal_drag", "tangential_drag")}
     return line._replace(length=length, load=np.ascontiguousarray((system.axes @ load).T), **changed)
+
+
+def _heights(segment, state):
+    """Return the vertical forces along a segment at its first and last node, N, positive where it rises."""
+    return (-state.V, -state.V_anchor) if segment.reversed else (state.V_anchor, state.V)
+
+
+def element_end_load(system, element, end) -> np.ndarray:
+    """Return the load (n,) in N that an element of a calibrated system puts on its first (end 0) or last (-1) node.
+
+    With it the element's end has the force of its catenary at rest.
+    """
+    r, _, horizontal_tension, states = system.model.at_rest(system.layout)
+    c = system.layout.cells[element].start if end == 0 else system.layout.cells[element].stop - 1
+    chord = r[:, system.line.last[c]] - r[:, system.line.first[c]]
+    of_cell = horizontal_tension[c] / np.hypot(chord[0], chord[1]) * chord[2]
+    first, last = _heights(system.model.segments[element], states[element])
+    return system.axes @ np.array([0.0, 0.0, first - of_cell if end == 0 else of_cell - last])
 
 
 def is_to_be_calibrated(given, model, motion) -> bool:

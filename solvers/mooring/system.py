@@ -15,7 +15,7 @@ from ..common.types import as_system
 from ..common.validation import positive_number
 from ..network.model import Network
 from .assembly import assemble_line, evaluate_forces, find_axes, take_end_cell
-from .calibration import calibrate_line, is_to_be_calibrated
+from .calibration import calibrate_line, element_end_load, is_to_be_calibrated
 from .coarsening import coarsen, prolong, share_loads
 from .components import Component, integrate_components, merge_responses, split_system
 from .harmonic import MooringHarmonics, MooringResponse, full_then_damped_newton, solve_extrapolated, start_from_time
@@ -288,7 +288,10 @@ class MooringSystem:
     def end_cell(self, end, element=None):
         """Return the Line of the cell at that end, and its two nodes; see ``assembly.take_end_cell``."""
         if (end, element) not in self._end_cells:
-            self._end_cells[end, element] = take_end_cell(self.model, self.layout, self.axes, self.line, end, element)
+            own = self.calibrated and element is not None
+            load = element_end_load(self, element, end) if own else None
+            of_line = self.model, self.layout, self.axes, self.line
+            self._end_cells[end, element] = take_end_cell(*of_line, end, element, load)
         return self._end_cells[end, element]
 
     @cached_property

@@ -333,3 +333,21 @@ def test_the_example_of_a_scene():
     assert made.period == 10.0 and made.scaled(2.0).motion.displacement(2.5)[2] == pytest.approx(2.0)
     assert made.with_motion(None).period == 10.0 and made.with_motion(None).ramped(3.0).motion is None
     assert isinstance(scene(OC3), Scene)
+
+
+CATENARY = 1e-9
+"""Of a force: the statics end at 1e-12 of it, and the last cell's chord divides positions of hundreds of metres."""
+
+
+def test_elements_of_a_calibrated_line_end_with_the_forces_of_their_catenaries():
+    """Where cells and loads make the catenaries the equilibrium, elements have them at the joint as well."""
+    made = mooring_system(two_parts(environment=Environment(1025.0)), 12, calibrate=True)
+    rest = made.rest_state()[..., None]
+    still = np.zeros_like(rest)
+    states = made.model.at_rest(made.layout).states
+    for e, (segment, state) in enumerate(zip(made.model.segments, states, strict=True)):
+        H, lower, upper = state.H, math.hypot(state.H, state.V_anchor), math.hypot(state.H, state.V)
+        wanted = (upper, lower) if segment.reversed else (lower, upper)
+        for end, expected in zip((0, -1), wanted, strict=True):
+            force = np.linalg.norm(made.end_force(rest, still, still, end, e))
+            assert force == pytest.approx(expected, rel=CATENARY), (e, end, H)
