@@ -46,17 +46,23 @@ def _gauss() -> Scheme:
 
 RADAU, GAUSS = _radau(), _gauss()
 
+ENTRIES = 2**18  # of the matrices of the steps that are solved at once
+
 
 def monodromy(response, steps) -> np.ndarray:
     """Return the matrix (n, n) that takes a small disturbance of a chain over one period of its response."""
-    h, eye, result = response.last_period[1] / steps, np.eye(RADAU.nodes.size), np.ones(())
-    for step in range(steps):
-        by_y, by_ydot = _tangents_at(response, (step + RADAU.nodes) * h)
-        n = len(by_y)
-        stages = np.einsum("ij,abi->iajb", eye, by_ydot) + h * np.einsum("ij,abi->iajb", RADAU.weights, by_y)
-        right = -np.moveaxis(by_y, -1, 0).reshape(-1, n)
-        rates = np.linalg.solve(stages.reshape(len(right), -1), right).reshape(eye.shape[0], n, n)
-        result = np.dot(np.eye(n) + h * np.tensordot(RADAU.last, rates, 1), result)
+    system, h, eye = response.system, response.last_period[1] / steps, np.eye(RADAU.nodes.size)
+    n = len(system.fields) * system.nodes
+    result, at_once = np.eye(n), max(1, ENTRIES // (eye.shape[0] * n) ** 2)
+    for first in range(0, steps, at_once):
+        t = h * (np.arange(first, min(first + at_once, steps))[:, None] + RADAU.nodes)
+        tangents = _tangents_at(response, t.ravel())
+        by_y, by_ydot = (each.reshape(n, n, *t.shape).transpose(2, 3, 0, 1) for each in tangents)
+        stages = np.einsum("ij,siab->siajb", eye, by_ydot) + h * np.einsum("ij,siab->siajb", RADAU.weights, by_y)
+        right = -by_y.reshape(len(t), -1, n)
+        rates = np.linalg.solve(stages.reshape(len(t), right.shape[1], -1), right).reshape(by_y.shape)
+        for growth in np.einsum("i,siab->sab", RADAU.last, rates):
+            result = np.dot(np.eye(n) + h * growth, result)
     return result
 
 

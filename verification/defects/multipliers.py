@@ -44,8 +44,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     _defect(
         "monodromy-product-turned", "monodromy", "monodromy",
-        "np.dot(np.eye(n) + h * np.tensordot(RADAU.last, rates, 1), result)",
-        "np.dot(result, np.eye(n) + h * np.tensordot(RADAU.last, rates, 1))", "index",
+        "np.dot(np.eye(n) + h * growth, result)", "np.dot(result, np.eye(n) + h * growth)", "index",
         "the matrices of the steps multiplied in another order", _MEISSNER,
     ),
     _defect(

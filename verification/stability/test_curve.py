@@ -48,8 +48,10 @@ def test_folds_are_those_of_shooting(which):
     assert np.hypot(*fold.z[0, 0, 1:3]) == pytest.approx(float(amplitude), rel=AMPLITUDE)
 
 
-def test_digits_of_the_oracle_agree():
+def test_digits_of_the_oracle_agree(deep):
     """The series of 15 and of 25 digits give one fold to 15 digits: neither order nor steps are left in it."""
+    if not deep:
+        pytest.skip("in the long version")
     oscillator = duffing_bifurcations.Oscillator()
     coarse, fine = (duffing_bifurcations.fold(oscillator, *STARTS[0], digits=digits) for digits in (15, 25))
     assert all(abs(a - b) < 1e-15 for a, b in zip(coarse, fine, strict=True))
