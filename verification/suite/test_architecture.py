@@ -74,6 +74,7 @@ TEST_ROOMS = ("browser",)  # looks at the finished page, and imports none of the
 # Beside that, what one file alone may import.
 ALSO = {
     "benchmarks/load_cases/table.py": ("distributed",),
+    "verification/suite/test_conformance_motion.py": ("benchmarks.conformance.this_project",),  # a copy with mistakes
     "solvers/load_cases/statistics.py": ("rainflow",),
     "solvers/numerics/compiled.py": (
         "numba",
