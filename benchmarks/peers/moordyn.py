@@ -80,9 +80,7 @@ class MoorDyn(Adapter):
         if environment.depth is not None and environment.seabed_stiffness is None:
             raise NotImplementedError("its seabed is elastic, and no stiffness is given")
         if environment.depth is not None and any(scene.friction):
-            raise NotImplementedError(
-                "its friction is a dashpot per node up to the Coulomb force: another law"
-            )
+            raise NotImplementedError("its friction is a dashpot per node up to the Coulomb force: another law")
         if environment.seabed_damping:
             raise NotImplementedError("its seabed damping also pulls a rising line down: another law")
         if cable.Cdb != cable.Cdn:

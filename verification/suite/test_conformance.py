@@ -39,6 +39,9 @@ STATICS = load_table("statics")
 COMMAND = ("-m", "pytest", "-p", "verification.conformance.plugin", "-p", "no:cacheprovider", "--pyargs",
            "verification.conformance")  # fmt: skip
 
+NO_OTHER_PLUGINS = {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
+"""Half of the time of a short run is the import of plugins that it does not use."""
+
 SOLVERS = """
 import os, signal, sys, time
 from dataclasses import replace
@@ -224,7 +227,7 @@ def run(folder, solver, *options, code=0, path=ROOT, **variables):
         [] if solver is None or "--conformance-report" in options else ["--conformance-report", str(path_of_report)]
     )
     environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST_")}
-    environment |= {"PYTHONPATH": str(path)} | variables
+    environment |= {"PYTHONPATH": str(path)} | ({} if "-n" in options else NO_OTHER_PLUGINS) | variables
     done = subprocess.run([sys.executable, *COMMAND, *words, *map(str, options)], cwd=folder, env=environment,
                           capture_output=True, text=True, timeout=LONGEST)  # fmt: skip
     text = done.stdout + done.stderr
