@@ -14,7 +14,7 @@ from .scripts import write_scripts
 OURS = "this_project"
 RIGHT, INACCURATE, WRONG, REFUSED, NOT_MODELLED = VERDICTS = (
     "right", "inaccurate", "wrong", "refused", "not modelled")  # fmt: skip
-NOT_RUN = "not run"
+NOT_RUN, NO_METHOD = "not run", "no method"
 FOLDER = "conformance"
 """Beside the page: where the scripts are."""
 
@@ -130,19 +130,26 @@ def bound_table(reports: dict) -> Table:
 def feature_rows(reports: dict, rows: list[dict]) -> list[dict]:
     """Return a row a feature: a cell a code with its sentence, state, and the script and rows of what is wrong."""
     features = dict.fromkeys(f for report in reports.values() for row in report["cases"] for f in row["features"])
-    return [
-        {"feature": feature, "cells": [_cell(name, report, feature, rows) for name, report in reports.items()]}
+    levels = {
+        feature: {row["level"] for report in reports.values() for row in report["cases"] if feature in row["features"]}
         for feature in features
-    ]
+    }
+    return [
+        {"feature": feature,
+         "cells": [_cell(name, report, feature, rows, levels[feature]) for name, report in reports.items()]}
+        for feature in features
+    ]  # fmt: skip
 
 
-def _cell(name: str, report: dict, feature: str, rows: list[dict]) -> dict:
+def _cell(name: str, report: dict, feature: str, rows: list[dict], levels: set[str]) -> dict:
     mine = [row for row in report["cases"] if feature in row["features"]]
     count = Counter(row["verdict"] for row in mine)
-    state = "failed" if count[WRONG] or any(row["failed"] for row in mine) else "passed" if count[RIGHT] else ""
+    failed = count[WRONG] or any(row["failed"] for row in mine)
+    state = "failed" if failed else "passed" if count[RIGHT] and not (count[INACCURATE] or count[REFUSED]) else ""
+    absent = NOT_RUN if levels.intersection(report["levels"]) else NO_METHOD
     bad = [row for row in rows if row["name"] == name and feature in row["features"].split(", ")]
     bad = sorted((row for row in bad if row["verdict"] in (WRONG, REFUSED)), key=_preference)
-    return {"label": report["solver"]["label"], "text": report["features"].get(feature, NOT_RUN), "state": state,
+    return {"label": report["solver"]["label"], "text": report["features"].get(feature, absent), "state": state,
             "script": bad[0]["script"] if bad else "", "anchor": bad[0]["anchor"] if bad else ""}  # fmt: skip
 
 
