@@ -96,6 +96,9 @@ LONGEST_STATICS = 60  # s
 HINT = 'python -m pip install "mooring-verification[report]"'
 SOME_TESTS = ("common/test_motion.py", "catenary/test_references.py::test_table_is_complete")
 
+SAMPLES = {"spans": "10", "conformance_statics": "3", "conformance_networks": "1"}
+"""Generated set -> rows that are computed anew: of networks, whose stiffness takes longest, one."""
+
 PAGE = ("mooring-report/scene-my_line.html", "mooring-report/results/scene_my_line.json",
         "mooring-report/results/machine.json")  # fmt: skip
 
@@ -182,7 +185,9 @@ def check_commands(python: Path, folder: Path):
     before = files(package) | files(folder)
     run([python, "-m", "reports", "my_line.toml", "--solver", "my_code.py"], folder, says="scene-my_line.html")
     run([python, "-m", "reports", "compare"], folder, says="nothing is saved in mooring-report/history yet")
-    run([python, "-m", "reference_data", "check", "--sample", "10"], folder, says="0 differences")
+    for name, rows in SAMPLES.items():
+        words = ("reference_data", "check", "--only", name, "--sample", rows)
+        run([python, "-m", *words], folder, says="0 differences")
     run([python, "-m", "reference_data", "regenerate"], folder, code=2, says="run it in a checkout")
     tests = [package / "verification" / name for name in SOME_TESTS]
     settings = ["-c", package / "verification" / "installed_pytest.ini", "--rootdir", package]

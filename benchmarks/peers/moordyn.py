@@ -28,8 +28,11 @@ from .moordyn_networks import describe_network, stable_step
 
 DAMPING = -0.1
 STEP = 0.5  # of the time that an axial wave takes through a segment; twice that is beyond the limit of stability
+FAR_DOWN = 1e5  # m: deeper than any line is let down
 RELAXATION = {"ICgenDynamic": 1, "CdScaleIC": 10.0, "TmaxIC": 600.0, "threshIC": 1e-6, "dtIC": 2.0}
 """How it finds a network at rest: with more drag, until the tensions change by less than threshIC in a few dtIC, s."""
+SETTLING = 300.0
+"""s, in which a line comes to rest in a current before it is moved: MoorDyn hangs it as in still water."""
 _INPUT = """MoorDyn
 --- LINE TYPES ---
 Name Diam MassDen EA BA/-zeta EI Cd Ca CdAx CaAx
@@ -53,6 +56,7 @@ RK2 tScheme
 {g!r} g
 {rho!r} rho
 {depth!r} WtrDpth
+{currents} Currents
 0 TmaxIC
 {seabed}--- OUTPUT ---
 --- need this line ---
@@ -73,10 +77,12 @@ class MoorDyn(Adapter):
         Of conformance cases a CableAnswer: also at the anchor, and the extremes of the tension along the line.
         """
         environment, cable = scene.environment, scene.cable
-        if any(environment.current):
-            raise NotImplementedError("this adapter gives it no current")
-        if environment.depth is not None and (environment.seabed_stiffness is None or any(scene.friction)):
-            raise NotImplementedError("this adapter describes an elastic seabed without friction")
+        if environment.depth is not None and environment.seabed_stiffness is None:
+            raise NotImplementedError("its seabed is elastic, and no stiffness is given")
+        if environment.depth is not None and any(scene.friction):
+            raise NotImplementedError("its friction is a dashpot per node up to the Coulomb force: another law")
+        if environment.seabed_damping:
+            raise NotImplementedError("its seabed damping also pulls a rising line down: another law")
         if cable.Cdb != cable.Cdn:
             raise NotImplementedError("it has one transverse drag coefficient")
         step = time[1] - time[0]
@@ -87,9 +93,13 @@ class MoorDyn(Adapter):
         with tempfile.TemporaryDirectory() as folder, _silence():
             file = Path(folder) / "lines.txt"
             file.write_text(describe(scene, cells, down), encoding="utf-8")
+            if any(environment.current):
+                (Path(folder) / "current_profile.txt").write_text(_uniform(environment.current), encoding="ascii")
             system = moordyn.Create(str(file))
             try:
                 moordyn.Init(system, list(fairlead[0]), [0.0, 0.0, 0.0])
+                if any(environment.current):
+                    moordyn.Step(system, list(fairlead[0]), [0.0, 0.0, 0.0], time[0] - SETTLING, SETTLING)
                 record.take(system, 0, time[0])
                 for k in range(len(time) - 1):
                     moordyn.Step(system, list(fairlead[k]), list(velocity[k]), time[k], step)
@@ -248,6 +258,12 @@ class Record:
         return CableAnswer(self.ends[1], self.ends[0], envelope)
 
 
+def _uniform(current) -> str:
+    """Return its file of a steady current, the same at all depths, m/s: three lines of heading, then z and velocity."""
+    row = " ".join(f"{float(part)!r}" for part in current)
+    return f"steady current\nthe same at all depths\nz ux uy uz\n{-FAR_DOWN} {row}\n0.0 {row}\n"
+
+
 def describe(scene, segments: int, down: float) -> str:
     """Its input file, the line let down by so many m; the submerged weight follows from diameter and mass."""
     cable, environment = scene.cable, scene.environment
@@ -263,7 +279,7 @@ def describe(scene, segments: int, down: float) -> str:
         d=cable.diameter, m=cable.mass_per_length, EA=cable.EA, damping=cable.damping * cable.EA or DAMPING,
         Cd=cable.Cdn, Ca=cable.Ca, Cdt=cable.Cdt, L=scene.length, segments=segments,
         step=stable_step(STEP, crossing, cable.damping), g=environment.g, rho=environment.rho, depth=depth,
-        seabed=seabed, **points,
+        seabed=seabed, currents=int(any(environment.current)), **points,
     )  # fmt: skip
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from ..cable.section import DYNAMICS
 from ..catenary.regimes import REGIMES
 from ..catenary.work_precision import WORK_PRECISION
+from ..conformance.section import CONFORMANCE
 from ..evidence.claims import CLAIMS
 from ..evidence.defects import DEFECTS
 from ..evidence.machine import MACHINE
@@ -26,7 +27,7 @@ SECTIONS = (
     WORK_PRECISION, NETWORKS, MOORING, MOORING_NETWORKS, DYNAMICS, HARMONIC, SCENES, MOVING_NETWORKS,
     ITEMS, ERRATA, PUBLISHED,
     STABILITY,
-    OTHER_CODES,
+    CONFORMANCE, OTHER_CODES,
     MACHINE,
 )  # fmt: skip
 """Of the whole report; the sections of one part stand together, in the order of the parts."""

@@ -16,6 +16,8 @@ from .claims import Question, read_questions
 
 SCENE_GROUPS = ("scenes", "moving_scene", "published")
 """Groups with one file a scene."""
+CODE_GROUPS = ("conformance",)
+"""Groups with one file a code."""
 
 
 class Results:
@@ -31,20 +33,27 @@ class Results:
     def load(self, group: str) -> Any:
         """Return what the files of a group hold together, None where nothing can be read.
 
-        Of scenes, stem -> result; of tests, the test files with their claims and outcomes. Raises KeyError where there
-        is no such group: a section that names a group wrongly would be empty without a word.
+        Of scenes, stem -> result; of conformance, code -> report; of tests, the test files with their claims and
+        outcomes. Raises KeyError where there is no such group: a section that names a group wrongly would be empty
+        without a word.
         """
         if group not in GROUPS:
             raise KeyError(f"no such group of stages: {group!r}; there are {', '.join(GROUPS)}")
         if group == "tests":
             return self.questions
         if group not in self._loaded:
-            self._loaded[group] = self._load_scenes(group) if group in SCENE_GROUPS else self._load_merged(group)
+            load = self._load_codes if group in CODE_GROUPS else self._load_merged
+            self._loaded[group] = (self._load_scenes if group in SCENE_GROUPS else load)(group)
         return self._loaded[group]
 
     def _load_merged(self, group: str) -> dict | None:
         contents = [self._read(stage.output) for stage in self.stages if stage.group == group]
         return {key: value for content in contents if content for key, value in content.items()} or None
+
+    def _load_codes(self, group: str) -> dict[str, dict] | None:
+        stages = [stage for stage in self.stages if stage.group == group]
+        reports = {stage.name.removeprefix(f"{group}_"): self._read(stage.output) for stage in stages}
+        return {name: report for name, report in reports.items() if report} or None
 
     def _load_scenes(self, group: str) -> dict[str, dict] | None:
         stages = [stage for stage in self.stages if stage.group == group]

@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from importlib.resources import files
+from importlib.util import find_spec
 from pathlib import Path
 
 from .installation import INSTALLED_PYTEST, is_repository
@@ -227,6 +228,58 @@ def _stability(quick: bool) -> Stage:
     return _sized("stability", "stability maps", words, (125, 12), quick, jobs=JOBS)
 
 
+@dataclass(frozen=True)
+class JudgedCode:
+    """A code of the conformance matrix: its adapter, the package that it needs, and the cases that take too long.
+
+    seconds : expected, of the whole run and of the quick one; left_out, quick : expressions of pytest's -k
+    """
+
+    name: str
+    solver: str
+    package: str
+    seconds: tuple[float, float]
+    left_out: tuple[str, ...] = ()
+    quick: str = ""
+
+    def cases(self, quick: bool) -> tuple[str, ...]:
+        """Return the options that choose its cases, none for all of them."""
+        if quick and self.quick:
+            return ("-k", self.quick)
+        return ("-k", " and ".join(f"not {name}" for name in self.left_out)) if self.left_out else ()
+
+
+LONG_IN_MOORDYN = tuple(
+    f"motion/{name}"
+    for name in ("damping-steep", "damping-two", "bridle", "clump", "lazy-wave", "current-along", "seabed-soft-circle")
+)
+"""Where its explicit steps are shortest: 3 to 15 s of a processor each, as much together as all others."""
+SHORT_IN_MOTION = "added-mass or normal-drag-surge or normal-drag-heave or tangential"
+JUDGED = (
+    JudgedCode("this_project", "benchmarks.conformance.this_project:ThisProject", "solvers", (12, 6),
+               quick=f"statics or network or {SHORT_IN_MOTION}"),
+    JudgedCode("moorpy", "benchmarks.peers.moorpy:MoorPy", "moorpy", (3, 3)),
+    JudgedCode("pycatenary", "benchmarks.peers.pycatenary:PyCatenary", "pycatenary", (2, 2)),
+    JudgedCode("moordyn", "benchmarks.peers.moordyn:MoorDyn", "moordyn", (40, 4), LONG_IN_MOORDYN,
+               SHORT_IN_MOTION),
+)  # fmt: skip
+
+
+def _conformance(quick: bool) -> Iterator[Stage]:
+    """Yield a stage for each code that is installed: the conformance command; status 1: some case fails."""
+    tables = tuple(f"reference_data/conformance/{level}.json" for level in ("statics", "network", "motion"))
+    command = (*PYTEST, "-p", "verification.conformance.plugin", "--pyargs", "verification.conformance",
+               "--conformance-report={part}")  # fmt: skip
+    for code in JUDGED:
+        if find_spec(code.package):
+            whole, fewer = ((*command, "--solver", code.solver, *code.cases(short)) for short in (False, True))
+            yield Stage(
+                f"conformance_{code.name}", "conformance", f"conformance of {code.name.replace('_', ' ')}",
+                fewer if quick else whole, f"conformance_{code.name}.json", (program(code.solver.partition(":")[0]),),
+                ("verification/conformance", *tables), seconds=code.seconds[quick], codes=(0, 1),
+                better=(whole,) if quick and fewer != whole else ())  # fmt: skip
+
+
 SAMPLE = 150
 """Seeded defects that are planted beside misprints and blind spots, one from nearly every module: a third of all."""
 
@@ -364,6 +417,7 @@ GROUPS = (
     "speed",
     "networks",
     *DYNAMICS,
+    "conformance",
     "defects",
     "scenes",
     "moving_scene",
@@ -388,6 +442,7 @@ def plan(quick: bool, published: list[Path], claimed: Iterable[str] = ()) -> lis
         _sized("networks", "networks of lines", ("benchmarks.network.measure",), (40, 20), quick, timed=True),
         *_dynamics(quick),
         _stability(quick),
+        *_conformance(quick),
         _defects(),
         *(scene_stage(path) for path in sorted(SCENES.glob("*.toml"))),
         scene_stage(MOVING_SCENE, "moving_scene"),

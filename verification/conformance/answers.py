@@ -12,6 +12,8 @@ from .problems import as_arguments, steps_per_period
 
 KINDS = {"span": SpanAnswer, "network": NetworkAnswer, "cable": CableAnswer, "moving_network": MovingNetworkAnswer}
 HARMONICS = 5
+OF_THE_RUN = ("iterations", "refused", "unsupported", "seconds")
+"""Names of an answer that are no quantities."""
 
 
 def ask(adapter, problem: str, inputs: dict) -> dict:
@@ -29,11 +31,12 @@ def as_fields(problem: str, answer) -> dict:
         given = {one.name: getattr(answer, one.name) for one in fields(answer)}
     elif isinstance(answer, Mapping):
         given = dict(answer)
+        _check_names(given, kind)
     elif answer is None:
         raise Refused(f"returned None, and {kind.__name__} is wanted")
     elif problem == "span":
         if not isinstance(answer, (tuple, list, np.ndarray)) or len(answer) != 2:
-            raise Refused(f"returned {answer!r:.60}, and SpanAnswer(H, V) is wanted")
+            raise Refused(f"returned {answer!r:.60}, and SpanAnswer(H, V) is wanted, or two numbers")
         given = {"H": answer[0], "V": answer[1]}
     else:
         given = {"force" if problem == "moving_network" else "tension": answer}
@@ -47,6 +50,15 @@ def as_fields(problem: str, answer) -> dict:
             if given[name] is None:
                 raise Refused(f"returned no {name}")
     return {name: plain(value) for name, value in given.items() if value is not None}
+
+
+def _check_names(given: Mapping, kind):
+    """Raise Refused for a name that an answer does not have: a quantity would be left out without a word."""
+    names = [one.name for one in fields(kind)]
+    for name in given:
+        if name not in names:
+            known = ", ".join(one for one in names if one not in OF_THE_RUN)
+            raise Refused(f"returned {name!r}, and {kind.__name__} has {known}")
 
 
 def plain(value):

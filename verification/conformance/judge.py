@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .conventions import list_conventions
 from .tables import Case
 
 RIGHT, INACCURATE, WRONG, REFUSED, NOT_MODELLED = "right", "inaccurate", "wrong", "refused", "not modelled"
@@ -19,6 +20,9 @@ VERDICTS = (RIGHT, INACCURATE, WRONG, REFUSED, NOT_MODELLED)
 
 SERIES = ("fairlead_tension", "anchor_tension", "tension", "force")
 """Quantities of moving lines whose last axis is time."""
+
+OF_SERIES = {"mean": "fairlead_tension", "harmonics": "fairlead_tension"}
+"""Quantities that follow from a series, and that tables leave out of the answers of mistakes."""
 
 CLOSE = 0.02
 """Share of what a mistake changes by which an answer may miss that of the mistake: a code has errors of its own."""
@@ -132,15 +136,16 @@ def judge(case: Case, answer: Mapping, sentences: Mapping | None = None) -> Judg
 def as_numbers(case: Case, name: str, value) -> np.ndarray:
     """Return a quantity as an array of the shape of its truth. Raises Nonsense naming what is wrong."""
     shape = np.shape(case.truth[name])
-    wanted = "a number" if shape == () else f"numbers of shape {shape}"
+    wanted = "a number is" if shape == () else f"numbers of shape {shape} are"
     try:
         array = np.array(value)
     except ValueError:
-        raise Nonsense(f"{name} is ragged, and {wanted} is wanted: {value!r:.60}") from None
+        raise Nonsense(f"{name} is ragged, and {wanted} wanted: {value!r:.60}") from None
     if array.dtype.kind not in "fiu":
-        raise Nonsense(f"{name} = {value!r:.60}, and {wanted} is wanted")
+        raise Nonsense(f"{name} = {value!r:.60}, and {wanted} wanted")
     if array.shape != shape:
-        raise Nonsense(f"{name} has the shape {array.shape}, and {wanted} is wanted")
+        turned = ": it is transposed" if array.shape == shape[::-1] else ""
+        raise Nonsense(f"{name} has the shape {array.shape}, and {wanted} wanted{turned}")
     if not np.isfinite(array).all():
         bad = array[~np.isfinite(array)].flat[0]
         raise Nonsense(f"{name} holds {bad}, and finite numbers are wanted" if shape else f"{name} = {bad}")
@@ -173,13 +178,18 @@ def _judge_quantity(case: Case, name: str, value) -> QuantityVerdict:
 def find_mistakes(case: Case, values: Mapping, verdicts, sentences: Mapping) -> tuple[Match, ...]:
     """Return the mistakes whose answers the values are: those that explain most, the closest first.
 
-    A mistake matches where every quantity that it changes is near its answer; where none does, those count that are
-    within the bound of a right answer in most of the quantities that are not right.
+    A mistake matches where every quantity that it changes is near its answer, and it explains all that is not right;
+    then conventions.py is asked; else those count that are within the bound of a right answer in most of the quantities
+    that they change, or leave something unexplained.
     """
     bad = {one.quantity for one in verdicts if one.verdict != RIGHT}
     known = {f"{WITHOUT}{feature}": answer for feature, answer in case.without.items()} | case.mistakes
     matches = [_match(case, values, bad, name, answer, sentences.get(name, "")) for name, answer in known.items()]
     matches = [one for one in matches if one is not None]
+    if not any(one.complete for one in matches):
+        conventions = list_conventions(case, values, bad)
+        more = [_match(case, values, bad, name, answer, words) for name, (words, answer) in conventions.items()]
+        matches += [one for one in more if one is not None and one.complete]
     matches = [one for one in matches if one.complete] or matches
     most = max((len(one.quantities) for one in matches), default=0)
     matches = [one for one in matches if len(one.quantities) == most]
@@ -189,10 +199,11 @@ def find_mistakes(case: Case, values: Mapping, verdicts, sentences: Mapping) -> 
 
 def _match(case: Case, values, bad, name, answer, sentence) -> Match | None:
     """Return the match of one mistake; None where the values are not its answer."""
-    explained, missed, agreement = [], 0, 0.0
+    explained, missed, agreement, most = [], 0, 0.0, 0.0
     for quantity in answer.keys() & values.keys():
         right = case.bound[quantity][0]
         change = measure_error(case, quantity, answer[quantity])
+        most = max(most, change)
         miss = measure_error(case, quantity, values[quantity], answer[quantity])
         if miss > max(right, CLOSE * change):
             missed += 1
@@ -200,6 +211,9 @@ def _match(case: Case, values, bad, name, answer, sentence) -> Match | None:
             explained.append((quantity, miss <= right))
             agreement = max(agreement, miss)
     names = tuple(quantity for quantity in case.truth if quantity in {one for one, _ in explained})
-    if not names or (missed and not (len(names) > missed and all(exact for _, exact in explained))):
+    open_quantities = {one for one in bad - answer.keys() if OF_SERIES.get(one) not in answer}
+    others = (measure_error(case, quantity, values[quantity]) for quantity in open_quantities)
+    complete = not missed and all(error <= CLOSE * most for error in others)
+    if not names or not (complete or (len(names) > missed and all(exact for _, exact in explained))):
         return None
-    return Match(name, sentence, agreement, names, not missed)
+    return Match(name, sentence, agreement, names, complete)

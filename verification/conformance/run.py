@@ -12,7 +12,7 @@ import pytest
 
 from .judge import NOT_MODELLED, REFUSED, Judgement, Match, QuantityVerdict
 from .session import LoadingError, SolverProcess
-from .summary import count_answered, count_verdicts, name_mistakes, summarise_features
+from .summary import count_answered, count_unexplained, count_verdicts, name_mistakes, summarise_features
 from .tables import LEVELS, PROBLEMS, available_levels, load_table
 
 DISTRIBUTION = "mooring-verification"
@@ -138,7 +138,10 @@ class Run:
             if mine:
                 lines.append(f"{level}: {count}, of {len(mine)}; {answered} of {asked} quantities answered")
         lines += [f"  {feature}: {text}" for feature, text in summarise_features(judgements).items()]
-        return lines + [f"mistake: {one.text()}" for one in name_mistakes(judgements)]
+        mistakes = name_mistakes(judgements)
+        lines += [f"mistake: {one.text()}" for one in mistakes]
+        open_cases = count_unexplained(judgements, mistakes)
+        return lines + ([f"no listed mistake: {open_cases} more cases are not right"] if open_cases else [])
 
 
 def read_xfails(path: str) -> dict[str, str]:

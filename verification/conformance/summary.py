@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from .judge import INACCURATE, NOT_MODELLED, REFUSED, RIGHT, VERDICTS, WITHOUT, WRONG, Judgement, measure_error
 
 FAULTY = (INACCURATE, WRONG)
+LEAST_SHARE = 0.25
+"""Of the faulty cases that a mistake changes, those whose answers it has: with fewer the code does not make it."""
 
 
 @dataclass(frozen=True)
@@ -27,29 +29,41 @@ class Diagnosis:
         """Return it in words."""
         what = f" ({self.sentence})" if self.sentence else ""
         names = " or ".join((self.name, *self.alike))
-        return f"{names}{what}: the answers of {len(self.cases)} cases, of {self.applicable} that it changes"
+        return f"{names}{what}: {len(self.cases)} of the {self.applicable} cases that it changes are answered so"
 
 
 def name_mistakes(judgements: list[Judgement]) -> list[Diagnosis]:
     """Return the mistakes that explain the faulty cases, each case by one, those that explain most first.
 
+    One that explains fewer than LEAST_SHARE of the faulty cases that it changes is left out: the match stands with its
+    case, and may be chance.
+
     Of those that explain as many, that comes first whose answers fit the greatest share of the cases that it changes,
     then a mistake before a feature left out.
     """
-    open_cases = [one for one in judgements if one.matches]
-    applicable, diagnoses = _count_applicable(judgements), []
-    sentences = {match.name: match.sentence for one in open_cases for match in one.matches}
-    matched = Counter(match.name for one in open_cases for match in one.matches)
-    while open_cases:
-        count = Counter(match.name for one in open_cases for match in one.matches)
+    faulty = [one for one in judgements if one.verdict in FAULTY]
+    sentences = {match.name: match.sentence for one in faulty for match in one.matches}
+    matched, applicable = Counter(name for one in faulty for name in _names(one)), _count_applicable(judgements)
+    changed = _count_applicable(faulty)
+    likely = {name for name in matched if matched[name] >= LEAST_SHARE * changed.get(name, len(faulty))}
+    names = {one.case.id: _names(one) & likely for one in faulty if _names(one) & likely}
+    diagnoses = []
+    while names:
+        count = Counter(name for mine in names.values() for name in mine)
         share = {name: matched[name] / max(1, applicable[name]) for name in count}
         best = max(count, key=lambda name: (count[name], share[name], _is_mistake(name), name))
-        mine = [one for one in open_cases if best in _names(one)]
-        ids = tuple(one.case.id for one in mine)
-        alike = sorted(name for name in set.intersection(*map(_names, mine)) if _is_mistake(name) and name != best)
-        diagnoses.append(Diagnosis(best, sentences[best], ids, max(applicable[best], len(ids)), tuple(alike)))
-        open_cases = [one for one in open_cases if best not in _names(one)]
+        mine = {case: own for case, own in names.items() if best in own}
+        alike = sorted(name for name in set.intersection(*mine.values()) if _is_mistake(name) and name != best)
+        many = max(applicable.get(best, len(faulty)), len(mine))
+        diagnoses.append(Diagnosis(best, sentences[best], tuple(mine), many, tuple(alike)))
+        names = {case: own for case, own in names.items() if best not in own}
     return diagnoses
+
+
+def count_unexplained(judgements, diagnoses) -> int:
+    """Return how many inaccurate and wrong cases no diagnosis explains."""
+    explained = {case for one in diagnoses for case in one.cases}
+    return sum(one.verdict in FAULTY and one.case.id not in explained for one in judgements)
 
 
 def _is_mistake(name: str) -> bool:

@@ -64,6 +64,7 @@ REPORT_ORDER = (
     "stability",
     "scenes",
     "papers",
+    "conformance",
     "evidence",
     "page.registry",
     "page.site",
@@ -74,6 +75,12 @@ TEST_ROOMS = ("browser",)  # looks at the finished page, and imports none of the
 # Beside that, what one file alone may import.
 ALSO = {
     "benchmarks/load_cases/table.py": ("distributed",),
+    "verification/suite/test_conformance_motion.py": ("benchmarks.conformance.this_project",),  # a copy with mistakes
+    "verification/suite/test_conformance_matrix.py": (
+        "reports.conformance",
+        "reports.page.section",
+        "reports.pipeline.stages",
+    ),  # it judges what the page says, and runs its scripts
     "solvers/load_cases/statistics.py": ("rainflow",),
     "solvers/numerics/compiled.py": (
         "numba",

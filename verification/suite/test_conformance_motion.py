@@ -13,22 +13,11 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from scipy.interpolate import CubicSpline, PchipInterpolator
+from scipy.interpolate import CubicSpline
 
-from solvers import (
-    BodyMotion,
-    CableProperties,
-    Element,
-    Environment,
-    Motion,
-    Network,
-    Node,
-    SampledMotion,
-    Scene,
-    mooring_system,
-    solve_time_domain,
-)
-from verification.conformance.adapter import Adapter, CableAnswer, MovingNetworkAnswer
+from benchmarks.conformance.this_project import LONGER, ThisProject, network_of
+from solvers import Motion, mooring_system, solve_time_domain
+from verification.conformance.adapter import CableAnswer, MovingNetworkAnswer
 from verification.conformance.answers import ask
 from verification.conformance.judge import RIGHT, judge, measure_error
 from verification.conformance.tables import load_table
@@ -36,7 +25,6 @@ from verification.conformance.tables import load_table
 LEAST_CASES = 25
 ISOLATED = 20.0  # right bounds that leaving a feature out moves the answer by
 LARGEST_UNCERTAINTY = 0.005  # of the range: the bound of a right answer for a truth without error
-LONGER = 5  # steps of the places that are given in one step of the adapter: an implicit one needs no more
 SAME = 2.0  # right bounds: answers of two mistakes nearer to each other than that are not told apart
 FEATURES = {
     "added_mass", "normal_drag", "tangential_drag", "current", "damping", "seabed_stiffness", "seabed_damping",
@@ -120,82 +108,27 @@ def test_a_truth_is_right_and_the_answer_of_a_mistake_is_named():
 
 
 # ---------------------------------------------------------------- an adapter with mistakes
-class Ours(Adapter):
-    """This project's nodes and elements behind the contract, at the steps that are asked for."""
+class Ours(ThisProject):
+    """This project's nodes and elements behind the contract, with places where a mistake is planted."""
 
-    label = "this project, for the tests"
+    refinement = 1
 
     def cable(self, scene, time, fairlead, cells):
         """Return the tensions of both ends and the envelope."""
         self.prepare(scene)
-        system = self.system(line_scene(scene), cells, SampledMotion(time, fairlead - fairlead[0]), scene.slip_speed)
-        history = solve_time_domain(system, dt=LONGER * time[1], duration=time[-1], ramp=0.0)
-        ends = [self.end_tension(history, end) for end in (-1, 0)]
-        within = (history.time >= scene.window[0]) & (history.time <= scene.window[1])
-        s, T = system.s, np.concatenate([ends[1][None, within], history.tension[:, within], ends[0][None, within]])
-        places = np.concatenate([[0.0], (s[1:] + s[:-1]) / 2, [scene.length]])
-        envelope = np.array([PchipInterpolator(places, f(T, axis=1))(scene.s) for f in (np.max, np.min)])
-        ends = [CubicSpline(history.time, end)(time) for end in ends]
-        return self.give(CableAnswer(ends[0], ends[1], envelope))
+        return self.give(super().cable(scene, time, fairlead, cells))
 
     def moving_network(self, network, motion, time, cells):
         """Return the forces on the coupled nodes and the tensions of the ends of elements."""
         self.prepare(network)
-        lines = lines_of(network)
-        system = self.system(lines, cells, self.body(motion), network.slip_speed, calibrate=False)
-        history = solve_time_domain(system, dt=LONGER * time[1], duration=time[-1], ramp=motion.rule["ramp"])
-        force = np.swapaxes(history.forces[:, system.coupled_nodes], 0, 1)
-        tension = [[np.linalg.norm(e.end_force(end), axis=0) for end in (0, -1)] for e in history.elements]
-        answer = (CubicSpline(history.time, part, axis=-1)(time) for part in (force, np.array(tension)))
-        return self.give(MovingNetworkAnswer(*answer))
+        return self.give(super().moving_network(network, motion, time, cells))
 
     def prepare(self, given):
         """Change what is given."""
 
-    def system(self, scene, cells, motion, slip_speed, **options):
-        """Return the MooringSystem that is solved."""
-        return mooring_system(scene, cells, motion=motion, slip_speed=slip_speed, **options)
-
-    def body(self, motion):
-        """Return the motion of the body."""
-        rule = motion.rule
-        return BodyMotion.periodic(rule["frequency"], rule["sin"], rule["cos"], motion.reference)
-
-    def end_tension(self, history, end):
-        """Return the magnitude of the force at an end."""
-        return np.linalg.norm(history.system.end_force(history.y, history.ydot, history.yddot, end), axis=1)
-
     def give(self, answer):
         """Return what is given out."""
         return answer
-
-
-def section_of(cable) -> CableProperties:
-    """Return the section of a namespace."""
-    coefficients = {key: getattr(cable, key) for key in ("Cdn", "Cdb", "Cdt", "Ca", "damping")}
-    return CableProperties(cable.EA, cable.diameter, cable.mass_per_length, cable.submerged_weight, **coefficients)
-
-
-def water_of(environment) -> Environment:
-    """Return the environment of a namespace."""
-    more = {key: getattr(environment, key) for key in ("current", "seabed_stiffness", "seabed_damping")}
-    return Environment(environment.rho, environment.g, environment.depth, **more)
-
-
-def line_scene(scene) -> Scene:
-    """Return the Scene of a namespace."""
-    return Scene("asked", section_of(scene.cable), scene.length, scene.anchor, scene.fairlead,
-                 water_of(scene.environment), tuple(scene.friction))  # fmt: skip
-
-
-def lines_of(network) -> Network:
-    """Return the Network of a namespace."""
-    nodes = [Node(n.kind, n.r, n.mass, n.volume, n.force, CdA=n.CdA, Ca=n.Ca) for n in network.nodes]
-    elements = []
-    for e in network.elements:
-        e.cable.submerged_weight = e.w
-        elements.append(Element(e.w, e.cable.EA, e.L, e.ends, e.friction, section_of(e.cable)))
-    return Network(nodes, elements, water_of(network.environment))
 
 
 def sections(given) -> list:
@@ -221,9 +154,9 @@ class Planted(Ours):
             system.line = self.of_line(system.line)
         return system
 
-    def body(self, motion):
+    def body_motion(self, motion):
         """Change the motion of the body."""
-        return super().body(self.of_body(copy.deepcopy(motion)) if self.of_body else motion)
+        return super().body_motion(self.of_body(copy.deepcopy(motion)) if self.of_body else motion)
 
     def give(self, answer):
         """Change the answer."""
@@ -374,7 +307,7 @@ class SmallAngles(Ours):
                                     slip_speed=network.slip_speed)  # fmt: skip
             element.ends = (0, 1)
             moved = Motion(motion.rule["frequency"], rows["sin"], rows["cos"])
-            system = mooring_system(lines_of(alone), cells, motion=moved, calibrate=False, fields="spatial")
+            system = mooring_system(network_of(alone), cells, motion=moved, calibrate=False, fields="spatial")
             history = solve_time_domain(system, dt=LONGER * time[1], duration=time[-1], ramp=motion.rule["ramp"])
             forces.append(history.forces[:, -1])
             tensions.append([np.linalg.norm(history.forces[:, end], axis=0) for end in (0, -1)])
