@@ -1,4 +1,4 @@
-"""Basins of attraction: which of several coexisting responses a system comes to from random starts, by time integration.
+"""Basins of attraction: which of several coexisting responses random starts come to, by time integration.
 
 Starts are seeded: a state is the rest state and a sum of the departures of all responses from it, each at a random
 instant of its period, by normal weights, so that it is a smooth shape of the size of the responses. The share of a

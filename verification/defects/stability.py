@@ -188,7 +188,7 @@ DEFECTS: tuple[Defect, ...] = (
         "factor", "numbers of the state changed on their way from a file", _FILE,
     ),
     _defect(
-        "basins-rates-left-out", "basins", "draw_start", "ydot + weight", "ydot + 0.0 * weight", "term",
+        "basins-rates-left-out", "basins", "draw_start", "_rate_at(response, t)", "(0.0 * _rate_at(response, t))", "term",
         "starts that all begin from standstill", _BASINS,
     ),
     _defect(
@@ -200,7 +200,9 @@ DEFECTS: tuple[Defect, ...] = (
         "an interval about the share itself, as of the normal approximation", _WILSON,
     ),
     _defect(
-        "responses-of-one-crossing", "basins", "responses_at", "in crossings:", "in crossings[:1]:", "index",
+        "responses-of-one-crossing", "basins", "responses_at",
+        "np.flatnonzero((curve.values[:-1] - value) * (curve.values[1:] - value) <= 0)",
+        "np.flatnonzero((curve.values[:-1] - value) * (curve.values[1:] - value) <= 0)[:1]", "index",
         "the first part of the curve alone", _BRANCHES,
     ),
 )  # fmt: skip
