@@ -1,7 +1,8 @@
 """Special points confirmed in time: does a disturbed response on either side return or leave, as its multipliers say?
 
-Along the curve on both sides of a special point a response is taken, where its largest multiplier is clear of the unit
-circle, and disturbed by a few of the line's natural modes. Stable responses return, unstable ones leave, and where they
+Along the curve on both sides of a special point a response is taken where the multiplier that passes the unit circle is
+clear of it, and disturbed along the mode of that multiplier, or of a larger one that is unstable. Stable responses
+return, unstable ones leave, and where they
 settle is compared with the other responses that are known at that frequency. Past a fold, where the response ends, a
 third integration starts from the last one: it must leave.
 """
@@ -13,28 +14,29 @@ import math
 import numpy as np
 
 from solvers import solve_time_domain
-from solvers.numerics.modes import natural_modes
 from solvers.stability import find_landing, floquet, responses_at
-from solvers.stability.special_points import FOLD
+from solvers.stability.monodromy import RADAU
+from solvers.stability.special_points import BRANCH_POINT, FOLD, PERIOD_DOUBLING
 
 DISTURBANCE = 0.01  # of the largest displacement: small enough to be linear, larger than what steps and harmonics err by
-MODES = 4
-CLEAR, LEAST_CLEAR = 0.05, 5e-4  # |log| of the largest multiplier at which a response is tested: the first point that
+CLEAR, LEAST_CLEAR = 0.05, 2e-3  # |log| of the critical multiplier at which a response is tested: the first point that
 # is so far from the circle, or else the farthest one
 FARTHEST = 6  # points of the curve that are looked at on each side
 DECIDED = 5.0  # growth or decay of the disturbance, as a logarithm of its prediction, that is waited for
-MOST_PERIODS, STEPS = 3000, 400
+MOST_PERIODS, STEPS, MODE_STEPS = 3000, 400, 200
 LANDING_PERIODS = 400  # that a motion which has left is followed to another response
 PERIODS_PAST = 200  # a fold, where nothing holds the motion
 RETURNED, LEFT = 0.5, 3.0  # of the first distance: below it has returned, above it has left
+SAME = 1e-6  # of the largest coefficient, within which two responses are one
 LONGER = 4  # times that the periods are doubled while nothing is decided
+NEAR_REAL = 0.5  # rad, of a pair that meets on the real axis before one of it passes 1 or -1
 STRAIGHT = 0.25  # rms of the logarithm of a growth that is exponential, about its line
 BEYOND = 0.01  # of the range, past a fold
 
 
-def confirm(curve, others=(), seed=0) -> list[dict]:
+def confirm(curve, others=()) -> list[dict]:
     """Return two or three rows for each special point of a curve; others: curves of its branches."""
-    rng, rows = np.random.default_rng(seed), []
+    rows: list[dict] = []
     for number, special in enumerate(curve.special):
         about = {"special": number, "kind": special.kind, "at": special.value}
         for side in (-1, 1):
@@ -42,7 +44,7 @@ def confirm(curve, others=(), seed=0) -> list[dict]:
             if i is None:
                 rows.append(about | {"side": side, "outcome": "no point clear of the threshold", "agrees": None})
             else:
-                rows.append(about | {"side": side} | _disturb(curve, i, others, rng))
+                rows.append(about | {"side": side} | _disturb(curve, i, special.kind, others))
         if special.kind == FOLD and (row := _past(curve, special, others)) is not None:
             rows.append(about | {"side": 0} | row)
     return rows
@@ -57,7 +59,7 @@ def _point_beside(curve, special, side):
         is_past_another = i != first and min(i, i - side) in others
         if not 0 <= i < curve.values.size or is_past_another or curve.stable[i] != curve.stable[first]:
             break
-        distance = abs(math.log(abs(curve.multipliers[i]).max()))
+        distance = abs(math.log(abs(_critical(curve.multipliers[i], special.kind))))
         if distance > clearest:
             best, clearest = i, distance
         if clearest >= CLEAR:
@@ -65,28 +67,39 @@ def _point_beside(curve, special, side):
     return best
 
 
-def _disturb(curve, i, others, rng) -> dict:
+def _disturb(curve, i, kind, others) -> dict:
     """Return how a disturbed response of point i fares in time, beside what its multipliers say."""
     response = curve.response(i)
-    predicted = float(abs(curve.multipliers[i]).max())
+    wanted = _critical(curve.multipliers[i], kind)
+    predicted, (dy, dydot) = abs(wanted), _mode(response, wanted)
     nu = response.subharmonic
     periods = min(MOST_PERIODS, math.ceil(DECIDED / abs(math.log(predicted)))) * nu
     state, scale = _state(response), float(abs(response.z).max())
-    start = state[0] + DISTURBANCE * scale * _shape(response.system, rng), state[1]
+    start = state[0] + DISTURBANCE * scale * dy, state[1] + DISTURBANCE * scale * dydot
     about = {"value": float(curve.values[i]), "multiplier": predicted}
     for _ in range(LONGER):  # other multipliers may hide the largest one
         history = _integrate(response.system, start, periods)
         if history is None:
             return about | {"outcome": "a step failed", "agrees": None}
-        distances = abs(history.y[..., ::nu] - state[0][..., None]).max(axis=(0, 1)) / (DISTURBANCE * scale)
+        distances = _distances(history, state, response) / (DISTURBANCE * scale)
         outcome = _outcome(distances)
         if outcome != "undecided":
             break
         periods *= 2
-    agrees = None if outcome == "undecided" else (outcome == "returned") == (predicted < 1)
     lands = "itself" if outcome == "returned" else _name_landing(curve, i, others, history)
-    return about | {"measured": _rate(distances, predicted), "periods": history.y.shape[-1] - 1, "outcome": outcome,
+    if outcome == "undecided" and lands == "itself":  # the motion that the steps repeat is a little beside the series
+        outcome = "returned"
+    agrees = None if outcome == "undecided" else (outcome == "returned") == bool(curve.stable[i])
+    predicted = float(predicted)
+    return about | {"multiplier": predicted, "measured": _rate(distances, predicted), "periods": history.y.shape[-1] - 1, "outcome": outcome,
                     "agrees": agrees, "lands": lands}  # fmt: skip
+
+
+def _distances(history, state, response):
+    """Return how far the states at the starts of the periods of a response are from its own, in m; velocity / omega."""
+    w, every = response.basis.omega, response.subharmonic
+    away = np.concatenate([history.y - state[0][..., None], (history.ydot - state[1][..., None]) / w])
+    return abs(away[..., ::every]).max(axis=(0, 1))
 
 
 def _outcome(distances) -> str:
@@ -126,20 +139,23 @@ def _past(curve, special, others):
     history = _integrate(system, state, PERIODS_PAST)
     if history is None:
         return {"value": value, "outcome": "a step failed", "agrees": None}
-    distances = abs(history.y - state[0][..., None]).max(axis=(0, 1)) / scale
+    distances = _distances(history, state, response) / scale
     outcome = "left" if distances[-1] > LEFT * DISTURBANCE else "stayed"
     lands = _lands_on(known, others, value, history)
     return {"value": float(value), "periods": PERIODS_PAST, "outcome": outcome, "agrees": outcome == "left", "lands": lands}
 
 
 def _name_landing(curve, i, others, history) -> str:
-    value = float(curve.values[i])
-    return _lands_on(responses_at(curve, value), others, value, history)
+    itself, value = curve.response(i), float(curve.values[i])
+    known = [each for each in responses_at(curve, value) if abs(each.z - itself.z).max() > SAME * abs(itself.z).max()]
+    return _lands_on(known, others, value, history, itself)
 
 
-def _lands_on(known, others, value, history) -> str:
+def _lands_on(known, others, value, history, itself=None) -> str:
     """Return the name of the response that a history goes on to."""
-    names = ["the curve"] * len(known)
+    names = ["another part of the curve" if itself else "the curve"] * len(known)
+    if itself is not None:
+        known, names = [itself, *known], ["itself", *names]
     for name, other in others:
         if other.values.min() <= value <= other.values.max():
             more = responses_at(other, value)
@@ -160,13 +176,26 @@ def _state(response):
     return response.at(t)[..., 0], (response.z @ response.basis.functions(t)[1].T)[..., 0]
 
 
-def _shape(system, rng):
-    """Return a displacement (n, N) of a few natural modes by random weights, its largest component one."""
-    shapes = natural_modes(system, MODES).shapes
-    shapes = shapes * np.exp(-1j * np.angle(shapes.reshape(-1, shapes.shape[-1])[abs(shapes).reshape(
-        -1, shapes.shape[-1]).argmax(axis=0), range(shapes.shape[-1])]))  # fmt: skip
-    shape = (shapes.real / abs(shapes).max(axis=(0, 1))) @ rng.normal(size=shapes.shape[-1])
-    return shape / abs(shape).max()
+def _critical(multipliers, kind):
+    """Return the largest multiplier if it is unstable, else the largest of those that may pass at such a point."""
+    largest = multipliers[abs(multipliers).argmax()]
+    if abs(largest) > 1:
+        return largest
+    angle = abs(np.angle(multipliers))
+    may_pass = {FOLD: angle <= NEAR_REAL, BRANCH_POINT: angle <= NEAR_REAL, PERIOD_DOUBLING: angle >= np.pi - NEAR_REAL}
+    some = multipliers[may_pass.get(kind, (angle > 0) & (angle < np.pi))]
+    return some[abs(some).argmax()] if some.size else largest
+
+
+def _mode(response, multiplier):
+    """Return (y, ydot), (n, N) each, of the mode whose multiplier is nearest to a given one, largest number 1."""
+    period = response.linearised_period(MODE_STEPS, RADAU)
+    values, vectors = np.linalg.eig(period.apply(np.eye(period.size)))
+    vector = vectors[:, abs(values - multiplier).argmin()]
+    vector = (vector / vector[abs(vector).argmax()]).real.reshape(2, period.free.size, period.n)
+    mode = np.zeros((2, response.system.nodes, period.n))
+    mode[:, period.free] = vector
+    return mode[0].T, mode[1].T * response.basis.omega
 
 
 def _integrate(system, start, periods):

@@ -52,7 +52,7 @@ def shallow(amplitude, frequency, cells=20):
     return mooring_system(Scene.load(SHALLOW), cells=cells, motion=Motion.harmonic(frequency, (amplitude, 0.0, 0.0)))
 
 
-def bridle(amplitude, frequency, cells=12):
+def bridle(amplitude, frequency, cells=8):
     """A line whose joint hangs from two legs of a body in surge, without a seabed."""
     nodes = [Node("fixed", (853.87, 0.0, -320.0)), Node("free", (40.0, 0.0, -80.0)),
              Node("coupled", (2.6, 4.5, -70.0)), Node("coupled", (2.6, -4.5, -70.0))]  # fmt: skip
@@ -83,5 +83,5 @@ CASES = (
     CurveCase("taut", "Taut cable in air, its end moved up and down", taut, (0.03,), 1.9 * FIRST_SIDEWAYS,
               2.3 * FIRST_SIDEWAYS, 5),
     CurveCase("shallow", "Shallow chain over its seabed in surge", shallow, (0.5, 1.0), 0.02, 0.25, 7),
-    CurveCase("bridle", "Bridle in surge", bridle, (0.5, 1.0), 0.02, 0.2, 5),
+    CurveCase("bridle", "Bridle in surge", bridle, (1.0,), 0.02, 0.15, 5, 0.2),
 )  # fmt: skip
