@@ -89,10 +89,25 @@ def _disturb(curve, i, kind, others) -> dict:
     lands = "itself" if outcome == "returned" else _name_landing(curve, i, others, history)
     if outcome == "undecided" and lands == "itself":  # the motion that the steps repeat is a little beside the series
         outcome = "returned"
+    if outcome == "undecided" and _meets_undisturbed(response, state, history):
+        outcome, lands = "returned", "itself"
     agrees = None if outcome == "undecided" else (outcome == "returned") == bool(curve.stable[i])
     predicted = float(predicted)
     return about | {"multiplier": predicted, "measured": _rate(distances, predicted), "periods": history.y.shape[-1] - 1, "outcome": outcome,
                     "agrees": agrees, "lands": lands}  # fmt: skip
+
+
+def _meets_undisturbed(response, state, history) -> bool:
+    """Return whether a disturbed history comes to the one without its disturbance, and was never far from it.
+
+    The motion that time steps repeat is a little beside the series of the response, which may hide the return to it.
+    """
+    periods = history.y.shape[-1] - 1
+    other = _integrate(response.system, state, periods)
+    if other is None:
+        return False
+    away = abs(history.y - other.y).max(axis=(0, 1))
+    return bool(away[-1] <= RETURNED * away[0] and away.max() < LEFT * away[0])
 
 
 def _distances(history, state, response):

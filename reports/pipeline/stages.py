@@ -227,6 +227,23 @@ def _stability(quick: bool) -> Stage:
     return _sized("stability", "stability maps", words, (125, 12), quick, jobs=JOBS)
 
 
+def _response_curves(quick: bool) -> Stage:
+    words = ("benchmarks.response_curves.measure",)
+    return _sized("response_curves", "response curves", words, (60, 12), quick)
+
+
+def sweep_stage(path: Path, band: str, amplitude: float | None = None, depth: float | None = None,
+                name: str = "") -> Stage:  # fmt: skip
+    """Return the stage of the response curve of one line or network over a band such as 0.02:0.3, in Hz."""
+    module, stem = "benchmarks.response_curves.sweep", name or path.stem
+    arguments = (module, str(path.resolve()), "--band", band, "--out", "{results}", "--name", stem)
+    arguments += () if amplitude is None else ("--amplitude", f"{amplitude:g}")
+    arguments += () if depth is None else ("--depth", f"{depth:g}")
+    sources = (str(path.resolve()), *_series_of(path))
+    return Stage(f"sweep_{stem}", "sweep", f"sweep of {path.stem}", arguments, f"sweep_{stem}.json",
+                 (program(module),), sources, seconds=20)  # fmt: skip
+
+
 SAMPLE = 120
 """Seeded defects that are planted beside misprints and blind spots, one from nearly every module: a third of all."""
 
@@ -364,12 +381,14 @@ GROUPS = (
     "speed",
     "networks",
     *DYNAMICS,
+    "response_curves",
     "defects",
     "scenes",
     "moving_scene",
     "moving_networks",
     "published",
     "load_cases",
+    "sweep",
 )
 
 
@@ -388,6 +407,7 @@ def plan(quick: bool, published: list[Path], claimed: Iterable[str] = ()) -> lis
         _sized("networks", "networks of lines", ("benchmarks.network.measure",), (40, 20), quick, timed=True),
         *_dynamics(quick),
         _stability(quick),
+        _response_curves(quick),
         _defects(),
         *(scene_stage(path) for path in sorted(SCENES.glob("*.toml"))),
         scene_stage(MOVING_SCENE, "moving_scene"),
