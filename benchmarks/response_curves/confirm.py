@@ -18,7 +18,9 @@ from solvers.stability import find_landing, floquet, responses_at
 from solvers.stability.monodromy import RADAU
 from solvers.stability.special_points import BRANCH_POINT, FOLD, PERIOD_DOUBLING
 
-DISTURBANCE = 0.01  # of the largest displacement: small enough to be linear, larger than what steps and harmonics err by
+DISTURBANCE = (
+    0.01  # of the largest displacement: small enough to be linear, larger than what steps and harmonics err by
+)
 CLEAR, LEAST_CLEAR = 0.05, 2e-3  # |log| of the critical multiplier at which a response is tested: the first point that
 # is so far from the circle, or else the farthest one
 FARTHEST = 6  # points of the curve that are looked at on each side
@@ -92,8 +94,8 @@ def _disturb(curve, i, kind, others) -> dict:
     if outcome == "undecided" and _meets_undisturbed(response, state, history):
         outcome, lands = "returned", "itself"
     agrees = None if outcome == "undecided" else (outcome == "returned") == bool(curve.stable[i])
-    predicted = float(predicted)
-    return about | {"multiplier": predicted, "measured": _rate(distances, predicted), "periods": history.y.shape[-1] - 1, "outcome": outcome,
+    measured, periods = _rate(distances, predicted), history.y.shape[-1] - 1
+    return about | {"multiplier": float(predicted), "measured": measured, "periods": periods, "outcome": outcome,
                     "agrees": agrees, "lands": lands}  # fmt: skip
 
 
@@ -157,7 +159,13 @@ def _past(curve, special, others):
     distances = _distances(history, state, response) / scale
     outcome = "left" if distances[-1] > LEFT * DISTURBANCE else "stayed"
     lands = _lands_on(known, others, value, history)
-    return {"value": float(value), "periods": PERIODS_PAST, "outcome": outcome, "agrees": outcome == "left", "lands": lands}
+    return {
+        "value": float(value),
+        "periods": PERIODS_PAST,
+        "outcome": outcome,
+        "agrees": outcome == "left",
+        "lands": lands,
+    }
 
 
 def _name_landing(curve, i, others, history) -> str:
@@ -218,4 +226,3 @@ def _integrate(system, start, periods):
     history = solve_time_domain(system, dt=system.period / STEPS, periods=periods, start=start, every=STEPS,
                                 throw=False)  # fmt: skip
     return history if history.success else None
-

@@ -13,7 +13,7 @@ from solvers.stability.special_points import BRANCH_POINT, PERIOD_DOUBLING
 from .confirm import confirm
 from .systems import CurveCase
 
-MOST_POINTS, QUICK_POINTS, BRANCH_POINTS, BRANCHES = 100, 40, 40, 2
+MOST_POINTS, QUICK_POINTS, BRANCH_POINTS, BRANCHES = 100, 40, 50, 2
 STEP = 0.02
 LEADING = 6  # multipliers of a point that are kept
 EVERY = 4  # points between two whose sideways multipliers are taken

@@ -48,7 +48,9 @@ def basins(quick: bool) -> dict:
     curve = response_curve(systems.taut_plane(amplitude, low), start=low, stop=high, harmonics=HARMONICS, step=0.02,
                            max_step=MAP_STEPS, throw=False)  # fmt: skip
     responses = responses_at(curve, share * FIRST)
-    found = find_basins(responses, count=20 if quick else 60, spread=SPREAD, seed=3, steps=BASIN_STEPS, periods=MOST_PERIODS)
+    found = find_basins(
+        responses, count=20 if quick else 60, spread=SPREAD, seed=3, steps=BASIN_STEPS, periods=MOST_PERIODS
+    )
     rows = [{"size": float(abs(each.z[..., 1:]).max()), "stable": _is_stable_in_plane(each), "share": part,
              "low": low, "high": high} for each, part, (low, high) in zip(responses, found.shares, found.intervals,
                                                                           strict=True)]  # fmt: skip

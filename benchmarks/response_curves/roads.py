@@ -12,7 +12,7 @@ from solvers.stability import floquet, response_curve
 
 from . import systems
 
-ROAD_HARMONICS, ROAD_STEPS = (3, 5, 9, 15), (25, 50, 100, 200, 400, 800)
+ROAD_HARMONICS, ROAD_STEPS = (3, 5, 9, 15, 25), (25, 50, 100, 200, 400, 800)
 SMOOTH = 0.002, 0.2  # m and Hz: the OC3 line in so small a surge that no cell comes near slack
 CELLS, QUICK_CELLS = (12, 25, 50, 100), (12, 25)
 COST_POINTS, WHOLE_POINTS = 12, 200

@@ -206,18 +206,31 @@ def _jumps(curves) -> str:
 
 
 def _instability(curves) -> str:
-    unstable = sorted(frequency for curve in curves
-                      for frequency, ok in zip(curve["frequency"], curve["stable"], strict=True) if not ok)  # fmt: skip
-    if not unstable:
+    ranges = [part for curve in curves for part in _unstable_ranges(curve)]
+    if not ranges:
         return "No instability: small disturbances, sideways too, decay at each frequency."
     kinds = sorted({each["kind"] for curve in curves for each in curve["special"] if each["kind"] != "fold"})
     sideways = any(across is not None and across >= 1 for curve in curves for across in curve["sideways"])
     named = [*kinds, *(["growth across the plane of the line"] if sideways else [])]
     why = f" ({', '.join(named)})" if named else ""
+    places = ", ".join(f"{low:.4g}" if low == high else f"{low:.4g} to {high:.4g}" for low, high in ranges)
     return (
-        f"Unstable at {len(unstable)} points between {unstable[0]:.4g} and {unstable[-1]:.4g} Hz{why}: there the line "
-        "does another motion than this one, and its tensions come from time integration."
+        f"Unstable at {places} Hz{why}: there the line leaves this motion for another one, and its tensions come from "
+        "time integration."
     )
+
+
+def _unstable_ranges(curve):
+    """Return (lowest, highest) frequency of each run of unstable points along a curve."""
+    runs: list[list[float]] = []
+    was_stable = True
+    for frequency, is_stable in zip(curve["frequency"], curve["stable"], strict=True):
+        if not is_stable:
+            if was_stable:
+                runs.append([])
+            runs[-1].append(float(frequency))
+        was_stable = is_stable
+    return [(min(run), max(run)) for run in runs]
 
 
 def _gaps(curves, reached, low, high):
@@ -226,7 +239,7 @@ def _gaps(curves, reached, low, high):
     down = min(curves[-1]["frequency"]) if curves[-1]["way"] == "down" else high
     if curves[-1]["way"] == "up" and curves[-1]["status"] != "SUCCESS":
         down = high
-    if down > up and not (curves[0]["status"] == "SUCCESS"):
+    if down > up and curves[0]["status"] != "SUCCESS":
         yield (
             f"From {up:.4g} to {down:.4g} Hz no curve was found ({curves[0]['end'] or curves[0]['status']}): tensions "
             "there come from time integration."
@@ -275,7 +288,9 @@ def _key(arguments) -> str:
     """Return what the kept points depend on: the file, the band and the motion, and the solvers themselves."""
     solvers = sorted((console.ROOT / "solvers").rglob("*.py"))
     total = hashlib.sha256(b"".join(path.read_bytes() for path in (arguments.file, *solvers)))
-    total.update(repr((arguments.band, arguments.amplitude, arguments.depth, CELLS, HARMONICS, STEP, MAX_STEP)).encode())
+    total.update(
+        repr((arguments.band, arguments.amplitude, arguments.depth, CELLS, HARMONICS, STEP, MAX_STEP)).encode()
+    )
     return total.hexdigest()[:16]
 
 

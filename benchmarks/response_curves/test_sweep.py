@@ -77,7 +77,7 @@ def test_jumps_and_instability_are_named():
              "frequency": [0.1, 0.15, 0.2], "stable": [True, False, True], "sideways": [0.5, 1.2, 0.5]}  # fmt: skip
     jumps, unstable = sweep._jumps([curve]), sweep._instability([curve])
     assert "Jumps at 0.1 Hz" in jumps and "0.2" not in jumps
-    assert "1 points between 0.15 and 0.15 Hz (period doubling, growth across the plane of the line)" in unstable
+    assert "Unstable at 0.15 Hz (period doubling, growth across the plane of the line)" in unstable
 
 
 @pytest.mark.parametrize("text", ["0.3:0.1", "0.1", "a:b", "0:0.1", "-1:2"])

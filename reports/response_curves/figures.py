@@ -54,7 +54,7 @@ def _draw_curve(axes, curve, label, colour, drawn):
 
 def multiplier_figure(case: dict, folder: Path) -> Figure:
     """Return the leading multipliers along a curve in the complex plane, those outside the circle marked."""
-    figure, axes = panel(f"Multipliers along the curve: {case['title']}", "real part", "imaginary part")
+    figure, axes = panel("Multipliers along the curve", "real part", "imaginary part")
     angle = np.linspace(0, 2 * np.pi, 200)
     axes.plot(np.cos(angle), np.sin(angle), color=style.PALE, linewidth=1, label="unit circle")
     values = np.array([each for point in case["curves"][-1]["curve"]["multipliers"] for each in point], dtype=float)

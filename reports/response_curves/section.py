@@ -72,9 +72,14 @@ def _confirmed(cases, inputs) -> dict | None:
 
 
 def _multipliers(cases, roads, inputs) -> Group | None:
-    drawn = [figures.multiplier_figure(case, inputs.figures) for case in cases
-             if any(point["special"] for point in (row["curve"] for row in case["curves"]))][:1]  # fmt: skip
-    text = "The largest multipliers at all points of a curve: outside the circle a disturbance grows. "
+    count = lambda case: max(len(row["curve"]["special"]) for row in case["curves"])
+    case = max(cases, key=count, default=None)
+    drawn = [figures.multiplier_figure(case, inputs.figures)] if case and count(case) else []
+    text = (
+        f"The largest multipliers at all points of a curve ({case['title']}): outside a disturbance grows. "
+        if drawn
+        else ""
+    )
     if roads:
         drawn += figures.road_figures(roads, inputs.figures)
         least = min(row["difference"] for row in roads if row["difference"] is not None)
@@ -94,7 +99,7 @@ def _basins(data, inputs) -> FigureWithTable:
             for row in basins["rows"]]  # fmt: skip
     table = Table("curves_basins", "Basins", columns, rows, dict.fromkeys(columns, number)).write(inputs.tables)
     text = (
-        f"Left: how many stable responses the taut cable has in its plane. Right: of {basins['count']} random starts at "
+        f"Left: number of stable responses of the taut cable in its plane. Right: of {basins['count']} random starts at "
         f"{number(basins['frequency'])} Hz and {1e3 * basins['amplitude']:g} mm the share that comes to each, with its "
         f"95 % interval (Wilson); {plural(basins['unsettled'], 'start')} came to none in the periods they had."
     )
@@ -104,7 +109,7 @@ def _basins(data, inputs) -> FigureWithTable:
 
 def _parametric(data, inputs) -> Group:
     text = (
-        "The end of the taut cable moves along it: its tension changes, and the line starts to swing across that change "
+        "The end of the taut cable moves along it: its tension changes, and it starts to swing "
         "near twice its natural frequencies, sideways and in its plane. Grey: disturbances decay."
     )
     return Group(text, figures.parametric_figures(data, inputs.figures))

@@ -188,7 +188,8 @@ DEFECTS: tuple[Defect, ...] = (
         "factor", "numbers of the state changed on their way from a file", _FILE,
     ),
     _defect(
-        "basins-rates-left-out", "basins", "draw_start", "_rate_at(response, t)", "(0.0 * _rate_at(response, t))", "term",
+        "basins-rates-left-out", "basins", "draw_start", "_rate_at(response, t)", "(0.0 * _rate_at(response, t))",
+        "term",
         "starts that all begin from standstill", _BASINS,
     ),
     _defect(
