@@ -14,7 +14,7 @@ from .pipeline.ledger import digests, write_atomically
 from .pipeline.naming import name_files
 from .pipeline.runner import BusyError, Ended, run_all
 from .pipeline.sources import OUT, files_of
-from .pipeline.stages import CORES, GROUPS, SLOW, Stage, load_case_plan, plan, scene_plan
+from .pipeline.stages import CORES, GROUPS, SLOW, Stage, load_case_plan, plan, scene_plan, sweep_stage
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -34,6 +34,9 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--motion", type=Path, metavar="FILE.csv", help="motion of the body of the network files: a series"
     )
+    parser.add_argument("--sweep", type=_band, metavar="A:B", help="the response curve of each file over frequencies "
+                        "from A to B in Hz, with its stability")  # fmt: skip
+    parser.add_argument("--amplitude", type=float, metavar="M", help="of the motion of a --sweep, m")
     parser.add_argument(
         "--quick",
         action="store_true",
@@ -64,6 +67,17 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
+def _band(text: str) -> str:
+    """Return a band of frequencies such as 0.02:0.3. Raises argparse.ArgumentTypeError for anything else."""
+    try:
+        low, high = (float(part) for part in text.split(":"))
+    except ValueError:
+        low = high = 0.0
+    if not 0 < low < high < float("inf"):
+        raise argparse.ArgumentTypeError(f"{text!r} is no band of frequencies in Hz, such as 0.02:0.3")
+    return text
+
+
 def _check_arguments(parser: argparse.ArgumentParser, argv) -> argparse.Namespace:
     """Return the arguments, or end with a clear message and exit status 2."""
     arguments = parser.parse_args(argv)
@@ -79,6 +93,10 @@ def _check_arguments(parser: argparse.ArgumentParser, argv) -> argparse.Namespac
         parser.error(trouble)
     if _tables(arguments) and len(arguments.scenes) != len(_tables(arguments)) + 1:
         parser.error("tables of load cases (.csv) take one system beside them: cases.csv my_system.toml")
+    if arguments.sweep and (_tables(arguments) or not arguments.scenes):
+        parser.error("--sweep takes scene or network files: my_line.toml --sweep 0.02:0.3")
+    if arguments.amplitude is not None and not (arguments.sweep and arguments.amplitude > 0):
+        parser.error("--amplitude is the largest displacement of a --sweep in m, above zero")
     if len({path.resolve() for path in arguments.scenes}) < len(arguments.scenes):
         parser.error("a scene file is given twice")
     if arguments.out.exists() and not arguments.out.is_dir():
@@ -140,7 +158,11 @@ def _plan(arguments, out: Path) -> tuple[list[Stage], str]:
         return load_case_plan(tables, system, tuple(options), arguments.jobs), name
     if arguments.scenes:
         names = name_files(arguments.scenes, out / "results" / "names.json")
-        return scene_plan(names, arguments.depth, arguments.motion), f"scene-{'-'.join(names.values())}.html"
+        stages = scene_plan(names, arguments.depth, arguments.motion)
+        if arguments.sweep:
+            stages += [sweep_stage(path, arguments.sweep, arguments.amplitude, arguments.depth, name)
+                       for path, name in names.items()]  # fmt: skip
+        return stages, f"scene-{'-'.join(names.values())}.html"
     from .page.registry import claimed_tests  # and matplotlib, which a page about somebody's lines may not need
 
     return plan(arguments.quick, published.write_scenes(out / "published"), claimed_tests()), "index.html"
@@ -166,6 +188,7 @@ def _page(out: Path, name: str, stages: list[Stage], ended: list[Ended], whole: 
 
 def _print_lines(stages: list[Stage], results: Path):
     """Print the lines of every file and the setting to use, and tables of load cases."""
+    from .response_curves.sweep import summarise as summarise_sweep
     from .scenes import load_cases
     from .scenes.network_settings import merge_timings
     from .scenes.network_tables import summarise
@@ -175,6 +198,9 @@ def _print_lines(stages: list[Stage], results: Path):
         path = results / stage.output
         if stage.group == "scenes" and path.exists():
             print(summarise_scene(json.loads(path.read_text(encoding="utf-8"))), end="\n\n")
+        if stage.group == "sweep" and path.exists():
+            for report in json.loads(path.read_text(encoding="utf-8")).values():
+                print(summarise_sweep(report), end="\n\n")
         if stage.group == "load_cases" and path.exists():
             for summary in json.loads(path.read_text(encoding="utf-8")).values():
                 print(load_cases.summarise(summary, results.parent), end="\n\n")

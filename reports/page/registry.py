@@ -17,6 +17,8 @@ from ..network.section import NETWORKS
 from ..papers.errata import ERRATA, read_errata
 from ..papers.published import PUBLISHED
 from ..papers.section import ITEMS, entries
+from ..response_curves.section import RESPONSE_CURVES
+from ..response_curves.sweep import SWEEP
 from ..scenes.load_cases import LOAD_CASES
 from ..scenes.networks import MOVING_NETWORKS
 from ..scenes.section import SCENES
@@ -26,7 +28,7 @@ SECTIONS = (
     CLAIMS, REGIMES, DEFECTS,
     WORK_PRECISION, NETWORKS, MOORING, MOORING_NETWORKS, DYNAMICS, HARMONIC, SCENES, MOVING_NETWORKS,
     ITEMS, ERRATA, PUBLISHED,
-    STABILITY,
+    STABILITY, RESPONSE_CURVES,
     CONFORMANCE, OTHER_CODES,
     MACHINE,
 )  # fmt: skip
@@ -41,5 +43,5 @@ def claimed_tests() -> set[str]:
     return {*of_sections, *of_items, *of_errata}
 
 
-SCENE_SECTIONS = (SCENES, MOVING_NETWORKS, LOAD_CASES, MACHINE)
+SCENE_SECTIONS = (SCENES, MOVING_NETWORKS, SWEEP, LOAD_CASES, MACHINE)
 """Of the page about somebody's own lines and networks."""

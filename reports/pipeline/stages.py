@@ -280,6 +280,23 @@ def _conformance(quick: bool) -> Iterator[Stage]:
                 better=(whole,) if quick and fewer != whole else ())  # fmt: skip
 
 
+def _response_curves(quick: bool) -> Stage:
+    words = ("benchmarks.response_curves.measure",)
+    return _sized("response_curves", "response curves", words, (60, 12), quick)
+
+
+def sweep_stage(path: Path, band: str, amplitude: float | None = None, depth: float | None = None,
+                name: str = "") -> Stage:  # fmt: skip
+    """Return the stage of the response curve of one line or network over a band such as 0.02:0.3, in Hz."""
+    module, stem = "benchmarks.response_curves.sweep", name or path.stem
+    arguments = (module, str(path.resolve()), "--band", band, "--out", "{results}", "--name", stem)
+    arguments += () if amplitude is None else ("--amplitude", f"{amplitude:g}")
+    arguments += () if depth is None else ("--depth", f"{depth:g}")
+    sources = (str(path.resolve()), *_series_of(path))
+    return Stage(f"sweep_{stem}", "sweep", f"sweep of {path.stem}", arguments, f"sweep_{stem}.json",
+                 (program(module),), sources, seconds=20)  # fmt: skip
+
+
 SAMPLE = 150
 """Seeded defects that are planted beside misprints and blind spots, one from nearly every module: a third of all."""
 
@@ -418,12 +435,14 @@ GROUPS = (
     "networks",
     *DYNAMICS,
     "conformance",
+    "response_curves",
     "defects",
     "scenes",
     "moving_scene",
     "moving_networks",
     "published",
     "load_cases",
+    "sweep",
 )
 
 
@@ -443,6 +462,7 @@ def plan(quick: bool, published: list[Path], claimed: Iterable[str] = ()) -> lis
         *_dynamics(quick),
         _stability(quick),
         *_conformance(quick),
+        _response_curves(quick),
         _defects(),
         *(scene_stage(path) for path in sorted(SCENES.glob("*.toml"))),
         scene_stage(MOVING_SCENE, "moving_scene"),

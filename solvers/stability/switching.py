@@ -18,6 +18,8 @@ from .family import double_period
 from .special_points import BRANCH_POINT, PERIOD_DOUBLING, BranchTest, DoublingTest
 from .tracing import as_response
 
+AT_REST = 1e-10  # of the largest norm, below which a field does not take part in the responses of a curve
+
 
 class BranchStart(NamedTuple):
     """Where a branch starts: value of the parameter and response there, the ``start`` and ``first`` of its curve."""
@@ -43,7 +45,7 @@ def switch_branch(curve, point, step=0.02, tolerance=1e-10) -> BranchStart:
     step = real_number("step", step, "(of the largest response)")
     family = curve.family.with_harmonics(point.z.shape[-1] // 2)
     span = abs(curve.values[-1] - curve.values[0]) or 1.0
-    tracer = Tracer(family, span, tolerance, point.value, curve.state.norms)
+    tracer = Tracer(family, span, tolerance, point.value, _norms_beside(curve.state.norms))
     try:
         x = tracer.pack(point.z)
         t, u = _tangent_beside(tracer, curve, point)
@@ -64,6 +66,11 @@ def switch_branch(curve, point, step=0.02, tolerance=1e-10) -> BranchStart:
         problem = f"no response on the branch at {point.value:.6g}: {error}; take another step than {step:g}"
         raise ConvergenceError(problem) from error
     return BranchStart(new.value, as_response(tracer.family, new.value, tracer.unpack(new.x)))
+
+
+def _norms_beside(norms):
+    """Return the norms of fields, the largest for those at rest on the curve: they may be all that a branch moves."""
+    return np.where(norms > AT_REST * norms.max(), norms, norms.max())
 
 
 def _tangent_beside(tracer, curve, point):

@@ -241,7 +241,9 @@ class CurveTrace:
 
     def _multipliers(self, response):
         """Return the multipliers of a response, largest first, or None where they are not wanted."""
-        return floquet(response, method="monodromy").multipliers if self.has_stability else None
+        if not self.has_stability:
+            return None
+        return floquet(response, method="monodromy", out_of_plane=False).multipliers
 
     def _special_points(self, point, new, multipliers):
         """Return the SpecialPoints between two points."""

@@ -308,6 +308,7 @@ _FILES = {
         ("stability.floquet", "stability.hill", "stability.monodromy"),
         ("stability/test_floquet.py", "stability/test_line_multipliers.py"),
     ),
+    "stability.basins": ("stability/test_basins.py",),
     "stability.dense": ("stability/test_floquet.py",),
     **dict.fromkeys(
         (

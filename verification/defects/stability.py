@@ -30,6 +30,10 @@ _AT_STOP = "stability/test_known_curves.py::test_a_fold_at_the_stop_ends_the_cur
 _SINGULAR = "stability/test_known_curves.py::test_a_start_at_a_fold_is_singular"
 _REFUSED = "stability/test_curve.py::test_a_parameter_that_leaves_its_physical_range_ends_the_curve"
 
+_BASINS = "stability/test_basins.py::test_starts_land_where_another_integrator_has_them"
+_WILSON = "stability/test_basins.py::test_intervals_solve_wilsons_equation"
+_BRANCHES = "stability/test_basins.py::test_responses_at_a_value_are_those_of_the_curve"
+
 
 def _defect(name, module, function, old, new, kind, what, check, **place):
     return Defect(name, Fault(f"stability.{module}", function, old, new, **place), kind, what, check)
@@ -182,5 +186,24 @@ DEFECTS: tuple[Defect, ...] = (
         "curve-file-without-tangent",
         Fault("io.curve_file", "load_curve", "float(numbers[key])", "0.999 * float(numbers[key])"),
         "factor", "numbers of the state changed on their way from a file", _FILE,
+    ),
+    _defect(
+        "basins-rates-left-out", "basins", "draw_start", "_rate_at(response, t)", "(0.0 * _rate_at(response, t))",
+        "term",
+        "starts that all begin from standstill", _BASINS,
+    ),
+    _defect(
+        "basins-nearest-of-many", "basins", "_Metric.nearest", "inside[0]", "0", "index",
+        "whichever response is near is counted as the first", _BASINS,
+    ),
+    _defect(
+        "wilson-interval-centre", "basins", "wilson_interval", "share + z * z / (2 * count)", "share", "term",
+        "an interval about the share itself, as of the normal approximation", _WILSON,
+    ),
+    _defect(
+        "responses-of-one-crossing", "basins", "responses_at",
+        "np.flatnonzero((curve.values[:-1] - value) * (curve.values[1:] - value) <= 0)",
+        "np.flatnonzero((curve.values[:-1] - value) * (curve.values[1:] - value) <= 0)[:1]", "index",
+        "the first part of the curve alone", _BRANCHES,
     ),
 )  # fmt: skip

@@ -62,6 +62,7 @@ REPORT_ORDER = (
     "harmonic_balance",
     "mooring",
     "stability",
+    "response_curves",
     "scenes",
     "papers",
     "conformance",

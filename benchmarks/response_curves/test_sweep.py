@@ -1,0 +1,112 @@
+"""Does the sweep of one's own line read what it is given, keep what it has, and say what the curve means?"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from solvers import InputError, solve_periodic
+
+from . import sweep
+from .confirm import confirm
+from .systems import CASES, oc3
+
+ROOT = Path(__file__).parents[2]
+LINE = ROOT / "reference_data" / "scenes" / "dynamics" / "hb_case_1.toml"
+NETWORK = ROOT / "reference_data" / "scenes" / "networks" / "three_bridles_moving.toml"
+BAND = (0.03, 0.045)
+SAME_TENSION = 1e-6  # of a tension that two solves of the same response give
+
+
+@pytest.fixture(scope="module")
+def case():
+    return sweep.prepare(LINE, BAND, 1.0)
+
+
+def followed(case, folder, stop_after=None):
+    """The Sweep of a case, ended after so many yields, as by an interruption."""
+    made = sweep.Sweep(case, BAND, folder, "test")
+    for number, _ in enumerate(made.follow(), start=1):
+        if number == stop_after:
+            return made
+    return made
+
+
+def test_an_interrupted_sweep_goes_on_from_its_points(case, tmp_path, monkeypatch):
+    """Ended after its first points and called again: bit for bit the curve of one call, and none solved twice."""
+    monkeypatch.setattr(sweep, "CHUNK", 3)
+    followed(case, tmp_path / "two", stop_after=1)
+    kept = next((tmp_path / "two").glob("*.npz"))
+    assert sweep.load_curve(kept, case.system).values.size == 3
+    again = followed(case, tmp_path / "two").curves[0]
+    whole = followed(case, tmp_path / "one").curves[0]
+    assert whole.values.size > 6 and whole.values[-1] == BAND[1]
+    assert np.array_equal(again.values, whole.values) and np.array_equal(again.z, whole.z)
+
+
+def test_the_largest_tension_is_that_of_a_direct_solve(case, tmp_path):
+    """The sentence names the frequency of the largest tension and its value, which a solve there gives as well."""
+    made = followed(case, tmp_path)
+    report = sweep.report(case, BAND, made.curves, LINE)
+    curve = made.curves[0]
+    k = int(curve.greatest[:, 0].argmax())
+    direct = solve_periodic(curve.response(k).system, harmonics=sweep.HARMONICS, start=curve.response(k))
+    tension = float(sweep.tensions(direct).max())
+    assert curve.greatest[k, 0] == pytest.approx(tension, rel=SAME_TENSION)
+    assert f"{tension / 1e3:.4g} kN, at {curve.values[k]:.4g} Hz" in report["sentences"][0]
+    assert report["sentences"][1].startswith("No jumps") and report["sentences"][2].startswith("No instability")
+    assert len(report["sentences"]) == 3
+
+
+def test_amplitude_scales_the_motion_of_the_file(case):
+    """The largest displacement is the amplitude; without one that of the file; networks move in six directions."""
+    times = np.linspace(0, case.system.motion.period, 401)
+    assert abs(case.system.motion.displacement(times)).max() == pytest.approx(1.0, rel=1e-3)
+    assert sweep.prepare(LINE, BAND).amplitude == pytest.approx(5.0, rel=1e-3)
+    network = sweep.prepare(NETWORK, BAND, 0.5)
+    assert network.amplitude == 0.5 and len(network.lines) == 9
+
+
+def test_jumps_and_instability_are_named():
+    """Folds that the harmonics resolve are jumps, others are not; unstable points have their band and their kind."""
+    curve = {"special": [{"kind": "fold", "value": 0.1, "error": 1e-4}, {"kind": "fold", "value": 0.2, "error": 0.5},
+                         {"kind": "period doubling", "value": 0.15, "error": 1e-4}],
+             "frequency": [0.1, 0.15, 0.2], "stable": [True, False, True], "sideways": [0.5, 1.2, 0.5]}  # fmt: skip
+    jumps, unstable = sweep._jumps([curve]), sweep._instability([curve])
+    assert "Jumps at 0.1 Hz" in jumps and "0.2" not in jumps
+    assert "Unstable at 0.15 Hz (period doubling, growth across the plane of the line)" in unstable
+
+
+@pytest.mark.parametrize("text", ["0.3:0.1", "0.1", "a:b", "0:0.1", "-1:2"])
+def test_a_band_that_is_none_is_refused(text):
+    with pytest.raises(argparse.ArgumentTypeError, match=r"no band of frequencies in Hz, such as 0\.02:0\.3"):
+        sweep.read_band(text)
+
+
+def test_a_line_that_cannot_move_is_named():
+    """A scene without a diameter has no drag: the field is named."""
+    with pytest.raises(InputError, match="diameter"):
+        sweep.prepare(ROOT / "reference_data" / "scenes" / "oc3_hywind.toml", BAND)
+
+
+def test_time_integration_tells_a_fold_of_a_taut_cable():
+    """Both sides of the first special point of the taut cable fare as the multipliers say, growth to a hundredth."""
+    from .curves import follow
+
+    case = next(each for each in CASES if each.name == "taut")
+    curve = follow(case, case.amplitudes[0], 30)
+    rows = [row for row in confirm(curve) if row["special"] == 0]
+    assert [row["agrees"] for row in rows] == [True, True]
+    assert [row["outcome"] for row in rows] == ["returned", "left"]
+    assert rows[1]["measured"] == pytest.approx(rows[1]["multiplier"], rel=0.01)
+
+
+def test_the_lines_are_moved_as_named():
+    """The OC3 line in surge moves along x by its amplitude, at its frequency."""
+    system = oc3(2.0, 0.05)
+    times = np.linspace(0, 20.0, 201)
+    assert abs(system.motion.displacement(times)[0]).max() == pytest.approx(2.0, rel=1e-3)
+    assert system.period == pytest.approx(20.0)
