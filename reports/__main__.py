@@ -51,7 +51,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--only", nargs="+", metavar="STAGE", help=f"run these only (after the scene files), of: {', '.join(GROUPS)}"
     )
-    cases = parser.add_argument_group("load cases")
+    cases = parser.add_argument_group("load cases, and scenes and networks in waves")
     cases.add_argument("--dask", metavar="ADDRESS", help="solve them on the workers of a Dask scheduler")
     cases.add_argument("--jobs", type=int, default=CORES, metavar="J", help=f"threads (default: {CORES})")
     cases.add_argument("--tolerance", type=float, metavar="E", help="relative error of what is asked (default: 0.02)")
@@ -131,16 +131,17 @@ def main(argv=None) -> int:
 
 def _plan(arguments, out: Path) -> tuple[list[Stage], str]:
     """Return the stages, and the file name of the page."""
+    named = {name: getattr(arguments, name) for name in ("dask", "tolerance", "dt", "cells", "wohler")}
+    options = [word for name, value in named.items() if value is not None for word in (f"--{name}", str(value))]
+    options += ["--fresh"] if arguments.fresh else []
     if tables := _tables(arguments):
         (system,) = (path for path in arguments.scenes if path not in tables)
-        named = {name: getattr(arguments, name) for name in ("dask", "tolerance", "dt", "cells", "wohler")}
-        options = [word for name, value in named.items() if value is not None for word in (f"--{name}", str(value))]
-        options += ["--fresh"] if arguments.fresh else []
         name = f"cases-{'-'.join(path.stem for path in tables)}-{system.stem}.html"
         return load_case_plan(tables, system, tuple(options), arguments.jobs), name
     if arguments.scenes:
         names = name_files(arguments.scenes, out / "results" / "names.json")
-        return scene_plan(names, arguments.depth, arguments.motion), f"scene-{'-'.join(names.values())}.html"
+        stages = scene_plan(names, arguments.depth, arguments.motion, tuple(options), arguments.jobs)
+        return stages, f"scene-{'-'.join(names.values())}.html"
     from .page.registry import claimed_tests  # and matplotlib, which a page about somebody's lines may not need
 
     return plan(arguments.quick, published.write_scenes(out / "published"), claimed_tests()), "index.html"
