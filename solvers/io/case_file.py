@@ -61,7 +61,7 @@ def read_load_cases(path: str | PathLike[str], system=None) -> list[LoadCase | I
             cases.append(_case(dict(zip(names, cells, strict=True)), f"case {i}", Path(path).parent, system))
         except InputError as error:
             label = dict(zip(names, cells, strict=False)).get("name")
-            cases.append(error.located(f"{where} ({label})" if label else where))
+            cases.append(error.located(f"{where}: {label}" if label else where))
     return cases
 
 
