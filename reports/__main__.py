@@ -54,7 +54,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--only", nargs="+", metavar="STAGE", help=f"run these only (after the scene files), of: {', '.join(GROUPS)}"
     )
-    cases = parser.add_argument_group("load cases")
+    cases = parser.add_argument_group("load cases, and scenes and networks in waves")
     cases.add_argument("--dask", metavar="ADDRESS", help="solve them on the workers of a Dask scheduler")
     cases.add_argument("--jobs", type=int, default=CORES, metavar="J", help=f"threads (default: {CORES})")
     cases.add_argument("--tolerance", type=float, metavar="E", help="relative error of what is asked (default: 0.02)")
@@ -149,16 +149,16 @@ def main(argv=None) -> int:
 
 def _plan(arguments, out: Path) -> tuple[list[Stage], str]:
     """Return the stages, and the file name of the page."""
+    named = {name: getattr(arguments, name) for name in ("dask", "tolerance", "dt", "cells", "wohler")}
+    options = [word for name, value in named.items() if value is not None for word in (f"--{name}", str(value))]
+    options += ["--fresh"] if arguments.fresh else []
     if tables := _tables(arguments):
         (system,) = (path for path in arguments.scenes if path not in tables)
-        named = {name: getattr(arguments, name) for name in ("dask", "tolerance", "dt", "cells", "wohler")}
-        options = [word for name, value in named.items() if value is not None for word in (f"--{name}", str(value))]
-        options += ["--fresh"] if arguments.fresh else []
         name = f"cases-{'-'.join(path.stem for path in tables)}-{system.stem}.html"
         return load_case_plan(tables, system, tuple(options), arguments.jobs), name
     if arguments.scenes:
         names = name_files(arguments.scenes, out / "results" / "names.json")
-        stages = scene_plan(names, arguments.depth, arguments.motion)
+        stages = scene_plan(names, arguments.depth, arguments.motion, tuple(options), arguments.jobs)
         if arguments.sweep:
             stages += [sweep_stage(path, arguments.sweep, arguments.amplitude, arguments.depth, name)
                        for path, name in names.items()]  # fmt: skip

@@ -1,25 +1,37 @@
-"""A table of load cases on a system, kept row by row in <system>/<cases>.csv beside --out, and a summary in JSON."""
+"""Load cases on a system: a table of them, or the sea of its own [motion].
+
+Rows are kept one by one in <system>/<cases>.csv (of its own sea <system>/sea.csv) beside --out, a summary in JSON.
+"""
 
 from __future__ import annotations
 
+import math
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
 
+import numpy as np
 from tqdm import tqdm
 
 from solvers import ConvergenceError, InputError
-from solvers.io.case_file import load_system, read_load_cases
+from solvers.io.case_file import load_case_of, load_system, read_load_cases
 from solvers.load_cases import solve_load_cases
+from solvers.load_cases.integration import integrate_case
+from solvers.numerics.threads import one_blas_thread
 
 from ..run import console, results
+from ..scenes.margin import margins
 from ..scenes.network_files import load
+from ..scenes.network_outputs import spectral_density
 
 BAD_INPUT = 2  # exit status
 TOLERANCE = 0.02
 """Relative error of maximum, standard deviation and damage-equivalent load, where no setting is given."""
+OWN = "sea"
+"""Name of the results of a system's own sea."""
+WINDOW = 300.0  # s of the series that is shown, about the greatest tension
 
 
 class _Bar:
@@ -62,12 +74,13 @@ def _system(path: Path):
 
 
 def solve(arguments) -> dict:
-    """Return the summary of the table: its rows with their seas, its setting and accuracy."""
-    system = _system(arguments.system)
-    rows = read_load_cases(arguments.cases, system)
-    folder = arguments.out.parent / arguments.system.stem
+    """Return the summary of the table: its rows with their seas, its setting and accuracy; of a sea its series, too."""
+    path, cases, system = arguments.system, arguments.cases, _system(arguments.system)
+    rows = [load_case_of(system)] if cases is None else read_load_cases(cases, system)
+    folder = arguments.out.parent / (arguments.name or path.stem)
     folder.mkdir(parents=True, exist_ok=True)
-    output, bar = folder / f"{arguments.cases.stem}.csv", _Bar(f"load cases {arguments.cases.stem}")
+    stem = OWN if cases is None else cases.stem
+    output, bar = folder / f"{stem}.csv", _Bar(f"load cases {stem}")
     given = {"dt": arguments.dt, "cells": arguments.cells}
     if arguments.dt is None and arguments.cells is None:
         given = {"tolerance": arguments.tolerance}
@@ -78,12 +91,42 @@ def solve(arguments) -> dict:
                 resume=not arguments.fresh)  # fmt: skip
     finally:
         bar.close()
-    return {
-        "name": getattr(system, "name", "") or arguments.system.stem, "file": arguments.system.name,
-        "cases": arguments.cases.name, "output": f"{arguments.system.stem}/{output.name}", "dt": table.dt,
+    summary = {
+        "name": getattr(system, "name", "") or path.stem, "file": path.name, "cases": cases and cases.name,
+        "output": f"{folder.name}/{output.name}", "dt": table.dt,
         "cells": table.cells, "wohler": arguments.wohler, "accuracy": asdict(table.accuracy),
         "rows": [_row(case, row) for case, row in zip(table.cases, rows, strict=True)],
+        "series": None, "margins": [], "suspected": getattr(system, "warnings", ()),
     }  # fmt: skip
+    if cases is None and table.cases[0].success:
+        summary["series"] = series_of(system, rows[0], table)
+        summary["margins"] = _margins(system, table.cases[0].lines)
+    return summary
+
+
+def series_of(system, case, table) -> dict:
+    """Return spectra of the tensions of one case, tensions (lines, K) in N about the greatest, and when each is that.
+
+    Times in s from the end of the ramp, over which the table has its statistics.
+    """
+    with one_blas_thread():
+        made = integrate_case(system, case, dt=table.dt, cells=table.cells)
+    wave = np.array([line.fairlead for line in made.lines])
+    greatest = int(wave.max(axis=0).argmax())
+    shown = min(wave.shape[1], math.ceil(WINDOW / made.dt))
+    first = min(max(greatest - shown // 2, 0), wave.shape[1] - shown)
+    return {"time": made.dt * np.arange(first, first + shown), "tension": wave[:, first : first + shown],
+            "spectrum": spectral_density(wave, made.dt), "time_of_max": made.dt * wave.argmax(axis=1),
+            "duration": case.duration, "ramp": case.ramp}  # fmt: skip
+
+
+def _margins(system, lines) -> list[dict]:
+    if cable := getattr(system, "cable", None):
+        breaking_loads = [cable.breaking_load]
+    else:
+        breaking_loads = getattr(system, "breaking_loads", ()) or [None] * len(lines)
+    tensions = [{"line": line.line, "mean": line.mean, "max": line.maximum} for line in lines]
+    return margins(tensions, breaking_loads, getattr(system, "safety_factors", None))
 
 
 def _row(case, row) -> dict:
@@ -95,8 +138,9 @@ def _row(case, row) -> dict:
 def main(argv=None) -> int:
     """Command line."""
     parser = console.parser("load_cases.table", __doc__)
-    parser.add_argument("cases", type=Path, metavar="CASES.csv")
-    parser.add_argument("system", type=Path, metavar="SYSTEM", help="scene or network: .toml, .map, .txt, .dat")
+    parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help="CASES.csv and a scene or network (.toml, "
+                        ".map, .txt, .dat); or a scene or network alone, whose [motion] is a sea")  # fmt: skip
+    parser.add_argument("--name", help="of the result, where another system has the same stem")
     parser.add_argument("--dt", type=float, metavar="S", help="step in s, with --cells in place of the tolerance")
     parser.add_argument("--cells", type=int, metavar="N", help="cells of a line, with --dt")
     parser.add_argument("--tolerance", type=float, default=TOLERANCE, metavar="E",
@@ -106,13 +150,17 @@ def main(argv=None) -> int:
     parser.add_argument("--fresh", action="store_true", help="solve again what an earlier run has left")
     console.add_jobs(parser)
     arguments = parser.parse_args(argv)
+    *cases, arguments.system = arguments.files
+    if len(cases) > 1:
+        parser.error("one table of load cases and one system")
+    arguments.cases = cases[0] if cases else None
     try:
         summary = solve(arguments)
     except (InputError, ConvergenceError) as error:
         print(error, file=sys.stderr)
         return BAD_INPUT
-    name = f"load_cases_{arguments.cases.stem}_{arguments.system.stem}.json"
-    results.write(arguments.out / name, {f"{arguments.cases.stem}-{arguments.system.stem}": summary})
+    stems = [*([arguments.cases.stem] if cases else []), arguments.name or arguments.system.stem]
+    results.write(arguments.out / f"load_cases_{'_'.join(stems)}.json", {"-".join(stems): summary})
     return 0
 
 

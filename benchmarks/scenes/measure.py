@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from solvers import ConvergenceError, InputError, Scene, solve_span
+from solvers.common.sea_state import SeaMotion
 from verification.cases.spans import SpanCase
 from verification.reference import SpanTruth, force_error
 
@@ -148,11 +149,16 @@ def _sensitive(exact: SpanTruth, sensitivity: dict, tolerance: float):
         )
 
 
+def _is_stepped(scene: Scene) -> bool:
+    """Return whether the line moves in a period; a sea is a load case (benchmarks.load_cases.table)."""
+    return scene.motion is not None and not isinstance(scene.motion, SeaMotion)
+
+
 def _work(scene: Scene, spans, known: truth.TruthCache, timed: bool):
     """Yield the part of the file for each friction coefficient, then the steps of the moving line, its part last."""
     for span in spans:
         yield line(span, scene, known, timed)
-    if scene.motion is not None:
+    if _is_stepped(scene):
         yield from scene_dynamics.study(scene)
 
 
@@ -182,9 +188,9 @@ def main(argv=None) -> int:
     try:
         scene = Scene.load(arguments.file)
         spans, known = scene.spans(), truth.TruthCache(arguments.out)
-        total = len(spans) + (scene_dynamics.steps(scene) if scene.motion else 0)
+        total = len(spans) + (scene_dynamics.steps(scene) if _is_stepped(scene) else 0)
         done = list(console.progress(_work(scene, spans, known, not arguments.forces), total, arguments.file.stem))
-        lines, dynamics = done[: len(spans)], done[-1] if scene.motion else None
+        lines, dynamics = done[: len(spans)], done[-1] if _is_stepped(scene) else None
     except (InputError, ConvergenceError) as error:
         print(error, file=sys.stderr)
         return BAD_SCENE

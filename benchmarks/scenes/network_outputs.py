@@ -100,9 +100,15 @@ def waveforms(study, reference: dict) -> dict:
         spectrum = np.fft.rfft(wave) / wave.shape[1]
         part["harmonics"] = np.column_stack([spectrum[:, 0].real, 2 * abs(spectrum[:, 1 : SHOWN_HARMONICS + 1])])
     else:
-        frequency, density = welch(wave, 1 / (t[1] - t[0]), nperseg=min(t.size, max(256, t.size // SEGMENTS)))
-        part["spectrum"] = {"frequency": frequency[1:], "density": density[:, 1:]}
+        part["spectrum"] = spectral_density(wave, t[1] - t[0])
     return part
+
+
+def spectral_density(wave, dt: float) -> dict:
+    """Return frequencies in Hz and densities (lines, F), N^2/Hz, of tensions (lines, K) in N, sampled each dt in s."""
+    count = wave.shape[1]
+    frequency, density = welch(wave, 1 / dt, nperseg=min(count, max(256, count // SEGMENTS)))
+    return {"frequency": frequency[1:], "density": density[:, 1:]}
 
 
 def along_lines(study, history) -> list[dict]:

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from solvers import ConvergenceError, InputError, mooring_system, solve_network
+from solvers.common.sea_state import SeaMotion
 from solvers.numerics.threads import one_blas_thread
 
 from ..cable.work_precision import least_seconds
@@ -64,9 +65,15 @@ def _rest_tensions(system) -> np.ndarray:
     return np.linalg.norm(ends, axis=1)
 
 
+def _is_stepped(network) -> bool:
+    """Return whether the body moves in a period or a series; a sea is a load case (benchmarks.load_cases.table)."""
+    motion = getattr(network, "motion", None)
+    return motion is not None and not isinstance(motion, SeaMotion)
+
+
 def steps(network, compact: bool) -> int:
     """Return how many times ``study`` yields."""
-    if getattr(network, "motion", None) is None:
+    if not _is_stepped(network):
         return 1
     made = Study(network, compact)
     return 4 + len(STEPPED) + len(made.balanced)
@@ -78,7 +85,7 @@ def study(path: Path, network, notes, compact: bool = False):
     report = {"file": path.name, "name": getattr(network, "name", "") or path.stem, "compact": compact}
     report |= {"description": getattr(network, "description", ""), "tolerance": TOLERANCE}
     report |= {"warnings": [*notes, *getattr(network, "warnings", ())], "margins": []}
-    report |= {"moves": getattr(network, "motion", None) is not None, "lines": names}
+    report |= {"moves": _is_stepped(network), "lines": names}
     report |= {"coupled": _coupled_names(network)}
     total = steps(network, compact)
     try:

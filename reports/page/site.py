@@ -71,11 +71,13 @@ def _render(results: Results, contents: list[tuple[Section, Content]], whole: bo
         questions=PARTS,
         parts=parts,
         answers=answer_questions(contents),
-        titles=[
-            shown["data"]["name"]
-            for key in ("scenes", "networks", "tables_of_cases")
-            for shown in _shown_files(contents, key)
-        ],
+        titles=list(
+            dict.fromkeys(
+                shown["data"]["name"]
+                for key in ("scenes", "networks", "tables_of_cases")
+                for shown in _shown_files(contents, key)
+            )
+        ),
         has_scenes=bool(_shown_files(contents, "scenes")),
     )
 

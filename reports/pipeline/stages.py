@@ -321,7 +321,7 @@ def _defects() -> Stage:
     )
 
 
-SCENE_SECONDS = {"published": 1, "scenes": 2, "moving_scene": 9, "moving_network": 12, "load_cases": 60}
+SCENE_SECONDS = {"published": 1, "scenes": 2, "moving_scene": 9, "moving_network": 12, "load_cases": 60, "own_sea": 15}
 
 
 def scene_stage(path: Path, group: str = "scenes", name: str = "") -> Stage:
@@ -415,6 +415,30 @@ def load_case_stages(cases: list[Path], system: Path, options: tuple[str, ...] =
     ]
 
 
+def is_in_waves(path: Path) -> bool:
+    """Return whether the [motion] of a scene or network file is a sea, which is a load case of its own."""
+    if path.suffix.lower() != ".toml":
+        return False
+    return bool(re.search(r"^\s*spectrum\s*=", path.read_text(encoding="utf-8", errors="replace"), re.MULTILINE))
+
+
+def sea_stage(path: Path, options: tuple[str, ...] = (), jobs: int = CORES, name: str = "") -> Stage:
+    """Return the stage of a system in the sea of its own [motion]; options: those of benchmarks.load_cases.table."""
+    module, name = "benchmarks.load_cases.table", name or path.stem
+    named = ("--name", name) if name != path.stem else ()
+    return Stage(
+        f"load_cases_{name}",
+        "load_cases",
+        f"{path.stem} in waves",
+        (module, str(path.resolve()), "--out", "{results}", "--jobs", "{jobs}", *named, *options),
+        f"load_cases_{name}.json",
+        (program(module),),
+        (str(path.resolve()), *_files_beside(path)),
+        seconds=SCENE_SECONDS["own_sea"],
+        jobs=jobs,
+    )
+
+
 def _files_beside(path: Path) -> tuple[str, ...]:
     """Return the CSV files that a file names: operators, spectra, series."""
     named = dict.fromkeys(re.findall(r"[^\s,\"'=]+\.csv", path.read_text(encoding="utf-8", errors="replace")))
@@ -471,10 +495,22 @@ def plan(quick: bool, published: list[Path], claimed: Iterable[str] = ()) -> lis
     ]  # fmt: skip
 
 
-def scene_plan(names: dict[Path, str], depth: float | None = None, series: Path | None = None) -> list[Stage]:
-    """Return the stages of a page about somebody's own lines and networks, files with their names."""
-    return [_machine(), *(network_stage(path, depth, series, name) if is_network(path) else scene_stage(path, name=name)
-                          for path, name in names.items())]  # fmt: skip
+def scene_plan(
+    names: dict[Path, str],
+    depth: float | None = None,
+    series: Path | None = None,
+    options: tuple[str, ...] = (),
+    jobs: int = CORES,
+) -> list[Stage]:
+    """Return the stages of a page about somebody's own lines and networks, files with their names.
+
+    options: those of benchmarks.load_cases.table, for what moves in waves; series: a motion in place of the files' own.
+    """
+    at_rest = (network_stage(path, depth, series, name) if is_network(path) else scene_stage(path, name=name)
+               for path, name in names.items())  # fmt: skip
+    in_waves = (sea_stage(path, options, jobs, name) for path, name in names.items()
+                if is_in_waves(path) and not (series and is_network(path)))  # fmt: skip
+    return [_machine(), *at_rest, *in_waves]
 
 
 def load_case_plan(cases: list[Path], system: Path, options: tuple[str, ...] = (), jobs: int = CORES) -> list[Stage]:

@@ -12,17 +12,23 @@ from ..page.figures import Figure, Group
 from ..page.formatting import number, plural, slug, status_words
 from ..page.section import Content, Inputs, Section
 from ..page.tables import Table
+from . import margins, network_figures
 from .network_tables import as_text
 
 SHOWN = 40  # rows of the page, those of the greatest tensions; the CSV file has all
 IN_TERMINAL = 20
+FEW = 30  # cases, up to which an exceedance has no tail to see
+MARKERS = "os"  # by turns, for symmetric lines have the same tensions
 COLUMNS = {
     "case": "case", "line": "line", "minimum": "least", "mean": "mean", "maximum": "greatest",
-    "standard_deviation": "std. dev.", "extreme": "in 3 h", "interval": "90 %", "damage_equivalent_load": "1 Hz range",
+    "standard_deviation": "std. dev.",
+    "time_of_max": "greatest at, s", "extreme": "in 3 h", "interval": "90 %", "damage_equivalent_load": "1 Hz range",
     "anchor_maximum": "anchor", "grounded": "on the seabed, m", "slack_time": "slack, s", "remarks": "remarks",
 }  # fmt: skip
 GROUPS = (("", 2), ("tension at the fairlead, kN", 4), ("extreme, kN", 2), ("damage, kN", 1), ("greatest, kN", 1),
           ("", 3))  # fmt: skip
+OWN_GROUPS = (("", 1), ("tension at the fairlead, kN", 5), *GROUPS[2:])
+"""Of a system in its own sea, where the case has no column and the time of the greatest tension one."""
 
 
 def _kn(value) -> str:
@@ -42,33 +48,57 @@ def build(inputs: Inputs) -> Content:
 
 def _show(summary: dict, name: str, inputs: Inputs) -> dict:
     table = _table(summary, name, SHOWN).write(inputs.tables)
+    margin, output = margins.margin_table(summary["margins"], name), summary["output"]
+    draw = _own_figures if summary["series"] else _figures
+    spectrum = _own_spectrum(summary, name, inputs.figures) if summary["series"] else None
     return {"data": summary, "sentence": _sentence(summary), "failed": _failed(summary), "table": table,
-            "figure": _figures(summary, name, inputs.figures)}  # fmt: skip
+            "figure": draw(summary, name, inputs.figures), "spectrum": spectrum,
+            "margin": margin and margin.write(inputs.tables),
+            "margin_words": margins.describe_margin(summary["margins"]), "link": output,
+            "title": f"{summary['cases']} on {summary['file']}" if summary["cases"] else f"{summary['name']} in waves",
+            "python": _python_to_paste(summary)}  # fmt: skip
+
+
+def _python_to_paste(summary: dict) -> str | None:
+    """Return the solution of a system's own sea as Python; None of a table, whose files the page names."""
+    if summary["cases"]:
+        return None
+    reader = ("from solvers.io.case_file import load_case_of, load_system\n"
+              f'system = load_system("{summary["file"]}")\n')  # fmt: skip
+    return (
+        f"{reader}from solvers.load_cases import solve_load_cases\n\n"
+        f"table = solve_load_cases(system, [load_case_of(system)], dt={summary['dt']:.6g}, cells={summary['cells']})\n"
+        "table.cases[0].lines  # N: statistics, extreme and damage of each line"
+    )
 
 
 def _rows(summary: dict) -> list[dict]:
-    """Return a row for each line of each case that was solved, the greatest tension first."""
-    rows = []
+    """Return a row for each line of each case that was solved, by greatest tension; of one sea as they are."""
+    rows, times = [], (summary["series"] or {}).get("time_of_max")
     for case in summary["rows"]:
-        for line in case["lines"]:
+        for k, line in enumerate(case["lines"]):
             least, most = line["grounded_least"], line["grounded_most"]
             interval = None
             if line["extreme"] is not None:
                 interval = f"{_kn(line['extreme_low'])} to {_kn(line['extreme_high'])}"
             on_seabed = f"{number(least)} to {number(most)}" if most else None
             rows.append(line | {"case": case["name"], "interval": interval, "grounded": on_seabed,
+                                "time_of_max": times and times[k],
                                 "remarks": "; ".join(line["warnings"])})  # fmt: skip
-    return sorted(rows, key=lambda row: -row["maximum"])
+    return rows if times else sorted(rows, key=lambda row: -row["maximum"])
 
 
 def _table(summary: dict, name: str, most: int) -> Table:
     rows = _rows(summary)[:most]
     solved = sum(len(case["lines"]) for case in summary["rows"])
-    note = (
-        f"{plural(len(rows), 'row')} of the greatest tensions of {solved}; all of them, unrounded, are in "
-        f"{summary['output']}. Damage: range of a cycle a second that does the same, exponent {summary['wohler']:g}."
-    )
-    return Table(f"{name}_rows", "Load cases", COLUMNS, rows, FORMATS, GROUPS, note=note)
+    damage = f"Damage: range of a cycle a second that does the same, exponent {summary['wohler']:g}."
+    if summary["series"]:
+        columns = {key: head for key, head in COLUMNS.items() if key != "case"}
+        times = f"Over {number(summary['series']['duration'])} s after a ramp of {number(summary['series']['ramp'])} s."
+        return Table(f"{name}_rows", "Lines", columns, rows, FORMATS, OWN_GROUPS, note=f"{times} {damage}")
+    columns = {key: head for key, head in COLUMNS.items() if key != "time_of_max"}
+    note = f"{plural(len(rows), 'row')} of the greatest tensions of {solved}; the CSV file has all of them. {damage}"
+    return Table(f"{name}_rows", "Load cases", columns, rows, FORMATS, GROUPS, note=note)
 
 
 def _failed(summary: dict) -> list[str]:
@@ -81,10 +111,8 @@ def _sentence(summary: dict) -> str:
     """Return how many rows were solved, with which setting, and what its error is."""
     rows, accuracy = summary["rows"], summary["accuracy"]
     solved = sum(case["status"] == "SUCCESS" for case in rows)
-    text = (
-        f"{solved} of {plural(len(rows), 'load case')} solved, in steps of {number(summary['dt'])} s on "
-        f"{summary['cells']} cells."
-    )
+    how = f"in steps of {number(summary['dt'])} s on {summary['cells']} cells."
+    text = f"{solved} of {plural(len(rows), 'load case')} solved, {how}" if summary["cases"] else f"Solved {how}"
     if accuracy["tolerance"] is None:
         return f"{text} The error of this setting was not asked for: give a tolerance in place of step and cells."
     text += (
@@ -97,6 +125,26 @@ def _sentence(summary: dict) -> str:
             f"most {100 * accuracy['measured']:.2g} %, within the tolerance in {accuracy['within']}."
         )
     return text
+
+
+def _as_network(summary: dict) -> dict:
+    """Return what figures of networks take of a system in its own sea."""
+    lines = [line["line"] for line in summary["rows"][0]["lines"]]
+    return {"name": summary["name"], "lines": lines, "period": None, "waveforms": summary["series"],
+            "reference": {"uncertainty": summary["accuracy"]["promised"]}}  # fmt: skip
+
+
+def _own_figures(summary: dict, name: str, folder: Path) -> Group:
+    """Return the tensions about the greatest of a sea."""
+    times = summary["series"]["time"]
+    text = f"The {number(times[-1] - times[0])} s about the greatest tension; time from the end of the ramp."
+    return Group(text, network_figures.tensions(_as_network(summary), name, folder).figures)
+
+
+def _own_spectrum(summary: dict, name: str, folder: Path) -> Group:
+    """Return the spectra of the tensions over a whole sea."""
+    figure = network_figures.spectrum(_as_network(summary), name, folder)
+    return Group(f"Of all {number(summary['series']['duration'])} s, averaged over overlapping parts.", [figure])
 
 
 def _figures(summary: dict, name: str, folder: Path) -> Group | None:
@@ -115,19 +163,25 @@ def _figures(summary: dict, name: str, folder: Path) -> Group | None:
 def _scatter(rows, names, name, folder) -> Figure:
     title = "Greatest tension over the height of the waves"
     figure, axes = panel(title, "significant height, m", "greatest tension, kN")
-    for line in names:
+    for line, look in zip(names, network_figures.line_looks(names), strict=True):
         pairs = np.array([(height, 1e-3 * row["maximum"]) for height, row in rows if row["line"] == line])
-        axes.plot(*pairs.T, "o", markersize=3, alpha=0.7, label=line)
+        axes.plot(*pairs.T, MARKERS[int(look["zorder"]) % 2], markersize=4, alpha=0.7, label=line, color=look["color"],
+                  fillstyle="none")  # fmt: skip
     add_legend(figure, axes)
     return style.save(figure, folder, name, title, f"{title}, one point a case and line.")
 
 
 def _exceedance(rows, names, name, folder) -> Figure:
     title = "Exceedance of the greatest tension"
-    figure, axes = panel(title, "greatest tension, kN", "share of cases that exceed it", yscale="log")
-    for line in names:
+    figure, axes = panel(
+        title,
+        "greatest tension, kN",
+        "share of cases that exceed it",
+        yscale="log" if len(rows) > FEW * len(names) else "linear",
+    )
+    for line, look in zip(names, network_figures.line_looks(names), strict=True):
         values = np.sort([1e-3 * row["maximum"] for _, row in rows if row["line"] == line])[::-1]
-        axes.plot(values, np.arange(1, values.size + 1) / values.size, drawstyle="steps-post", label=line)
+        axes.plot(values, np.arange(1, values.size + 1) / values.size, drawstyle="steps-post", label=line, **look)
     add_legend(figure, axes)
     return style.save(figure, folder, name, title, f"{title}, one curve a line.")
 
@@ -135,9 +189,11 @@ def _exceedance(rows, names, name, folder) -> Figure:
 def summarise(summary: dict, out: Path) -> str:
     """Return what the terminal shows of a table: the rows of the greatest tensions, the error, where all rows are."""
     table = _table(summary, "cases", IN_TERMINAL)
-    kept = [key for key in COLUMNS if key not in ("remarks", "interval", "anchor_maximum")]
+    kept = [key for key in table.columns if key not in ("remarks", "interval", "anchor_maximum")]
     short = Table(table.name, table.title, {key: COLUMNS[key] for key in kept}, table.rows, FORMATS)
-    text = [f"{summary['name']}: tensions in kN", as_text(short), _sentence(summary), *_failed(summary)]
+    where = f" in waves, {summary['rows'][0]['name']}" if summary["cases"] is None else ""
+    text = [f"{summary['name']}{where}: tensions in kN", as_text(short), _sentence(summary), *_failed(summary)]
+    text += margins.describe_margin(summary["margins"])
     return "\n".join([*text, str(out / summary["output"])])
 
 

@@ -187,7 +187,7 @@ def _set_limits(axes, points, view, plane: str) -> str:
     return ""
 
 
-def _looks(lines: list[str]) -> list[dict]:
+def line_looks(lines: list[str]) -> list[dict]:
     """Return a look for each line: every second one dashed and on top, for symmetric lines have the same tension."""
     colours = len(style.PALETTE)
     return [
@@ -201,10 +201,10 @@ def tensions(report: dict, name: str, folder: Path) -> Group:
     waves = report["waveforms"]
     title = "Tension at the fairlead end" + (" over a period" if report["period"] else "")
     figure, axes = plt.subplots(figsize=style.WIDE)
-    for line, wave, look in zip(report["lines"], waves["tension"], _looks(report["lines"]), strict=True):
+    for line, wave, look in zip(report["lines"], waves["tension"], line_looks(report["lines"]), strict=True):
         axes.plot(waves["time"], KN * np.array(wave), label=line, **look)
     axes.set(title=title, xlabel="time, s", ylabel="tension, kN")
-    axes.set_xlim(0, waves["time"][-1])
+    axes.set_xlim(waves["time"][0], waves["time"][-1])
     add_legend(figure, axes, 3)
     alt = f"{title} of {plural(len(report['lines']), 'line')} of {report['name']}."
     known = number(report["reference"]["uncertainty"], 2)
@@ -219,7 +219,7 @@ def harmonics(report: dict, name: str, folder: Path) -> Figure | None:
     title, amplitudes = "Harmonics of the tension", KN * np.array(report["waveforms"]["harmonics"])[:, 1:]
     figure, axes = panel(title, "harmonic of the frequency", "amplitude, kN", yscale="log")
     number_of, least = np.arange(1, amplitudes.shape[1] + 1), SMALLEST * amplitudes.max()
-    for line, row, look in zip(report["lines"], amplitudes, _looks(report["lines"]), strict=True):
+    for line, row, look in zip(report["lines"], amplitudes, line_looks(report["lines"]), strict=True):
         axes.plot(number_of, np.where(row > least, row, np.nan), marker="o", markersize=3.5, linewidth=0.8, label=line,
                   **look)  # fmt: skip
     axes.set_xticks(number_of)
@@ -235,7 +235,7 @@ def spectrum(report: dict, name: str, folder: Path) -> Figure | None:
     figure, axes = panel(title, "frequency, Hz", "density, kN^2/Hz", yscale="log")
     density = KN**2 * np.array(part["density"])
     least = SMALLEST * density.max()
-    for line, row, look in zip(report["lines"], density, _looks(report["lines"]), strict=True):
+    for line, row, look in zip(report["lines"], density, line_looks(report["lines"]), strict=True):
         axes.plot(part["frequency"], np.where(row > least, row, np.nan), linewidth=0.9, label=line, **look)
     shown = np.flatnonzero((density > least).any(axis=0))
     axes.set_xlim(0, part["frequency"][shown[-1]] if shown.size else None)
@@ -248,7 +248,7 @@ def along(report: dict, name: str, folder: Path) -> Figure | None:
         return None
     title = "Tension along the lines"
     figure, axes = panel(title, "s / length, from the anchor end", "tension, kN")
-    for line, part, look in zip(report["lines"], report["along"], _looks(report["lines"]), strict=True):
+    for line, part, look in zip(report["lines"], report["along"], line_looks(report["lines"]), strict=True):
         s = np.array(part["s"]) / (part["s"][0] + part["s"][-1])
         axes.fill_between(s, KN * np.array(part["low"]), KN * np.array(part["high"]), color=look["color"], alpha=0.12)
         axes.plot(s, KN * np.array(part["mean"]), label=line, **look)

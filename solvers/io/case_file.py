@@ -60,8 +60,23 @@ def read_load_cases(path: str | PathLike[str], system=None) -> list[LoadCase | I
                 raise InputError(f"{len(cells)} values where there are {len(names)} columns", label="")
             cases.append(_case(dict(zip(names, cells, strict=True)), f"case {i}", Path(path).parent, system))
         except InputError as error:
-            cases.append(error.located(where))
+            label = dict(zip(names, cells, strict=False)).get("name")
+            cases.append(error.located(f"{where}: {label}" if label else where))
     return cases
+
+
+def load_case_of(system) -> LoadCase:
+    """Return the LoadCase of the sea in a system's own [motion], over the time after which its waves repeat.
+
+    Raises InputError where the system has none.
+    """
+    motion = getattr(system, "motion", None)
+    if not isinstance(motion, SeaMotion) or motion.sea is None:
+        problem = "is no sea: give a table of load cases, or a [motion] with spectrum, seed, duration and operators"
+        raise InputError(problem, field="motion", value=motion, label="[motion]")
+    sea = motion.sea
+    height = f"Hs {sea.spectrum.significant_height:.4g} m"
+    return LoadCase(f"{height}, seed {sea.seed}", sea, sea.duration)
 
 
 def _case(cells: dict[str, str], name: str, folder: Path, system) -> LoadCase:

@@ -8,6 +8,7 @@ of each the first PILOT_TIME.
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import Any
 
@@ -20,6 +21,7 @@ from ..common.sea_state import SeaState
 from .results import QUANTITIES, Accuracy, CaseResult
 
 COARSEST = 0.4, 12  # s, cells: where the search begins
+FINER = math.sqrt(2)  # by which it goes on in one of them: half the step is known two steps of the search before
 FINEST = 0.005, 400
 PILOT_TIME = 600.0  # s after the ramp
 PILOTS = 4
@@ -42,24 +44,26 @@ def choose_setting(rows, tolerance: float, run) -> tuple[float, int, Accuracy]:
     known: dict[tuple, list[CaseResult]] = {}
 
     def results(dt, cells):
-        if (dt, cells) not in known:
-            known[dt, cells] = sorted(run(pilots, dt, cells), key=lambda result: result.number)
-        return known[dt, cells]
+        key = round(dt, 12), cells  # half a step is the same number, whichever way the search came to it
+        if key not in known:
+            known[key] = sorted(run(pilots, dt, cells), key=lambda result: result.number)
+        return known[key]
 
-    dt, cells = COARSEST
+    step, mesh = 0, 0
     while True:
+        dt, cells = COARSEST[0] / FINER**step, round(COARSEST[1] * FINER**mesh)
         by_step = _error(results(dt, cells), results(dt / 2, cells))
         by_mesh = _error(results(dt, cells), results(dt, 2 * cells))
         promised = SAFETY * _ORDER_FACTOR * (by_step + by_mesh)
         if promised <= tolerance:
             return dt, cells, Accuracy(tolerance, promised)
         if by_step >= by_mesh:
-            dt = dt / 2
+            step += 1
         else:
-            cells = 2 * cells
-        if dt < FINEST[0] or cells > FINEST[1]:
-            failed = next((one.message for one in results(2 * dt, cells) if not one.success), "")
-            problem = f"no step and mesh meets a tolerance of {tolerance:g}: at dt = {2 * dt:g} s and {cells} cells "
+            mesh += 1
+        if COARSEST[0] / FINER**step < FINEST[0] or COARSEST[1] * FINER**mesh > FINEST[1]:
+            failed = next((one.message for one in results(dt, cells) if not one.success), "")
+            problem = f"no step and mesh meets a tolerance of {tolerance:g}: at dt = {dt:g} s and {cells} cells "
             raise ConvergenceError(f"{problem}{promised:.2g} is left; {failed}".rstrip("; "))
 
 

@@ -25,7 +25,10 @@ from ..numerics.compiled import compiled
 CHUNK = 512  # steps, whose states are held at a time; the rounding of results depends on it, so it is fixed
 RANGE = 2.0  # standard deviations of the motion, over whose range of the touchdown the mesh is fine
 OUT_OF_STEP = (0.0, 0.0, math.pi / 2, 0.0, 0.0, 0.0)  # rad, of heave: the range is then an ellipse and no line
-LINE_TOLERANCE = 1e-4  # of the largest change of a tension, what the last Newton step may change: as in time steps
+LINE_TOLERANCE = 1e-2
+"""Of the largest change of a tension so far, what the last Newton step of a time step may change: what is left then is
+that by the contraction of Newton's method, some hundredths, and smaller steps leave less of it, so that the error of a
+setting (see ``accuracy``) has it in. A second iteration where one is enough would cost a third of a case."""
 
 
 class LineSeries(NamedTuple):
@@ -98,14 +101,14 @@ def _require_offset_within_reach(given, case, system, cells):
 def _fitted_mesh(given, motion, cells):
     """Return a mesh fitted to the range that the touchdown travels: in waves of two standard deviations."""
     if not isinstance(motion, SeaMotion):
-        return "fitted"
+        return "touchdown"
     of_parts: tuple[Any, ...] = (motion.translation, motion.rotation)
     parts = [np.zeros(3) if part is None else part.standard_deviation for part in of_parts]
     if not np.any(parts):
-        return "fitted"
+        return "touchdown"
     usual = BodyMotion.harmonic(1.0, RANGE * np.concatenate(parts), OUT_OF_STEP, motion.reference)
     model = build_model(given)
-    mesh = build_mesh(model, cells, "fitted", usual)
+    mesh = build_mesh(model, cells, "touchdown", usual)
     if not model.is_line:
         return mesh
     starts = np.cumsum([0.0, *(part[-1] for part in mesh)])

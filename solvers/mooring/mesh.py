@@ -14,12 +14,17 @@ from .prescribed_motion import displace_points
 FAIRLEAD_POSITIONS = 16  # of the fairlead in its motion, over which the touchdown travels
 FEWEST_CELLS = 6  # of an element of a network that is short beside the longest
 LEAST_DENSITY = 0.15  # of the greatest density of nodes
+TOUCHDOWN_DENSITY = 3.0  # of nodes where the touchdown travels, over the greatest that curvature asks for
+TOUCHDOWN_REACH = 0.03  # of the length: distance from there in which the surplus falls to a half
 _MOST_CELLS = 10**6
 _SAMPLES_PER_SEGMENT = 400  # places of a segment at which the curvature is looked at
 
 
 def build_mesh(model, cells, mesh, motion) -> list[np.ndarray]:
-    """Return arc lengths of the nodes of each segment from its first point, m: as given, "uniform" or "fitted".
+    """Return arc lengths of the nodes of each segment from its first point, m: as given, or of a kind.
+
+    "uniform"; "fitted"; "touchdown": fitted, and denser where the touchdown travels, whose contact errs by the spacing
+    of the nodes there while a hanging line of the same accuracy has few of them.
 
     cells: of a line in total; of a network those of its longest element, the others in proportion to their length, or
     one number for each element. Fitted: nodes as dense as the square root of the curvature at rest, the greatest over
@@ -30,10 +35,11 @@ def build_mesh(model, cells, mesh, motion) -> list[np.ndarray]:
         return _given_line(mesh, lengths) if model.is_line else _given_elements(mesh, lengths)
     if mesh == "uniform":
         fine = amount = [np.array([0.0, length]) for length in lengths]
-    elif mesh == "fitted":
-        fine, amount = _cumulative_density(model, lengths, motion)
+    elif mesh in ("fitted", "touchdown"):
+        fine, amount = _cumulative_density(model, lengths, motion, at_touchdown=mesh == "touchdown")
     else:
-        raise InputError(f"{mesh!r} must be 'fitted', 'uniform' or arc lengths (m)", field="mesh", value=mesh, unit="m")
+        problem = f"{mesh!r} must be 'fitted', 'touchdown', 'uniform' or arc lengths (m)"
+        raise InputError(problem, field="mesh", value=mesh, unit="m")
     counts = _counts(model, cells, np.array([part[-1] for part in amount]))
     nodes = [
         np.interp(np.linspace(0.0, part[-1], count + 1), part, s)
@@ -95,7 +101,7 @@ def _apportion_cells(amounts, cells) -> list[int]:
     return (counts + 1).tolist()
 
 
-def _cumulative_density(model, lengths, motion):
+def _cumulative_density(model, lengths, motion, at_touchdown=False):
     """Return fine arc lengths of each segment and the integral of the wanted density of nodes up to them."""
     period = getattr(motion, "period", None)
     places = [np.zeros(3)]
@@ -105,6 +111,7 @@ def _cumulative_density(model, lengths, motion):
         places = [*displace_points(motion, moved, times).T, *places]
     fine = [np.linspace(0.0, length, _SAMPLES_PER_SEGMENT) for length in lengths]
     curvature = [np.zeros(part.size - 1) for part in fine]
+    grounded: list[list[float]] = [[] for _ in lengths]
     for displacement in places:
         points = model.equilibrium(displacement)
         for i, (segment, s) in enumerate(zip(model.segments, fine, strict=True)):
@@ -114,6 +121,19 @@ def _cumulative_density(model, lengths, motion):
             with np.errstate(all="ignore"):
                 bend = np.where(lying | (T <= 0), 0.0, abs(segment.weight) * abs(state.H) / T**2)
             curvature[i] = np.fmax(curvature[i], bend)
+            grounded[i].append(state.grounded_length)
     greatest = max(part.max() for part in curvature)
     density = [np.sqrt(np.fmax(part / greatest if greatest > 0 else 1.0, LEAST_DENSITY**2)) for part in curvature]
+    if at_touchdown:
+        for segment, s, part, touchdown in zip(model.segments, fine, density, grounded, strict=True):
+            part += _surplus(segment, (s[1:] + s[:-1]) / 2, min(touchdown), max(touchdown))
     return fine, [np.append(0.0, np.cumsum(part * np.diff(s))) for part, s in zip(density, fine, strict=True)]
+
+
+def _surplus(segment, s, nearest, farthest):
+    """Return the surplus of the density at arc lengths s of a segment whose touchdown lies between two lengths, m."""
+    if not 0 < farthest or nearest >= segment.length:  # it never lies, or it lies as a whole
+        return np.zeros_like(s)
+    local = segment.length - s if segment.reversed else s
+    away = np.fmax(np.fmax(nearest - local, local - farthest), 0.0)
+    return TOUCHDOWN_DENSITY / (1 + away / (TOUCHDOWN_REACH * segment.length))

@@ -46,8 +46,9 @@ def mooring_system(
 
     cells: of a line (a Scene, or a Network whose elements follow one another) in total; of another Network those of the
     longest element, the others in proportion to their length, or one number for each element. mesh: "fitted" to the
-    lines at rest (finer where they bend and over the range that the touchdown travels), "uniform", or unstretched arc
-    lengths of the nodes in m, (N,) of a line, of a Network a list of one for each element.
+    lines at rest (finer where they bend and over the range that the touchdown travels), "touchdown" (fitted, and much
+    finer over that range), "uniform", or unstretched arc lengths of the nodes in m, (N,) of a line, of a Network a list
+    of one for each element.
     fields: "planar" (along, z), "spatial" (x, y, z), or "auto": planar where lines, current and motion lie in one
     vertical plane. motion: a BodyMotion, or displacement(t) and velocity(t), (3, *S) in m and m/s, of all coupled
     points, in place of the scene's.

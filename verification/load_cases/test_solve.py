@@ -21,7 +21,7 @@ from solvers.common.load_case import LoadCase
 from solvers.common.sea_state import SeaState
 from solvers.common.spectrum import Spectrum
 from solvers.io.case_file import read_records
-from solvers.load_cases import CaseResult, solve_load_cases
+from solvers.load_cases import CaseResult, integration, solve_load_cases
 from solvers.load_cases.fingerprint import fingerprint
 from solvers.load_cases.integration import CHUNK, integrate_case
 from verification import ROOT
@@ -32,6 +32,7 @@ LINEAR = 0.02  # relative: inertia and drag of a light rope that is moved slowly
 ERRORS = 3.5  # standard errors of an average: once in two thousand
 ROUNDING = 1e-9  # relative: chunks of steps begin with a new factorisation, and Newton stops at 1e-4 of a change
 NEWTON = 1e-3  # of a change of tension: two iterations that each stop at 1e-4 of it, over many steps
+NEWTON_SHARE = 0.1  # of the error of a step: a tolerance of 1 leaves 0.12 to 0.22
 SETTING = {"dt": 0.2, "cells": 8}
 SEAS = [sea_case(f"sea {seed}", 0.5 + 0.2 * seed, seed) for seed in range(6)]
 
@@ -62,12 +63,13 @@ def test_a_linear_line_has_rayleigh_maxima_and_the_damage_of_a_narrow_band(recor
 
 
 @pytest.mark.parametrize("system", [CATENARY, TWO_LINES], ids=["line", "network"])
-def test_a_row_is_what_time_stepping_gives(system):
+def test_a_row_is_what_time_stepping_gives(system, monkeypatch):
     """Statistics of a regular motion are those of the history on the same mesh, though no history is kept."""
+    monkeypatch.setattr(integration, "LINE_TOLERANCE", 1e-4)  # as that of the history
     motion = BodyMotion.harmonic(0.1, (1.5, 0, 0.5, 0, 0.02, 0))
     case = LoadCase("regular", motion, duration=300.0, ramp=20.0)
     series = integrate_case(system, case, dt=0.1, cells=12)
-    moved = mooring_system(system, 12, motion=motion)
+    moved = mooring_system(system, 12, mesh="touchdown", motion=motion)
     history = solve_time_domain(moved, dt=0.1, duration=320.0, ramp=20.0)
     assert history.time.size > 2 * CHUNK
     for line, kept in zip(history.lines, series.lines, strict=True):
@@ -83,6 +85,19 @@ def test_a_row_is_what_time_stepping_gives(system):
         least, most = np.diff(e.s[i]).min(), np.diff(e.s[i]).max()
         assert (kept.grounded >= lying - ROUNDING).all() and (kept.grounded <= lying + 2 * most).all() and least > 0
         assert 20 < kept.grounded.min() < kept.grounded.max() < 200
+
+
+@pytest.mark.parametrize("system", [CATENARY, TWO_LINES, TAUT], ids=["line", "network", "taut"])
+def test_one_iteration_of_a_step_is_enough(system, monkeypatch):
+    """What Newton's method leaves at the tolerance of load cases is small beside the error of the step itself."""
+    case = sea_case("sea", 2.0, 3, duration=200.0)
+    loose, half = (integrate_case(system, case, dt=dt, cells=12) for dt in (0.2, 0.1))
+    monkeypatch.setattr(integration, "LINE_TOLERANCE", 1e-8)
+    tight = integrate_case(system, case, dt=0.2, cells=12)
+    assert loose.iterations < tight.iterations
+    for a, b, c in zip(loose.lines, tight.lines, half.lines, strict=True):
+        of_newton = abs(a.fairlead.std() - b.fairlead.std())
+        assert of_newton <= NEWTON_SHARE * abs(b.fairlead.std() - c.fairlead.std())
 
 
 def test_offset_and_current_change_the_rest():

@@ -26,7 +26,7 @@ from solvers import (
     solve_time_domain,
 )
 from solvers.mooring.calibration import estimate_tension_change
-from solvers.mooring.mesh import LEAST_DENSITY
+from solvers.mooring.mesh import LEAST_DENSITY, TOUCHDOWN_DENSITY, TOUCHDOWN_REACH
 from solvers.mooring.model import Segment, build_model
 
 from ..cases.cables import OC3, OC3_SEABED, SLACK_CHAIN, SURGE_5
@@ -176,6 +176,7 @@ def grounded_length(made, surge=0.0):
     return profile[2].grounded_length
 
 
+NEAR = 0.02  # relative: density within a cell of some metres
 LYING = replace(SLACK_CHAIN, name="slack chain in still water", current=(0.0, 0.0, 0.0), amplitude=None)
 
 
@@ -198,6 +199,21 @@ def test_a_fitted_mesh_covers_the_travel_of_the_touchdown():
         fine = made.s[:-1][np.diff(made.s) < 2 * np.diff(made.s).min()]
         assert -12 < fine[0] - grounded_length(made, surge) < 12
         assert surge == 0 or fine[0] < grounded_length(made) - 5
+
+
+def test_a_touchdown_mesh_is_dense_where_the_touchdown_travels():
+    """Beside a fitted mesh, a surplus of TOUCHDOWN_DENSITY there, half of it a reach away; of a hanging line none."""
+    made, fitted = (system(replace(LYING, amplitude=(3.0, 0.0, 0.0)), 400, mesh=m) for m in ("touchdown", "fitted"))
+    nearest, farthest = sorted(grounded_length(made, surge) for surge in (-3.0, 3.0))
+    reach = TOUCHDOWN_REACH * made.s[-1]
+
+    at = np.array([(nearest + farthest) / 2, farthest + reach, farthest + 6 * reach])
+    dense, usual = (np.interp(at, (m.s[1:] + m.s[:-1]) / 2, 1 / np.diff(m.s)) for m in (made, fitted))
+    by_curvature = usual * np.diff(fitted.s).min()  # of the greatest density
+    surplus = TOUCHDOWN_DENSITY / np.array([1, 2, 7])
+    assert dense / dense[0] == pytest.approx((by_curvature + surplus) / (by_curvature + surplus)[0], rel=NEAR)
+    hanging = replace(OC3, amplitude=(3.0, 0.0, 0.0))
+    assert np.array_equal(system(hanging, 40, mesh="touchdown").s, system(hanging, 40).s)
 
 
 def test_a_mesh_is_taken_as_given():
