@@ -129,6 +129,7 @@ OTHER_CODES = Section(
     id="other-codes",
     title="Other codes",
     part="peers",
+    page="codes",
     needs=("accuracy", "work_precision", "networks", "harmonic_balance", "machine"),
     template="evidence/other_codes.html.j2",
     build=build,

@@ -212,6 +212,7 @@ MOORING = Section(
     id="mooring",
     title="Moving line of nodes and elements",
     part="error-for-time",
+    page="moving",
     needs=("mooring",),
     template="mooring/section.html.j2",
     build=build,

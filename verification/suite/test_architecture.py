@@ -65,7 +65,9 @@ REPORT_ORDER = (
     "scenes",
     "papers",
     "evidence",
+    "front",
     "page.registry",
+    "page.section_cache",
     "page.site",
     "__main__",
 )
