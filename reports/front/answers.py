@@ -10,7 +10,7 @@ from typing import Any
 from ..mooring.cases import CASES, OWN
 from ..page import analysis
 from ..page.figures import Figure
-from ..page.formatting import across, number, plural, ratio, seconds
+from ..page.formatting import number, plural, ratio, seconds
 from ..page.verdicts import Verdict
 from . import figures
 
@@ -114,13 +114,11 @@ def _method(mooring: dict | None, folder: Path) -> tuple:
     sentences = [
         f"For {100 * level:g} % on a moving line take nodes and elements {method}: the cheapest in "
         f"{methods.count(method)} of {plural(len(best), 'case')}, with {_setting(typical)} in {title.lower()}; "
-        f"{across(point['seconds'] for point in best.values())} s of run time over all of them.",
+        f"{_spread(best.values())} of run time over all of them.",
     ]
     if finest:
         names = dict.fromkeys(point["method"] for point in finest)
-        sentences.append(
-            f"For {100 * least:g} %: {' or '.join(names)}, {across(point['seconds'] for point in finest)} s."
-        )
+        sentences.append(f"For {100 * least:g} %: {' or '.join(names)}, {_spread(finest)}.")
     ratios = [row["ratio"] for row in work["ratios"] if row["method"] == MOVING_PEER]
     if ratios:
         sentences.append(
@@ -136,6 +134,12 @@ def _cheapest(points: list[dict], case: str, level: float) -> dict | None:
     """Return the fastest setting of this project's line of nodes and elements within an error."""
     good = [p for p in points if p["case"] == case and p["method"] in OWN and p["rms"] and p["rms"] <= level]
     return min(good, key=lambda p: p["seconds"], default=None)
+
+
+def _spread(points: Iterable[dict]) -> str:
+    """Return the least and the greatest run time."""
+    times = [point["seconds"] for point in points]
+    return f"{seconds(min(times))} to {seconds(max(times))}"
 
 
 def _setting(point: dict) -> str:

@@ -239,8 +239,9 @@ def test_only_sections_with_changed_results_are_drawn_again(tmp_path):
     (results / "stability.json").write_text('{"maps": [], "verdicts": ["solved", "wrong"]}', encoding="utf-8")
     changed = subprocess_of(CACHE, tmp_path).stdout.split()
     assert "stability" in changed and "networks" not in changed
-    (tmp_path / "tables" / "peers.csv").unlink()
-    assert "other-codes" in first and "stability" not in subprocess_of(CACHE, tmp_path).stdout.split()
+    (tmp_path / "tables" / "stability_counts.csv").unlink()
+    without = subprocess_of(CACHE, tmp_path).stdout.split()
+    assert "stability" in without and "networks" not in without
 
 
 def test_the_page_without_results_is_whole(bare):
