@@ -75,7 +75,7 @@ def _verified(results, verdicts: list[Verdict], folder: Path) -> tuple:
     if accuracy:
         counts = analysis.summarise([row for row in accuracy["rows"] if row["set"] != "map"], analysis.OURS)
         sentences.append(
-            f"{plural(counts['cases'], 'line')} at rest, solved against 50 digits: {counts['wrong']} wrong, "
+            f"{plural(counts['cases'], 'line')} at rest, judged against 50 digits: {counts['wrong']} wrong, "
             f"{counts['refused']} refused; median error {number(counts['median'], 2)} and greatest "
             f"{number(counts['max'], 2)} times what rounding the input causes unavoidably."
         )
