@@ -1,4 +1,4 @@
-"""`python -m reports`: runs what is needed and writes one page. With scene or network files: a page about these."""
+"""`python -m reports`: runs what is needed and writes the report, a site; with scene files: one page about these."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from pathlib import Path
 from .pipeline import compare, external_solvers, history, published
 from .pipeline.ledger import digests, write_atomically
 from .pipeline.naming import name_files
+from .pipeline.pack import pack
 from .pipeline.runner import BusyError, Ended, run_all
 from .pipeline.sources import OUT, files_of
 from .pipeline.stages import CORES, GROUPS, SLOW, Stage, load_case_plan, plan, scene_plan, sweep_stage
@@ -63,6 +64,9 @@ def _parser() -> argparse.ArgumentParser:
     cases.add_argument("--wohler", type=float, metavar="M", help="exponent of the Woehler curve (default: 3)")
     parser.add_argument("--out", type=Path, default=OUT, metavar="DIR",
                         help=f"folder of page and results (default: {OUT} below this one)")  # fmt: skip
+    parser.add_argument(
+        "--zip", action="store_true", help="also pack pages, figures and tables into DIR.zip, to be sent"
+    )
     parser.add_argument("--fresh", action="store_true", help="measure again what has not changed since the last run")
     return parser
 
@@ -135,6 +139,8 @@ def main(argv=None) -> int:
         if not arguments.scenes:
             history.save(out, stages, [end.stage.title for end in ended if end.state == "failed"])
         path = _page(out, name, stages, ended, not arguments.scenes)
+        if arguments.zip:
+            print(pack(out))
     except KeyboardInterrupt:
         print("\ninterrupted; finished results are kept and the next run goes on from there", file=sys.stderr)
         return 130
@@ -169,7 +175,7 @@ def _plan(arguments, out: Path) -> tuple[list[Stage], str]:
 
 
 def _page(out: Path, name: str, stages: list[Stage], ended: list[Ended], whole: bool) -> Path:
-    """Build the page, unless everything it is made of is as it was."""
+    """Build the pages, unless everything they are made of is as it was; return the first one."""
     record = out / "results" / f"{name}.key"
     made_of = [digests(file for folder in ("reports", "verification", "reference_data") for file in files_of(folder))]
     made_of += [[end.stage.name, end.tail] for end in ended if end.state == "failed"]

@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from solvers import __version__, solve_network, solve_spans
+from solvers import Status, __version__, solve_network, solve_spans
 from verification.cases.spans import NAMED, SpanCase, random_arrays
 from verification.reference import WRONG, exact_span
 from verification.registry import SpanAnswer
@@ -31,6 +31,7 @@ from ..network import paired_timing as network_turns
 from ..network import pictures as network_pictures
 from ..network import table2 as network_table2
 from ..network.systems import FAMILIES, WEIGHTS, scene, two_lines, without_friction
+from ..stability import maps
 from . import console, harness, machine, results
 from . import oracle_cache as truth
 
@@ -395,3 +396,19 @@ def test_the_two_lines_are_those_of_the_paper():
     assert [node.r for node in network.nodes[:2]] == [(-1200.0, 0.0, -350.0), (0.0, 0.0, -350.0)]
     assert [(line.L, line.EA) for line in network.elements] == [(1175.0, 2.34e8), (300.0, 2.34e8)]
     assert network.nodes[2].force == (0.0, 0.0, 637650.0)
+
+
+# ---------------------------------------------------------------- stability maps
+@pytest.mark.parametrize(
+    ("error", "warned", "verdict"),
+    [(0.09, (), "solved"), (0.11, (), "too coarse"), (0.11, ("a coarse mesh",), "warned")],
+)
+def test_a_point_beyond_the_bound_of_its_map_is_not_called_solved(error, warned, verdict):
+    """A success without a warning counts as solved only within the bound that the map states."""
+    axis = maps.Axis("x", (1.0,))
+    answer = maps.Found(Status.SUCCESS, error, warned=warned)
+    one = maps.Map("planted", "time domain", "", axis, axis, "", "", lambda x, y: answer)
+    (row,) = one.row(0)
+    assert row["verdict"] == verdict and one.entry([row])["bound"] == one.bound == maps.BOUNDS["time domain"]
+    exact = replace(one, solver="span")
+    assert exact.bound is None and exact.row(0)[0]["verdict"] == ("warned" if warned else "solved")

@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
+import pytest
+
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 
 SLACK = 1.5
@@ -23,6 +25,11 @@ BLOCKS = "h1, h2, h3, h4, p, pre, ul, ol, dl, figure, figcaption, details, .scro
 def browser_path() -> str | None:
     """Return A Chromium of this system, or that of MOORING_BROWSER."""
     return os.environ.get("MOORING_BROWSER") or next(filter(None, map(shutil.which, NAMES)), None)
+
+
+def skip_or_fail(reason: str):
+    """Skip, or fail where everything must be there."""
+    (pytest.fail if os.environ.get("CI") else pytest.skip)(reason)
 
 
 @dataclass
@@ -61,9 +68,17 @@ def missing_files(page, path: Path) -> list[str]:
     links = page.evaluate("[...document.querySelectorAll('a[href]')].map(a => a.getAttribute('href'))")
     ids = set(page.evaluate("[...document.querySelectorAll('[id]')].map(e => e.id)"))
     faults = [link for link in links if link.startswith("#") and unquote(link[1:]) not in ids]
+    faults += [link for link in links if ".html#" in link and not urlsplit(link).scheme and not _has_anchor(link, path)]
     local = {link.split("#")[0] for link in links if not urlsplit(link).scheme} - {""}
     files = {link: path.parent / unquote(link) for link in local}
     return faults + sorted(link for link, file in files.items() if not (file.is_file() and file.stat().st_size))
+
+
+def _has_anchor(link: str, path: Path) -> bool:
+    """Return whether the page that a link names has the anchor that it names."""
+    name, _, anchor = link.partition("#")
+    file = path.parent / unquote(name)
+    return file.is_file() and f'id="{unquote(anchor)}"' in file.read_text(encoding="utf-8")
 
 
 def figures_without_data(page) -> list[str]:

@@ -1,6 +1,6 @@
 """Is the finished page whole in a real browser: at the width of a telephone and of a laptop, light and dark?
 
-The page is that of MOORING_PAGE (several: separated as in PATH), by default mooring-report/index.html. Without a
+The pages are those of MOORING_PAGE (several: separated as in PATH), by default all of mooring-report. Without a
 browser or without a page the tests are skipped; where the variable CI is set, they fail instead.
 """
 
@@ -13,39 +13,17 @@ import pytest
 
 from . import checks
 
-try:
-    from playwright.sync_api import sync_playwright
-except ImportError:  # the optional extra "browser"
-    sync_playwright = None
-
-DEFAULT = Path("mooring-report") / "index.html"
-PAGES = [Path(name) for name in os.environ.get("MOORING_PAGE", str(DEFAULT)).split(os.pathsep)]
+FOLDER = Path(os.environ.get("MOORING_SITE", "mooring-report"))
+BUILT = sorted(FOLDER.glob("*.html")) or [FOLDER / "index.html"]
+PAGES = [Path(name) for name in os.environ["MOORING_PAGE"].split(os.pathsep)] if "MOORING_PAGE" in os.environ else BUILT
 WIDTHS, SCHEMES = (390, 1280), ("light", "dark")
-
-
-def absent(reason: str):
-    """Skip, or fail where everything must be there."""
-    (pytest.fail if os.environ.get("CI") else pytest.skip)(reason)
-
-
-@pytest.fixture(scope="module")
-def browser():
-    """A headless Chromium of this system; the sandbox is off, for it does not start under root."""
-    if sync_playwright is None:
-        absent('playwright is not installed: pip install -e ".[browser]"')
-    if not (path := checks.browser_path()):
-        absent(f"no browser: none of {', '.join(checks.NAMES)} is in PATH, and MOORING_BROWSER names none")
-    with sync_playwright() as playwright:
-        chromium = playwright.chromium.launch(executable_path=path, args=["--no-sandbox"])
-        yield chromium
-        chromium.close()
 
 
 @pytest.fixture(scope="module", params=PAGES, ids=lambda path: path.stem)
 def path(request):
     """The file of the page."""
     if not request.param.is_file():
-        absent(f"{request.param}: no such page; python -m reports writes it")
+        checks.skip_or_fail(f"{request.param}: no such page; python -m reports writes it")
     return request.param
 
 
@@ -118,6 +96,7 @@ PLANTED = {
     "empty drawing": ('<figure><svg viewBox="0 0 9 9" aria-label="none"></svg></figure>', "missing_figures"),
     "missing CSV": ('<a href="none.csv">CSV</a>', "missing_files"),
     "dead anchor": ('<a href="#none">there</a>', "missing_files"),
+    "dead anchor elsewhere": ('<a href="page.html#none">there</a>', "missing_files"),
     "figure without data": ('<figure class="panel"><figcaption>bare</figcaption></figure>', "figures_without_data"),
     "script error": ("<script>undefined.x</script>", "troubles"),
     "console error": ("<script>console.error('planted')</script>", "troubles"),

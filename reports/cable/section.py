@@ -138,6 +138,7 @@ DYNAMICS = Section(
     id="dynamics",
     title="Moving cable in time",
     part="error-for-time",
+    page="cable",
     needs=("dynamics",),
     template="cable/section.html.j2",
     build=build,

@@ -76,6 +76,7 @@ REGIMES = Section(
     id="regimes",
     title="Lines against 50 digits",
     part="verified",
+    page="catenary",
     needs=("accuracy",),
     template="catenary/regimes.html.j2",
     build=build,

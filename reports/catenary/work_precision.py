@@ -62,6 +62,7 @@ WORK_PRECISION = Section(
     id="work-precision",
     title="Lines at rest",
     part="error-for-time",
+    page="catenary",
     needs=("accuracy", "work_precision", "speed", "benchmarks"),
     template="catenary/work_precision.html.j2",
     build=build,

@@ -20,13 +20,23 @@ def build(inputs: Inputs) -> Content:
     )
     left = sum(claim.state == "not run" for question in questions for claim in question.claims)
     context = {
-        "questions": questions,
+        "rooms": _by_room(questions),
         "counts": counts,
         "claims": claims,
         "left": left,
         "table": claim_table(questions).write(inputs.tables),
     }
     return Content(context, [_verdict(counts)] if any(counts.values()) else [], [text])
+
+
+def _by_room(questions: list[Question]) -> dict[str, list[dict]]:
+    """Return folder of tests -> its files, each with its question, claims and counts of outcomes."""
+    rooms: dict[str, list[dict]] = {}
+    for q in questions:
+        counts = {outcome: q.total(outcome) for outcome in OUTCOMES}
+        entry = counts | {"module": q.module, "text": q.text, "claims": q.claims, "seconds": q.seconds}
+        rooms.setdefault(q.module.rpartition("/")[0].replace("_", " ") or "elsewhere", []).append(entry)
+    return rooms
 
 
 def _verdict(counts: dict) -> Verdict:
@@ -50,6 +60,7 @@ CLAIMS = Section(
     id="claims",
     title="Claims and tests",
     part="verified",
+    page="evidence",
     needs=("tests",),
     template="evidence/claims.html.j2",
     build=build,

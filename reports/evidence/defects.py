@@ -161,6 +161,7 @@ DEFECTS = Section(
     id="defects",
     title="Seeded defects",
     part="verified",
+    page="evidence",
     needs=("defects",),
     template="evidence/defects.html.j2",
     build=build,

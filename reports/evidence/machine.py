@@ -34,6 +34,7 @@ MACHINE = Section(
     id="machine",
     title="Machine, how to repeat",
     part="trust",
+    page="machine",
     needs=("machine",),
     template="evidence/machine.html.j2",
     build=build,

@@ -7,7 +7,7 @@ from statistics import median
 from ..cable.cases import CASES
 from ..harmonic_balance.work_figures import ratios_at_equal_error
 from ..page import analysis, pareto
-from ..page.formatting import number, plural, python_call, ratio, two_digits
+from ..page.formatting import plural, python_call, ratio, two_digits
 from ..page.section import Content, Inputs, Section
 from ..page.tables import Table
 
@@ -20,7 +20,7 @@ def build(inputs: Inputs) -> Content:
     work, networks, harmonic = (inputs.results[name] for name in ("work_precision", "networks", "harmonic_balance"))
     table = code_table(accuracy, work, networks, harmonic, machine.get("versions", {})).write(inputs.tables)
     context = {"table": table, "accuracy": accuracy, "examples": _examples(accuracy) if accuracy else []}
-    return Content(context, sentences=_sentences(table))
+    return Content(context)
 
 
 def code_table(
@@ -32,18 +32,6 @@ def code_table(
                "refused": "refused", "unsupported": "not modelled", "median": "median error over rounding error",
                "ratio": "time over this project", "of": "at", "faster": FASTER}  # fmt: skip
     return Table("peers", "Other codes", columns, rows, {"median": two_digits, "ratio": two_digits})
-
-
-def _sentences(table: Table) -> list[str]:
-    sentences = []
-    for row in table.rows:
-        counts = ""
-        if row.get("wrong") is not None:
-            counts = f"{number(row['wrong'])} wrong and {number(row['refused'])} refused of {number(row['cases'])}, "
-        if row.get("ratio") is not None:
-            counts += f"{number(row['ratio'], 2)} times the time of this project"
-        sentences.append(f"{row['code']}, {row['problem']}: {counts.strip(', ')}.")
-    return sentences or ["No other code was measured: the optional extra “peers” is not installed."]
 
 
 def _examples(accuracy: dict) -> list[dict]:
@@ -129,6 +117,7 @@ OTHER_CODES = Section(
     id="other-codes",
     title="Other codes",
     part="peers",
+    page="codes",
     needs=("accuracy", "work_precision", "networks", "harmonic_balance", "machine"),
     template="evidence/other_codes.html.j2",
     build=build,

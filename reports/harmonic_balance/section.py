@@ -199,6 +199,7 @@ HARMONIC = Section(
     id="harmonic",
     title="Harmonic balance",
     part="error-for-time",
+    page="harmonic",
     needs=("harmonic_balance",),
     template="harmonic_balance/section.html.j2",
     build=build,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 from statistics import median
+from textwrap import fill
 
 import numpy as np
 from matplotlib import pyplot as plt
@@ -16,6 +17,8 @@ from ..page.figures import Figure, Group
 from ..page.formatting import number, plural, seconds, times
 from .cases import CASES, GROWING, LEGEND, METHODS, OWN, save
 
+WIDEST_TITLE = 46
+"""Letters of a title that fit over a panel."""
 ORCAFLEX, PEER = "OrcaFlex", "MoorDyn"
 
 
@@ -34,7 +37,11 @@ def work(data: dict, folder: Path) -> Group:
             axes.plot([p["seconds"] for p in front], [p["rms"] for p in front], linewidth=0.9, alpha=0.7,
                       color=looks[method]["color"], label="_front")  # fmt: skip
         axes.set(
-            title=titles[case], xscale="log", yscale="log", xlabel="run time, s", ylabel="rms error over the range"
+            title=fill(titles[case], WIDEST_TITLE),
+            xscale="log",
+            yscale="log",
+            xlabel="run time, s",
+            ylabel="rms error over the range",
         )
         axes.set_ylim(top=min(axes.get_ylim()[1], 2.0))
         axes.axhspan(axes.get_ylim()[0], data["uncertainty"][case], color=style.PALE, alpha=0.25, linewidth=0)

@@ -191,6 +191,7 @@ MOORING_NETWORKS = Section(
     id="mooring-networks",
     title="Moving networks beside MoorDyn",
     part="error-for-time",
+    page="moving",
     needs=("mooring_networks",),
     template="mooring/networks.html.j2",
     build=build,

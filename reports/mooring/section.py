@@ -144,9 +144,9 @@ def _whole(value) -> str:
 def _seabeds(data, folder, tables) -> dict:
     columns = {"line": "line", "seabed_stiffness": "seabed, N/m²", "kind": "motion", "amplitude": "m", "period": "s",
                "pretension": "at rest, kN", "least": "least, kN", "greatest": "greatest, kN", "change": "last period",
-               "error": "error", "warned": "warnings", "balance": "harmonic balance",
+               "history": "history", "error": "error", "warned": "warnings", "balance": "harmonic balance",
                "difference": "difference"}  # fmt: skip
-    rows = [_motion_row(row) for row in data["rows"]]
+    rows = [_motion_row(row, data["periodic"]) for row in data["rows"]]
     formats = dict.fromkeys(("change", "error", "difference"), two_digits) | {
         "seabed_stiffness": _stiffness,
         "amplitude": "{:g}".format,
@@ -160,14 +160,21 @@ def _stiffness(value) -> str:
     return number(int(value))
 
 
-def _motion_row(row) -> dict:
+def _motion_row(row, periodic: float) -> dict:
+    """Return a motion for the table, its history marked where it is not periodic yet and is compared nevertheless."""
     balance = row.get("balance") or {"status": "", "difference": None}
     kN = {key: row[key] / 1e3 if key in row else None for key in ("pretension", "least", "greatest")}
     warned = ", ".join(row.get("subjects", ())) or "none"
     about = {"line": row["title"], "difference": balance["difference"], "change": row.get("change"),
+             "history": _describe_history(row.get("change"), periodic),
             "error": row.get("error"), "warned": warned if row["status"] == "SUCCESS" else status_words(row["status"]),
             "balance": status_words(balance["status"])}  # fmt: skip
     return row | kN | about
+
+
+def _describe_history(change: float | None, periodic: float) -> str:
+    """Return whether a history has become periodic; change: of its last period from the one before, over the range."""
+    return "" if change is None else "periodic" if change <= periodic else "not periodic yet"
 
 
 def _line_table(data, tables) -> Table:
@@ -212,6 +219,7 @@ MOORING = Section(
     id="mooring",
     title="Moving line of nodes and elements",
     part="error-for-time",
+    page="moving",
     needs=("mooring",),
     template="mooring/section.html.j2",
     build=build,

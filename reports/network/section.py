@@ -57,6 +57,7 @@ NETWORKS = Section(
     id="networks",
     title="Networks",
     part="error-for-time",
+    page="network",
     needs=("networks",),
     template="network/section.html.j2",
     build=build,

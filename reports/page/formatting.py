@@ -76,3 +76,9 @@ def python_call(solver: str, inputs: dict) -> str:
         f"import SpanCase\ninputs = dict({arguments})\n"
         f'adapters()["{solver}"].span(SpanCase("example", "", **inputs)), solve_span(Span(**inputs))'
     )
+
+
+def split_sentence(text: str) -> tuple[str, str]:
+    """Return the first sentence of a text, and the others."""
+    first, *others = re.split(r"(?<=[^A-Z.][.?!])\s+(?=[A-Z“])", str(text), maxsplit=1)
+    return first, others[0] if others else ""

@@ -1,4 +1,4 @@
-"""The sections of the page in their order: a new section is one module, one template and one entry here."""
+"""The sections of the report, in their order: a new section is one module, one template and one entry here."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from ..cable.section import DYNAMICS
 from ..catenary.regimes import REGIMES
 from ..catenary.work_precision import WORK_PRECISION
 from ..conformance.section import CONFORMANCE
+from ..evidence.claim_map import CLAIM_MAP
 from ..evidence.claims import CLAIMS
 from ..evidence.defects import DEFECTS
 from ..evidence.machine import MACHINE
@@ -25,14 +26,14 @@ from ..scenes.section import SCENES
 from ..stability.section import STABILITY
 
 SECTIONS = (
-    CLAIMS, REGIMES, DEFECTS,
+    REGIMES, CLAIM_MAP, CLAIMS, DEFECTS,
     WORK_PRECISION, NETWORKS, MOORING, MOORING_NETWORKS, DYNAMICS, HARMONIC, SCENES, MOVING_NETWORKS,
     ITEMS, ERRATA, PUBLISHED,
     STABILITY, RESPONSE_CURVES,
     CONFORMANCE, OTHER_CODES,
     MACHINE,
 )  # fmt: skip
-"""Of the whole report; the sections of one part stand together, in the order of the parts."""
+"""Of the whole report; each names its page."""
 
 
 def claimed_tests() -> set[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from dataclasses import replace
 from functools import cached_property
@@ -45,6 +46,15 @@ class Results:
             load = self._load_codes if group in CODE_GROUPS else self._load_merged
             self._loaded[group] = (self._load_scenes if group in SCENE_GROUPS else load)(group)
         return self._loaded[group]
+
+    def digest(self, group: str) -> str:
+        """Return the digest of the files of a group of stages."""
+        result = hashlib.sha256()
+        for stage in self.stages:
+            file = self.folder / stage.output
+            if stage.group == group:
+                result.update(stage.output.encode() + (file.read_bytes() if file.exists() else b"none"))
+        return result.hexdigest()
 
     def _load_merged(self, group: str) -> dict | None:
         contents = [self._read(stage.output) for stage in self.stages if stage.group == group]

@@ -1,4 +1,4 @@
-"""What the page consists of: parts, each a question, and sections, each with its template and what it is built from."""
+"""What the report consists of: pages of sections, each with its template and what it is built from."""
 
 from __future__ import annotations
 
@@ -18,7 +18,27 @@ PARTS = {
     "peers": "How do the peers do?",
     "trust": "Can I trust this on my machine?",
 }
-"""Id of a part of the page -> the question that it answers."""
+"""Id of a part of the report -> the question that it answers."""
+
+PAGES = {
+    "catenary": "Lines at rest",
+    "network": "Networks at rest",
+    "cable": "The cable of the paper",
+    "moving": "Moving lines and networks",
+    "harmonic": "Harmonic balance and time domain",
+    "stability": "Stability of responses",
+    "papers": "The papers, item by item",
+    "limits": "Limits: what breaks, and where",
+    "codes": "Other codes",
+    "evidence": "Evidence: claims, tests, mistakes",
+    "lines": "Your line",
+    "machine": "This machine, and how to repeat",
+}
+"""Id of a page, which is also the name of its file -> its title; in the order of the navigation."""
+
+PAGE_OF_PART = {"verified": "evidence", "error-for-time": "moving", "papers": "papers", "breaks": "limits",
+                "peers": "codes", "trust": "machine"}  # fmt: skip
+"""Id of a part -> the page of those of its sections that name none."""
 
 
 @dataclass(frozen=True)
@@ -65,9 +85,9 @@ class Content:
 
 @dataclass(frozen=True)
 class Section:
-    """A section of the page.
+    """A section of the report.
 
-    id : anchor of its heading; title : in the navigation; part : key of PARTS
+    id : anchor of its heading; title : in the navigation; part : key of PARTS; page : key of PAGES
     needs : groups of stages whose results it shows; template : path below ``reports``
     tests : anchor within the section -> the tests that show what stands there, a file or file::name
     """
@@ -79,3 +99,10 @@ class Section:
     template: str
     build: Callable[[Inputs], Content]
     tests: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    page: str = ""
+
+    def __post_init__(self):
+        if not self.page:
+            object.__setattr__(self, "page", PAGE_OF_PART[self.part])
+        if self.page not in PAGES:
+            raise KeyError(f"section {self.id!r}: no such page: {self.page!r}; there are {', '.join(PAGES)}")

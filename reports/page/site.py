@@ -1,4 +1,4 @@
-"""Builds the page: loads the results that each section needs, builds the sections and renders their templates."""
+"""Builds the report, a site of pages, or one page of somebody's lines: loads results, builds sections, renders them."""
 
 from __future__ import annotations
 
@@ -7,33 +7,45 @@ from pathlib import Path
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from ..drawing import background, style
+from ..front.answers import Answer, answer_questions
 from ..pipeline.ledger import write_atomically
 from ..pipeline.runner import Ended
 from ..pipeline.stages import Stage
-from . import analysis, formatting
+from . import analysis, formatting, search
 from .claim_links import link_tests
 from .claims import claim_id, file_id
+from .links import link_pages
 from .registry import SCENE_SECTIONS, SECTIONS
 from .results import Results
-from .section import PARTS, Content, Inputs, Section
-from .summary import answer_questions
+from .section import PAGES, Content, Inputs, Section
+from .section_cache import Built, SectionCache
 
 TEMPLATES = Path(__file__).parent / "templates"
+INDEX, SEARCH = "index.html", "search.js"
 
 
 def build(out: Path, name: str, stages: list[Stage], ended: list[Ended], whole: bool) -> Path:
-    """Write the page ``name`` with its figures and tables into ``out``; whole: the report, else a page of scenes."""
+    """Write the pages with their figures and tables into ``out``; return the first one.
+
+    name : file of the page of scenes; whole: the report instead, whose pages are named in PAGES.
+    """
     results = Results(out, stages, ended)
     for folder in ("figures", "tables"):
         (out / folder).mkdir(parents=True, exist_ok=True)
-    looks = _assign_looks(results)
+    looks, environment = _assign_looks(results), _environment()
+    if not whole:
+        write_atomically(out / name, _scene_page(results, looks, out, environment))
+        return out / name
+    cache = SectionCache(out, results, looks)
     try:
-        contents = [(section, section.build(_inputs(section, results, looks, out)))
-                    for section in (SECTIONS if whole else SCENE_SECTIONS)]  # fmt: skip
+        sections = [(s, cache.load(s) or cache.keep(s, _build(s, results, looks, out, environment))) for s in SECTIONS]
+        answers = answer_questions(results, sections, out / "figures")
     finally:
         background.finish()
-    write_atomically(out / name, _render(results, contents, whole))
-    return out / name
+    cache.write()
+    for file, text in _pages(results, sections, answers, environment).items():
+        write_atomically(out / file, text)
+    return out / INDEX
 
 
 def _inputs(section: Section, results: Results, looks: dict, out: Path) -> Inputs:
@@ -56,21 +68,62 @@ def _assign_looks(results: Results) -> dict:
     return style.assign_looks(names | {analysis.OURS, f"{analysis.OURS}-batch"})
 
 
-def _render(results: Results, contents: list[tuple[Section, Content]], whole: bool) -> str:
-    environment = _environment()
-    parts = {part: [] for part in PARTS}
-    for section, content in contents:
-        links = link_tests(section.tests, results.questions) if whole else dict.fromkeys(section.tests, ())
-        template = environment.get_template(section.template)
-        text = template.render(content.context, links=links, notes=results.notes, whole=whole)
-        parts[section.part].append((section, text))
-    page = environment.get_template("page/templates/index.html.j2" if whole else "page/templates/scenes.html.j2")
-    return page.render(
+def _build(section: Section, results: Results, looks: dict, out: Path, environment: Environment) -> Built:
+    """Return a section of the report, rendered."""
+    content = section.build(_inputs(section, results, looks, out))
+    links = link_tests(section.tests, results.questions)
+    text = _render(section, content, environment, links=links, notes=results.notes, whole=True)
+    return Built(search.name_headings(text, section.id, formatting.slug), content.verdicts, content.sentences,
+                 content.figures)  # fmt: skip
+
+
+def _render(section: Section, content: Content, environment: Environment, **more) -> str:
+    return environment.get_template(section.template).render(content.context, **more)
+
+
+def _pages(results: Results, sections: list[tuple[Section, Built]], answers: list[Answer], environment: Environment):
+    """Return file -> text of every page that has a section, of the index and of what a reader can search for."""
+    titles = {page: title for page, title in PAGES.items() if any(s.page == page for s, _ in sections)}
+    shared = {
+        "style": (TEMPLATES / "style.css").read_text(encoding="utf-8"),
+        "search": (TEMPLATES / "search.js").read_text(encoding="utf-8"),
+        "navigation": [(INDEX, "Summary"), *((f"{page}.html", title) for page, title in titles.items())],
+        "failures": results.failures(),
+    }
+    pages = {INDEX: environment.get_template("page/templates/index.html.j2").render(shared, current=INDEX,
+                                                                                   answers=answers)}  # fmt: skip
+    template = environment.get_template("page/templates/page.html.j2")
+    for page, title in titles.items():
+        mine = [(section, built) for section, built in sections if section.page == page]
+        pages[f"{page}.html"] = template.render(
+            shared | {"failures": []},
+            current=f"{page}.html",
+            page=page,
+            title=title,
+            sections=[built.text for _, built in mine],
+            sentences=[sentence for _, built in mine for sentence in built.sentences],
+            verdicts=[verdict for _, built in mine for verdict in built.verdicts],
+            contents=[(section.id, section.title) for section, _ in mine],
+        )
+    pages = link_pages(pages)
+    entries = [entry for file, text in pages.items() for entry in search.titles_of(file, text)]
+    tests = next((section.page for section, _ in sections if "tests" in section.needs and section.id == "claims"), None)
+    entries += search.claims_of(results.questions, f"{tests}.html") if tests else []
+    return pages | {SEARCH: search.script(entries)}
+
+
+def _scene_page(results: Results, looks: dict, out: Path, environment: Environment) -> str:
+    try:
+        contents = [(section, section.build(_inputs(section, results, looks, out))) for section in SCENE_SECTIONS]
+    finally:
+        background.finish()
+    more = {"notes": results.notes, "whole": False}
+    return environment.get_template("page/templates/scenes.html.j2").render(
         style=(TEMPLATES / "style.css").read_text(encoding="utf-8"),
         failures=results.failures(),
-        questions=PARTS,
-        parts=parts,
-        answers=answer_questions(contents),
+        sections=[
+            _render(s, content, environment, links=dict.fromkeys(s.tests, ()), **more) for s, content in contents
+        ],
         titles=list(
             dict.fromkeys(
                 shown["data"]["name"]
@@ -103,6 +156,7 @@ def _environment() -> Environment:
         "slug": formatting.slug,
         "plural": formatting.plural,
         "plain": "{:g}".format,
+        "first_sentence": formatting.split_sentence,
         "claim_id": claim_id,
         "file_id": file_id,
     }

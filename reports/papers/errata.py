@@ -40,6 +40,7 @@ ERRATA = Section(
     id="errata",
     title="Misprints",
     part="papers",
+    page="evidence",
     needs=("tests",),
     template="papers/errata.html.j2",
     build=build,

@@ -78,6 +78,7 @@ PUBLISHED = Section(
     id="published",
     title="Published values",
     part="papers",
+    page="papers",
     needs=("published",),
     template="papers/published.html.j2",
     build=build,

@@ -51,6 +51,7 @@ ITEMS = Section(
     id="items",
     title="Item by item",
     part="papers",
+    page="papers",
     needs=("tests", "dynamics", "harmonic_balance", "networks"),
     template="papers/section.html.j2",
     build=build,

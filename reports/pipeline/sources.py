@@ -18,7 +18,7 @@ ROOT = Path(str(files("reports"))).parent
 PACKAGES = ("solvers", "verification", "benchmarks", "reference_data", "reports")
 OUT = Path("mooring-report")
 """Folder of page and results, below the caller's."""
-SUFFIXES = {".py", ".toml", ".csv", ".map", ".j2", ".css", ".md"}
+SUFFIXES = {".py", ".toml", ".csv", ".map", ".j2", ".css", ".js", ".md"}
 
 Reference = tuple[str, str]  # ("file", path from the root), ("module", dotted name) or ("name", module.name)
 

@@ -99,8 +99,8 @@ def _basins(data, inputs) -> FigureWithTable:
             for row in basins["rows"]]  # fmt: skip
     table = Table("curves_basins", "Basins", columns, rows, dict.fromkeys(columns, number)).write(inputs.tables)
     text = (
-        f"Left: number of stable responses of the taut cable in its plane. Right: of {basins['count']} random starts at "
-        f"{number(basins['frequency'])} Hz and {1e3 * basins['amplitude']:g} mm the share that comes to each, with its "
+        f"Left: number of stable responses of the taut cable in its plane. Right: of {basins['count']} random starts "
+        f"at {number(basins['frequency'])} Hz and {1e3 * basins['amplitude']:g} mm the share that comes to each, with its "
         f"95 % interval (Wilson); {plural(basins['unsettled'], 'start')} came to none in the periods they had."
     )
     drawn = [figures.count_figure(data["count"], inputs.figures), figures.basin_figure(basins, inputs.figures)]
@@ -172,6 +172,7 @@ RESPONSE_CURVES = Section(
     id="response-curves",
     title="Response curves and stability",
     part="breaks",
+    page="stability",
     needs=("response_curves",),
     template="response_curves/section.html.j2",
     build=build,

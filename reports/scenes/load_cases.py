@@ -201,6 +201,7 @@ LOAD_CASES = Section(
     id="load-cases",
     title="Load cases",
     part="error-for-time",
+    page="lines",
     needs=("load_cases",),
     template="scenes/load_cases.html.j2",
     build=build,

@@ -93,6 +93,7 @@ MOVING_NETWORKS = Section(
     id="moving-networks",
     title="Moving networks",
     part="error-for-time",
+    page="lines",
     needs=("moving_networks",),
     template="scenes/networks.html.j2",
     build=build,

@@ -14,7 +14,14 @@ from . import dynamics, figures, margins, tables
 def build(inputs: Inputs) -> Content:
     """Return figures, tables and lines to paste of every scene that was computed."""
     scenes = (inputs.results["scenes"] or {}) | (inputs.results["moving_scene"] or {})
-    return Content({"scenes": [_show(scene, stem, inputs) for stem, scene in scenes.items()]})
+    shown = [_show(scene, stem, inputs) for stem, scene in scenes.items()]
+    return Content({"scenes": shown, "example": _read_example(scenes)})
+
+
+def _read_example(scenes: dict) -> dict | None:
+    """Return name and text of the first scene file, None where there is none to read."""
+    path = next((Path(scene["path"]) for scene in scenes.values()), None)
+    return {"name": path.name, "text": path.read_text(encoding="utf-8")} if path and path.is_file() else None
 
 
 def _show(scene: dict, stem: str, inputs: Inputs) -> dict:
@@ -87,6 +94,7 @@ SCENES = Section(
     id="scenes",
     title="Scenes",
     part="error-for-time",
+    page="lines",
     needs=("scenes", "moving_scene"),
     template="scenes/section.html.j2",
     build=build,

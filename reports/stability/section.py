@@ -31,6 +31,7 @@ def build(inputs: Inputs) -> Content:
         {
             "title": TITLES.get(solver, solver),
             "quantity": list(dict.fromkeys(entry["quantity"] for entry in entries)),
+            "bounds": list(dict.fromkeys(number(e["bound"]) for e in entries if e.get("bound") is not None)),
             "claims": [text.replace("e-0", "e-") for text in dict.fromkeys(entry["claim"] for entry in entries)],
             "explained": _explained(entries),
             "maps": figures.maps(entries, data.get("explicit") or [], inputs.figures),
@@ -157,6 +158,7 @@ STABILITY = Section(
     id="stability",
     title="Stability maps",
     part="breaks",
+    page="limits",
     needs=("stability", "harmonic_balance"),
     template="stability/section.html.j2",
     build=build,

@@ -67,7 +67,9 @@ REPORT_ORDER = (
     "papers",
     "conformance",
     "evidence",
+    "front",
     "page.registry",
+    "page.section_cache",
     "page.site",
     "__main__",
 )

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from .test_report import ROOT, Page, broken_anchors, missing_files, report, undescribed
+from .test_report import ROOT, Page, broken_anchors, missing_files, read_site, report, undescribed
 
 TIME, BALANCE, LINE, NETWORKS = "cable", "harmonic_balance", "mooring", "mooring.networks"
 FILES = {TIME: "dynamics.json", BALANCE: "harmonic_balance.json", LINE: "mooring.json",
@@ -30,7 +30,7 @@ def page(out: Path) -> Page:
     """The page made of what is in out/results; the machine alone is measured."""
     run = report("--only", "machine", "--out", out)
     assert run.returncode == 0, run.stderr
-    return Page((out / "index.html").read_text(encoding="utf-8"))
+    return Page(read_site(out))
 
 
 def words(result: Page) -> str:

@@ -65,6 +65,25 @@ def missing_files(page: Page, folder: Path) -> list[str]:
     return [path for path in paths if path and not ((folder / path).is_file() and (folder / path).stat().st_size)]
 
 
+def read_site(folder: Path) -> str:
+    """All pages of a report, one after the other, the index first."""
+    pages = sorted(folder.glob("*.html"), key=lambda path: (path.name != "index.html", path.name))
+    return "\n".join(path.read_text(encoding="utf-8") for path in pages)
+
+
+def broken_links(folder: Path) -> list[str]:
+    """Links of the pages of a report to an anchor that is not on the page that they name."""
+    pages = {path.name: Page(path.read_text(encoding="utf-8")) for path in folder.glob("*.html")}
+    ids = {name: {e.attributes.get("id") for e in page.elements} for name, page in pages.items()}
+    results = []
+    for name, page in pages.items():
+        for href in (a.get("href", "") for a in page.of("a")):
+            file, mark, anchor = href.partition("#")
+            if mark and not urlsplit(href).scheme and anchor not in ids.get(file or name, ()):
+                results.append(f"{name}: {href}")
+    return results
+
+
 def broken_anchors(page: Page) -> list[str]:
     """Links within the page that lead nowhere."""
     ids = {e.attributes.get("id") for e in page.elements}
@@ -184,7 +203,7 @@ def whole_pages(tmp_path_factory):
             subprocess.run(command, cwd=ROOT, check=True, capture_output=True, timeout=60)
         run = report("--only", "machine", "--out", out)
         assert run.returncode == 0, run.stderr
-        pages.append((out, (out / "index.html").read_text(encoding="utf-8")))
+        pages.append((out, read_site(out)))
     return pages
 
 
@@ -197,7 +216,8 @@ def test_networks_are_on_the_page(whole_pages):
     assert [heading.replace("&#39;", "'") for heading in headings] == list(NETWORK_HEADINGS)
     for name in NETWORK_FIGURES:
         assert f'href="figures/networks_{name}.png"' in result
-    strip = text.partition('<ul class="strip">')[2].partition("</ul>")[0]
+    page = (folder / "network.html").read_text(encoding="utf-8")
+    strip = page.partition('<ul class="strip">')[2].partition("</ul>")[0]
     assert 'href="#networks"' in strip and "over monolithic analytic" in strip
     assert missing_files(Page(text), folder) == [] and undescribed(Page(text)) == []
     assert "None" not in re.sub(r"<svg.*?</svg>", "", result, flags=re.DOTALL)

@@ -1,0 +1,223 @@
+"""The five questions of the first page with what is measured: one value with its meaning, sentences and a figure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ..mooring.cases import CASES, OWN
+from ..page import analysis
+from ..page.figures import Figure
+from ..page.formatting import number, plural, ratio, seconds
+from ..page.verdicts import Verdict
+from . import figures
+
+QUESTIONS = {
+    "verified": ("How strongly is this verified?", "evidence"),
+    "method": ("Which method, at which error and cost?", "moving"),
+    "breaks": ("What breaks?", "limits"),
+    "codes": ("How do other codes do?", "codes"),
+    "lines": ("What does it say of your line?", "lines"),
+}
+"""Name of an answer -> its question, and the page that it leads to."""
+
+NEAR_TAUT = 0.01
+"""Difference of length and chord over the chord, below which a line is called nearly taut."""
+PEER = "moorpy"
+"""The code of lines at rest whose answers near taut lines are told on the first page."""
+MOVING_PEER = "MoorDyn"
+
+
+@dataclass(frozen=True)
+class Answer:
+    """An answer. value, meaning : the one number and what it is; good : within its bound (None: no bound)."""
+
+    name: str
+    question: str
+    page: str
+    value: str
+    meaning: str
+    good: bool | None
+    sentences: list[str]
+    figure: Figure | None
+
+
+def answer_questions(results: Any, sections: Iterable[tuple[Any, Any]], folder: Path) -> list[Answer]:
+    """Return the five answers, of what was measured.
+
+    results : loads groups of stages; sections : (section, built section) of the report; folder : of the figures
+    """
+    built = list(sections)
+    verdicts = [verdict for _, section in built for verdict in section.verdicts]
+    made = {
+        "verified": _verified(results, verdicts, folder),
+        "method": _method(results.load("mooring"), folder),
+        "breaks": _breaks(results.load("stability"), results.load("harmonic_balance"), folder),
+        "codes": _codes(results.load("accuracy"), results.load("mooring"), folder),
+        "lines": _lines(results.load("scenes"), folder),
+    }
+    pages = {section.page for section, _ in built}
+    return [Answer(name, question, f"{page}.html" if page in pages else "index.html", *made[name])
+            for name, (question, page) in QUESTIONS.items()]  # fmt: skip
+
+
+NOTHING = ("", "", None, [], None)
+
+
+def _verified(results, verdicts: list[Verdict], folder: Path) -> tuple:
+    """Return how many bounds set beforehand are reached, and the errors of lines at rest by regime."""
+    bounded = [v for v in verdicts if v.good is not None]
+    missed = [v for v in bounded if not v.good]
+    accuracy, defects = results.load("accuracy"), results.load("defects")
+    sentences = []
+    if accuracy:
+        counts = analysis.summarise([row for row in accuracy["rows"] if row["set"] != "map"], analysis.OURS)
+        sentences.append(
+            f"{plural(counts['cases'], 'line')} at rest, judged against 50 digits: {counts['wrong']} wrong, "
+            f"{counts['refused']} refused; median error {number(counts['median'], 2)} and greatest "
+            f"{number(counts['max'], 2)} times what rounding the input causes unavoidably."
+        )
+    if defects:
+        counts = defects["summary"]
+        sentences.append(
+            f"The checks are checked: {counts['caught']} of {plural(counts['defects'], 'mistake')} planted in the "
+            "solvers are found."
+        )
+    if measured := [v for v in verdicts if v.label in ("off the laboratory", "off OrcaFlex")]:
+        sentences.append("Moving lines: " + "; ".join(f"{v.value} {v.label}" for v in measured) + ".")
+    if missed:
+        sentences.append("Not reached: " + "; ".join(f"{v.label} ({v.value})" for v in missed) + ".")
+    if not bounded:
+        return "", "", None, sentences, None
+    value = f"{len(bounded) - len(missed)} of {len(bounded)}"
+    return (value, "bounds that were set before anything was measured are reached", not missed, sentences,
+            figures.errors_by_regime(accuracy, folder) if accuracy else None)  # fmt: skip
+
+
+def _method(mooring: dict | None, folder: Path) -> tuple:
+    """Return the cheapest setting for the larger of the wanted errors, over all cases of the moving line."""
+    work = (mooring or {}).get("work")
+    if not work:
+        return NOTHING
+    least, level = work["wanted"]
+    best = {case: _cheapest(work["points"], case, level) for case in work["uncertainty"]}
+    best = {case: point for case, point in best.items() if point}
+    finest = [point for case in work["uncertainty"] if (point := _cheapest(work["points"], case, least))]
+    if not best:
+        return NOTHING
+    methods = [point["method"] for point in best.values()]
+    method = max(dict.fromkeys(methods), key=methods.count)
+    typical = next(point for point in best.values() if point["method"] == method)
+    title = (CASES | work["titles"])[typical["case"]]
+    sentences = [
+        f"For {100 * level:g} % on a moving line take nodes and elements {method}: the cheapest in "
+        f"{methods.count(method)} of {plural(len(best), 'case')}, with {_setting(typical)} in {title.lower()}; "
+        f"{_spread(best.values())} of run time over all of them.",
+    ]
+    if finest:
+        names = dict.fromkeys(point["method"] for point in finest)
+        sentences.append(f"For {100 * least:g} %: {' or '.join(names)}, {_spread(finest)}.")
+    ratios = [row["ratio"] for row in work["ratios"] if row["method"] == MOVING_PEER]
+    if ratios:
+        sentences.append(
+            f"{MOVING_PEER} takes {ratio(min(ratios))} to {ratio(max(ratios))} times as long at equal error."
+        )
+    sentences.append("At rest, the elastic catenary is exact to rounding; no setting needs choosing.")
+    meaning = f"for {title.lower()}, from rest, with an rms error of {100 * level:g} % of the range of the tension"
+    case = next(name for name, point in best.items() if point is typical)
+    return seconds(typical["seconds"]), meaning, None, sentences, figures.moving_line(work, case, folder)
+
+
+def _cheapest(points: list[dict], case: str, level: float) -> dict | None:
+    """Return the fastest setting of this project's line of nodes and elements within an error."""
+    good = [p for p in points if p["case"] == case and p["method"] in OWN and p["rms"] and p["rms"] <= level]
+    return min(good, key=lambda p: p["seconds"], default=None)
+
+
+def _spread(points: Iterable[dict]) -> str:
+    """Return the least and the greatest run time."""
+    times = [point["seconds"] for point in points]
+    return f"{seconds(min(times))} to {seconds(max(times))}"
+
+
+def _setting(point: dict) -> str:
+    other = "harmonics" if "harmonic" in point["method"] else "steps a period"
+    return f"{point['size']} cells and {point['other']} {other}"
+
+
+def _breaks(stability: dict | None, harmonic: dict | None, folder: Path) -> tuple:
+    """Return what the solvers make of points pushed to the limits."""
+    maps = (stability or {}).get("maps")
+    if not maps:
+        return NOTHING
+    totals = {verdict: sum(entry["counts"].get(verdict, 0) for entry in maps) for verdict in stability["verdicts"]}
+    points = sum(totals.values())
+    bad = totals["wrong"] + totals["crashed"]
+    others = ", ".join(f"{number(n)} {verdict}" for verdict, n in totals.items() if n and verdict not in ("wrong",))
+    sentences = [f"{plural(points, 'point')} on {plural(len(maps), 'map')}, far beyond use at sea: {others}."]
+    limit = (harmonic or {}).get("limit")
+    if limit and limit["vanishes"]:
+        sentences.append(
+            f"The tension of the OC3 line vanishes in surge of {number(limit['vanishes'], 3)} m: from there on a line "
+            "of the box scheme has no answer, one of nodes and elements goes slack and on."
+        )
+    return (number(bad), "answers wrong or crashed where a solver said success", bad == 0, sentences,
+            figures.verdicts_by_solver(maps, stability["verdicts"], folder))  # fmt: skip
+
+
+def _codes(accuracy: dict | None, mooring: dict | None, folder: Path) -> tuple:
+    """Return how other codes do on lines at rest, near taut ones first, and on the moving line."""
+    if not accuracy or len(accuracy["solvers"]) < 2:  # this project alone: no peer is installed
+        return NOTHING
+    sentences, value, meaning, good = [], "", "", None
+    taut = [row for row in accuracy["rows"] if _is_nearly_taut(row)]
+    if PEER in accuracy["solvers"] and taut:
+        label = accuracy["solvers"][PEER]["label"]
+        theirs, ours = analysis.summarise(taut, PEER), analysis.summarise(taut, analysis.OURS)
+        given = theirs["cases"] - theirs["unsupported"]
+        value = f"{theirs['wrong']} of {given}"
+        meaning = (
+            f"nearly taut lines (length within {100 * NEAR_TAUT:g} % of the chord) are answered wrong by {label}, by "
+            f"more than {100 * accuracy['wrong_bound']:g} % and as success; {ours['wrong']} by this project"
+        )
+        good = theirs["wrong"] == 0
+    for name in analysis.sort_solvers(accuracy["solvers"]):
+        if not name.startswith(analysis.OURS):
+            counts, chosen = analysis.summarise(accuracy["rows"], name), accuracy["solvers"][name]
+            sentences.append(
+                f"{chosen['label']} {chosen['version']}, all lines at rest: {number(counts['wrong'])} wrong, "
+                f"{number(counts['refused'])} refused, {number(counts['unsupported'])} not modelled of "
+                f"{number(counts['cases'])}."
+            )
+    sentences.append(
+        "Judge your own code: `pytest --pyargs verification.conformance --solver my_code.py` says which cases are "
+        "wrong and why."
+    )
+    return value, meaning, good, sentences, figures.verdicts_by_code(accuracy, folder)
+
+
+def _is_nearly_taut(row: dict) -> bool:
+    return row.get("slackness") is not None and abs(row["slackness"] - 1) <= NEAR_TAUT
+
+
+def _lines(scenes: dict | None, folder: Path) -> tuple:
+    """Return what a scene file gives, shown on the first one that is shipped, and how to bring one."""
+    sentences = [
+        "Bring it: `python -m reports my_line.toml`, or a network, a MAP++ or MoorDyn file, or a table of load cases "
+        "(`cases.csv my_system.toml`), writes a page of its own: forces, shape, margin against breaking, and for each "
+        "setting its error and run time.",
+    ]
+    if not scenes:
+        return "", "", None, sentences, None
+    scene = next(iter(scenes.values()))
+    line = scene["lines"][0]
+    value = f"{number(line['tension'] / 1e3, 4)} kN"
+    label = f" ({line['label']})" if line["label"] else ""
+    meaning = f"at the fairlead of {scene['name']}{label}, {number(line['grounded_length'])} m of it on the seabed"
+    sentences.append(
+        f"Its error against 50 digits is {number(line['error'], 2)}; the page says so of your line, too, and warns "
+        "where the input looks like a mistake of units."
+    )
+    return value, meaning, None, sentences, figures.shape_of(scene, folder)
