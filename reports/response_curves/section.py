@@ -100,8 +100,8 @@ def _basins(data, inputs) -> FigureWithTable:
     table = Table("curves_basins", "Basins", columns, rows, dict.fromkeys(columns, number)).write(inputs.tables)
     text = (
         f"Left: number of stable responses of the taut cable in its plane. Right: of {basins['count']} random starts "
-        f"at {number(basins['frequency'])} Hz and {1e3 * basins['amplitude']:g} mm the share that comes to each, with its "
-        f"95 % interval (Wilson); {plural(basins['unsettled'], 'start')} came to none in the periods they had."
+        f"at {number(basins['frequency'])} Hz and {1e3 * basins['amplitude']:g} mm the share that comes to each, with "
+        f"its 95 % interval (Wilson); {plural(basins['unsettled'], 'start')} came to none in the periods they had."
     )
     drawn = [figures.count_figure(data["count"], inputs.figures), figures.basin_figure(basins, inputs.figures)]
     return FigureWithTable(Group(text, drawn), table)
