@@ -96,7 +96,11 @@ def sentences(source: str) -> list[str]:
 
 NO_PAGE = ("runner.py", "style.py", "stages.py", "__main__.py", "compare.py", "progress.py")
 """Modules whose strings are messages of the program or markup, not sentences of the page."""
-TEMPLATES = [path for path in sorted(REPORTS.rglob("*.j2")) if "out" not in path.relative_to(REPORTS).parts]
+TEMPLATES = [
+    path
+    for path in sorted(REPORTS.rglob("*.j2"))
+    if "out" not in path.relative_to(REPORTS).parts and ".py" not in path.suffixes  # scripts are no text of the page
+]
 
 
 @pytest.mark.parametrize("path", TEMPLATES, ids=lambda path: path.relative_to(REPORTS).as_posix())
