@@ -109,6 +109,19 @@ def test_a_script_takes_nothing_of_this_suite(path):
     assert {"numpy"} < set(words) <= {"numpy", path.name.partition("_")[0], *sys.stdlib_module_names}
 
 
+# ---------------------------------------------------------------- this project
+NEAR_THE_BOUND = tuple(f"motion/{name}" for name in ("friction-surge", "friction-two-harmonics", "slack-surge",
+                                                     "lazy-wave"))  # fmt: skip
+"""Cases that are not right on the cells that other codes are asked for, and so the first to be lost."""
+
+
+def test_this_project_is_right_in_motion(deep):
+    """As the page says; all cases with --deep. Those at rest are in test_conformance_tables.py."""
+    ids = [name for name in CASES if name.startswith("motion/")] if deep else NEAR_THE_BOUND
+    report = report_of("this_project", ids)
+    assert report["verdicts"] == {RIGHT: len(ids)}, [row for row in report["cases"] if row["verdict"] != RIGHT]
+
+
 # ---------------------------------------------------------------- explanations
 def test_moorpy_gives_a_slack_line_a_hundredth_of_its_weight_as_stiffness():
     """And where it folds below its ends twice the weight, and the anchor's force upside down."""
