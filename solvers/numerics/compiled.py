@@ -3,9 +3,16 @@
 from __future__ import annotations
 
 import hashlib
+import inspect
 from functools import partial
 
 from numba import njit
+
+
+def _source_of(module) -> str:
+    """Return the text of a module. pytest's own loader, which takes installed packages with a plugin, gives none."""
+    loader = module.__loader__
+    return loader.get_source(module.__name__) if hasattr(loader, "get_source") else inspect.getsource(module)
 
 
 def compiled(loop=None, *, calls=()):
@@ -19,7 +26,7 @@ def compiled(loop=None, *, calls=()):
     if loop is None:
         return partial(compiled, calls=calls)
     if calls:
-        text = "".join(module.__loader__.get_source(module.__name__) for module in calls)
+        text = "".join(map(_source_of, calls))
         loop.__qualname__ += "_" + hashlib.sha256(text.encode()).hexdigest()[:16]
     try:
         return njit(cache=True, nogil=True, error_model="numpy")(loop)

@@ -12,7 +12,7 @@ from types import ModuleType
 import pytest
 
 from solvers.harmonic_balance import blocks
-from solvers.numerics.compiled import compiled
+from solvers.numerics.compiled import _source_of, compiled
 from solvers.numerics.lu import blas_by_address, bordered
 from verification import ROOT
 
@@ -111,3 +111,11 @@ def test_a_loop_without_calls_keeps_its_name():
         return x
 
     assert compiled(loop).py_func.__qualname__.endswith("<locals>.loop")
+
+
+def test_the_text_of_a_module_is_read_whatever_loaded_it(monkeypatch):
+    """The loader of pytest, by which installed packages with a plugin are imported, has no get_source."""
+    text = Path(bordered.__file__).read_text(encoding="utf-8")
+    assert _source_of(bordered) == text
+    monkeypatch.setattr(bordered, "__loader__", object())
+    assert _source_of(bordered) == text

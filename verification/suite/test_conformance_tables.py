@@ -146,8 +146,10 @@ def test_truth_agrees_with_the_solvers(case):
 
 
 @pytest.mark.parametrize("name", ["conformance_statics", "conformance_networks"])
-def test_rows_are_those_of_the_generator(name):
+def test_rows_are_those_of_the_generator(name, deep):
     """A row computed anew is the same text: the table is the generator's, not edited."""
+    if name == "conformance_networks" and not deep:
+        pytest.skip("a stiffness by differences at forty digits: with --deep")
     words = [sys.executable, "-m", "reference_data", "check", "--only", name, "--sample", "1", "--jobs", "1"]
     run = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, timeout=LONGEST)
     assert run.returncode == 0 and "0 differences" in run.stdout, run.stdout + run.stderr
