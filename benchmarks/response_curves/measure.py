@@ -16,6 +16,7 @@ from .systems import CASES
 PARTS = {f"curve_{case.name}": partial(measure_case, case) for case in CASES}
 PARTS |= {"count": maps.count_responses, "basins": maps.basins, "parametric": maps.parametric, "roads": roads.roads,
           "cost": roads.cost}  # fmt: skip
+NOT_IN_QUICK = ("curve_shallow", "curve_bridle", "count", "basins")
 DEEP = {"whole_curve": roads.whole_curve}
 
 
@@ -26,7 +27,9 @@ def main(argv=None) -> int:
     parser.add_argument("--deep", action="store_true", help="a whole curve of 200 points on 50 cells, too")
     parser.add_argument("--parts", nargs="+", choices=[*PARTS, *DEEP], help="only these parts")
     arguments = parser.parse_args(argv)
-    chosen = arguments.parts or [*PARTS, *(DEEP if arguments.deep else ())]
+    left_out = NOT_IN_QUICK if arguments.quick else ()
+    whole = [name for name in PARTS if name not in left_out]
+    chosen = arguments.parts or [*whole, *(DEEP if arguments.deep else ())]
     file: dict = {"quick": arguments.quick, "seconds": {}}
 
     def work():

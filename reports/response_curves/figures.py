@@ -113,7 +113,7 @@ def basin_figure(data: dict, folder: Path) -> Figure:
                       capsize=4, label=name if name not in axes.get_legend_handles_labels()[1] else "_")  # fmt: skip
     axes.set(ylim=(-3, 103))
     add_legend(figure, axes)
-    alt = "Share of random starts that come to each coexisting response, with 95 % intervals."
+    alt = "Share of random starts that come to each coexisting response, with confidence intervals."
     return style.save(figure, folder, "curves_basins", "Shares of the basins", alt)
 
 
@@ -128,7 +128,7 @@ def parametric_figures(data: dict, folder: Path) -> list[Figure]:
         axes.set_facecolor(style.GRID)
         mesh = axes.pcolormesh(x, y, shown, cmap="viridis", shading="nearest", rasterized=True,
                                vmin=0, vmax=max(float(np.nanmax(growth)), 1e-6))  # fmt: skip
-        figure.colorbar(mesh, ax=axes).set_label("growth rate, 1/s")
+        figure.colorbar(mesh, ax=axes).set_label("growth rate, per second")
         axes.grid(False)
         rows = [{"frequency_Hz": f, "amplitude_m": a, "growth_per_s": data[key][i][j]}
                 for i, a in enumerate(data["amplitude"]) for j, f in enumerate(data["frequency"])]  # fmt: skip

@@ -85,7 +85,7 @@ def _multipliers(cases, roads, inputs) -> Group | None:
         least = min(row["difference"] for row in roads if row["difference"] is not None)
         worst = max(row["difference"] for row in roads if row["difference"] is not None)
         text += (
-            f"Hill's problem and the monodromy of the OC3 line in 2 mm of surge differ by {number(least, 1)} at best, "
+            f"Hill's problem and the monodromy of the OC3 line in small surge differ by {number(least, 1)} at best, "
             f"and by {number(worst, 1)} where harmonics or steps are too few."
         )
     return Group(text, drawn) if drawn else None
@@ -99,9 +99,9 @@ def _basins(data, inputs) -> FigureWithTable:
             for row in basins["rows"]]  # fmt: skip
     table = Table("curves_basins", "Basins", columns, rows, dict.fromkeys(columns, number)).write(inputs.tables)
     text = (
-        f"Left: number of stable responses of the taut cable in its plane. Right: of {basins['count']} random starts "
-        f"at {number(basins['frequency'])} Hz and {1e3 * basins['amplitude']:g} mm the share that comes to each, with "
-        f"its 95 % interval (Wilson); {plural(basins['unsettled'], 'start')} came to none in the periods they had."
+        f"Left: stable responses of the taut cable in its plane. Right: of {basins['count']} random starts at "
+        f"{number(basins['frequency'])} Hz and {1e3 * basins['amplitude']:g} mm the share that comes to each, with "
+        f"its confidence interval (Wilson); {plural(basins['unsettled'], 'start')} came to none."
     )
     drawn = [figures.count_figure(data["count"], inputs.figures), figures.basin_figure(basins, inputs.figures)]
     return FigureWithTable(Group(text, drawn), table)
@@ -147,11 +147,12 @@ def verdicts(data: dict, cases: list[dict]):
     if data.get("roads"):
         least = min(row["difference"] for row in data["roads"] if row["difference"] is not None)
         text = f"least difference of Hill's problem and the monodromy, at most {AGREE:g}"
-        yield Verdict(two_digits(least), text, "OC3 line in 2 mm of surge", least <= AGREE, "response-curves")
+        yield Verdict(two_digits(least), text, "OC3 line in small surge", least <= AGREE, "response-curves")
     total, is_measured = _whole_seconds(data)
     if total is not None:
-        how = "measured" if is_measured else "200 times that of its first points"
-        text = f"CPU time of a curve of {WHOLE_POINTS} points with stability, {WHOLE_CELLS} cells, at most 60 s"
+        how = "measured" if is_measured else f"{WHOLE_POINTS} times that of its first points"
+        size = f"{WHOLE_POINTS} points with stability, {WHOLE_CELLS} cells"
+        text = f"CPU time of a curve of {size}, at most {MOST_SECONDS:g} s"
         yield Verdict(seconds(total), text, how, total <= MOST_SECONDS, "response-curves")
 
 

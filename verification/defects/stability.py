@@ -30,6 +30,7 @@ _AT_STOP = "stability/test_known_curves.py::test_a_fold_at_the_stop_ends_the_cur
 _SINGULAR = "stability/test_known_curves.py::test_a_start_at_a_fold_is_singular"
 _REFUSED = "stability/test_curve.py::test_a_parameter_that_leaves_its_physical_range_ends_the_curve"
 
+_SIDEWAYS = "stability/test_special_points.py::test_a_branch_leaves_the_plane_of_a_taut_cable"
 _BASINS = "stability/test_basins.py::test_starts_land_where_another_integrator_has_them"
 _WILSON = "stability/test_basins.py::test_intervals_solve_wilsons_equation"
 _BRANCHES = "stability/test_basins.py::test_responses_at_a_value_are_those_of_the_curve"
@@ -205,5 +206,10 @@ DEFECTS: tuple[Defect, ...] = (
         "np.flatnonzero((curve.values[:-1] - value) * (curve.values[1:] - value) <= 0)",
         "np.flatnonzero((curve.values[:-1] - value) * (curve.values[1:] - value) <= 0)[:1]", "index",
         "the first part of the curve alone", _BRANCHES,
+    ),
+    _defect(
+        "branch-without-weight", "switching", "_norms_beside",
+        "np.where(norms > AT_REST * norms.max(), norms, norms.max())", "norms", "regime",
+        "a field at rest on the curve that a step along the branch does not count", _SIDEWAYS,
     ),
 )  # fmt: skip

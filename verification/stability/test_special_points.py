@@ -7,7 +7,16 @@ from functools import cache
 import numpy as np
 import pytest
 
-from solvers import ConvergenceError, InputError
+from solvers import (
+    CableProperties,
+    ConvergenceError,
+    Environment,
+    InputError,
+    Motion,
+    Scene,
+    mooring_system,
+    solve_periodic,
+)
 from solvers.stability import floquet, response_curve, switch_branch
 from solvers.stability.continuation import Tracer
 from solvers.stability.special_points import (
@@ -27,6 +36,8 @@ PLACE = 1e-8  # of the range: what the issue of special points asks for; measure
 MULTIPLIER = 1e-6  # of a multiplier on the circle: a place to 1e-9 and 200 time steps in a period
 AMPLITUDE = 1e-6  # of the first harmonic at a special point, which changes as the place does, and faster at folds
 SYMMETRIC = 1e-9  # of even harmonics where there are none: round-off beside a branch point
+SIDEWAYS = 1e-9  # of a motion in its plane: round-off across it
+SOLVED_LINE = 1e-7  # m, of coefficients of a line of 100 m, whose last Newton step is below 1e-10 in the mean
 BY_ROOT = 1e-3  # of a branch: the parameter changes with the square of the step 0.01
 
 
@@ -192,3 +203,24 @@ def test_multipliers_that_stay_on_the_circle_pass_nothing():
     segment = CurveSegment(tracer, at(3), at(4), lambda point: np.array([1 + 1e-9, 0.5]))
     segment.set_multipliers(np.array([1 - 1e-8, 0.5]), np.array([1 + 1e-8, 0.5]))
     assert locate_special_points(segment, True) == []
+
+
+# ---------------------------------------------------------------- a field that a curve leaves at rest
+AIR = Environment(rho=1.225)
+CABLE = CableProperties(EA=2e7, diameter=0.08, mass_per_length=2.5, Cdn=1.25)
+
+
+def test_a_branch_leaves_the_plane_of_a_taut_cable():
+    """Near its second frequency a taut cable whose end moves up and down starts to move sideways."""
+    ends = (0.0, 0.0, -120.0), (100.05, 0.0, -120.0)
+    scene = Scene("taut", CABLE, 100.0, *ends, AIR, motion=Motion.harmonic(0.89, (0.0, 0.0, 0.03)))
+    system = mooring_system(scene, cells=6, fields="spatial", mesh="uniform")
+    curve = response_curve(system, start=0.87, stop=1.0, harmonics=4, max_points=40, stability=True, throw=False)
+    point = next(each for each in curve.special if each.kind == "branch point")
+    assert abs(point.z[1]).max() <= SIDEWAYS * abs(point.z[2]).max()
+    start = switch_branch(curve, point)
+    assert abs(start.value - point.value) < 0.01 * point.value
+    z = start.response.z
+    assert 0.001 * abs(z[2]).max() < abs(z[1]).max() < abs(z[2]).max()  # a small step along it, and no more
+    again = solve_periodic(start.response.system, harmonics=4, start=start.response, symmetry=False)
+    assert abs(again.z - z).max() <= SOLVED_LINE
