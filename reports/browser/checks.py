@@ -82,7 +82,7 @@ def _has_anchor(link: str, path: Path) -> bool:
 
 
 def figures_without_data(page) -> list[str]:
-    """Return panels with a drawing whose caption links no CSV; moving views repeat what the figures beside them hold."""
+    """Return panels with a drawing whose caption links no CSV; those of moving views stand with the figures beside."""
     return page.evaluate("""() => [...document.querySelectorAll('figure.panel:not(.view)')].filter(
         f => !f.querySelector('figcaption a[href$=".csv"]')).map(f => f.textContent.trim().slice(0, 80))""")
 
