@@ -58,7 +58,7 @@ def missing_figures(page) -> list[str]:
         ...[...document.images].filter(i => !(i.complete && i.naturalWidth > 0)).map(i => 'img ' + i.src),
         ...[...document.querySelectorAll('figure svg')].filter(s => {
             const box = s.getBoundingClientRect();
-            return box.width < 50 || box.height < 50 || !s.querySelector('path, use, image');
+            return box.width < 50 || box.height < 50 || !s.querySelector('path, use, image, polyline');
         }).map(s => 'svg ' + s.getAttribute('aria-label')),
     ]""")
 
@@ -82,8 +82,8 @@ def _has_anchor(link: str, path: Path) -> bool:
 
 
 def figures_without_data(page) -> list[str]:
-    """Return panels with a drawing whose caption links no CSV."""
-    return page.evaluate("""() => [...document.querySelectorAll('figure.panel')].filter(
+    """Return panels with a drawing whose caption links no CSV; those of moving views stand with the figures beside."""
+    return page.evaluate("""() => [...document.querySelectorAll('figure.panel:not(.view)')].filter(
         f => !f.querySelector('figcaption a[href$=".csv"]')).map(f => f.textContent.trim().slice(0, 80))""")
 
 
