@@ -16,6 +16,7 @@ from ..network.section import NETWORKS
 from ..papers.errata import ERRATA, read_errata
 from ..papers.published import PUBLISHED
 from ..papers.section import ITEMS, entries
+from ..scenes.load_case_costs import LOAD_CASE_COSTS
 from ..scenes.load_cases import LOAD_CASES
 from ..scenes.networks import MOVING_NETWORKS
 from ..scenes.section import SCENES
@@ -23,7 +24,7 @@ from ..stability.section import STABILITY
 
 SECTIONS = (
     CLAIMS, REGIMES, DEFECTS,
-    WORK_PRECISION, NETWORKS, MOORING, MOORING_NETWORKS, DYNAMICS, HARMONIC, SCENES, MOVING_NETWORKS,
+    WORK_PRECISION, NETWORKS, MOORING, MOORING_NETWORKS, DYNAMICS, HARMONIC, SCENES, MOVING_NETWORKS, LOAD_CASE_COSTS,
     ITEMS, ERRATA, PUBLISHED,
     STABILITY,
     OTHER_CODES,

@@ -74,6 +74,7 @@ TEST_ROOMS = ("browser",)  # looks at the finished page, and imports none of the
 # Beside that, what one file alone may import.
 ALSO = {
     "benchmarks/load_cases/table.py": ("distributed",),
+    "benchmarks/load_cases/measure.py": ("verification.exact.gaussian",),  # the theory that statistics are shown beside
     "solvers/load_cases/statistics.py": ("rainflow",),
     "solvers/numerics/compiled.py": (
         "numba",
