@@ -200,7 +200,13 @@ def measure(sampled: int, timed: int) -> dict:
         measured[name] = errors | {
             "seconds_an_hour": hours, "total": CASES[name] * float(np.mean(hours)), "count": CASES[name],
             "beside": beside}  # fmt: skip
-    return {"tolerance": TOLERANCE, "systems": measured, "theory": check_theory(), "duration": COMPARED}
+    return {
+        "tolerance": TOLERANCE,
+        "systems": measured,
+        "theory": check_theory(),
+        "exponent": EXPONENT,
+        "duration": COMPARED,
+    }
 
 
 def describe(measured: dict) -> str:

@@ -20,6 +20,8 @@ from solvers import ConvergenceError, InputError
 from solvers.io.case_file import describe_columns, load_case_of, load_system, read_load_cases
 from solvers.load_cases import solve_load_cases
 from solvers.load_cases.integration import integrate_case
+from solvers.load_cases.solve import REFERENCE_TIME
+from solvers.load_cases.statistics import CONFIDENCE, REFERENCE_FREQUENCY
 from solvers.numerics.threads import one_blas_thread
 
 from ..run import console, results
@@ -97,6 +99,7 @@ def solve(arguments) -> dict:
         "output": f"{folder.name}/{output.name}", "dt": table.dt,
         "cells": table.cells, "wohler": arguments.wohler, "accuracy": asdict(table.accuracy),
         "rows": [_row(case, row) for case, row in zip(table.cases, rows, strict=True)],
+        "hours": REFERENCE_TIME / 3600, "confidence": CONFIDENCE, "frequency": REFERENCE_FREQUENCY,
         "series": None, "margins": [], "suspected": getattr(system, "warnings", ()),
     }  # fmt: skip
     if cases is None and table.cases[0].success:

@@ -68,9 +68,9 @@ def _theory(data: dict) -> Table:
         "measured": "measured",
         "sampling": "sampling error",
     }
-    rows = [row | {"quantity": row["quantity"]} for row in data["theory"]]
-    note = "In standard deviations of the series; damage as the range of one cycle a second, exponent 3."
-    return Table("load_case_theory", "Theory", columns, rows, dict.fromkeys(list(columns)[1:], lambda v: number(v, 4)),
+    exponent = f"exponent {data['exponent']:g}"
+    note = f"In standard deviations of the series; damage as the range of one cycle a second, {exponent}."
+    return Table("load_case_theory", "Theory", columns, data["theory"], dict.fromkeys(list(columns)[1:], lambda v: number(v, 4)),
                  note=note)  # fmt: skip
 
 
