@@ -70,8 +70,8 @@ def _theory(data: dict) -> Table:
     }
     exponent = f"exponent {data['exponent']:g}"
     note = f"In standard deviations of the series; damage as the range of one cycle a second, {exponent}."
-    return Table("load_case_theory", "Theory", columns, data["theory"], dict.fromkeys(list(columns)[1:], lambda v: number(v, 4)),
-                 note=note)  # fmt: skip
+    formats = dict.fromkeys(list(columns)[1:], lambda v: number(v, 4))
+    return Table("load_case_theory", "Theory", columns, data["theory"], formats, note=note)
 
 
 def _sentences(data: dict) -> list[str]:
