@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..page.formatting import number, ratio, seconds, two_digits
+from ..page.formatting import number, seconds, times, two_digits
 from ..page.section import Content, Inputs, Section
 from ..page.tables import Table
 from ..page.verdicts import Verdict
@@ -89,10 +89,9 @@ def _verdicts(data: dict) -> list[Verdict]:
                             "load-case-costs"))  # fmt: skip
         if beside := row["beside"]:
             more = "" if beside["reached"] else "more than "
-            detail = f"as long takes MoorDyn for the same sea states at equal error; wanted: {number(FASTER)}"
-            made.append(
-                Verdict(f"{more}{ratio(beside['ratio'])}", name, detail, beside["ratio"] >= FASTER, "load-case-costs")
-            )
+            detail = f"for the same sea states at equal error in standard deviation; wanted: {times(FASTER)}"
+            made.append(Verdict(f"{more}{times(beside['ratio'])}", f"MoorDyn's time over this project's, {name}", detail,
+                                beside["ratio"] >= FASTER, "load-case-costs"))  # fmt: skip
     off = [abs(row["measured"] - row["theory"]) <= STANDARD_ERRORS * row["sampling"] + THEORY_SHARE * row["theory"]
            for row in data["theory"]]  # fmt: skip
     made.append(Verdict(f"{sum(off)}/{len(off)}", "closed forms of Gaussian series met",
