@@ -90,8 +90,8 @@ def _verdicts(data: dict) -> list[Verdict]:
         if beside := row["beside"]:
             more = "" if beside["reached"] else "more than "
             detail = f"for the same sea states at equal error in standard deviation; wanted: {times(FASTER)}"
-            made.append(Verdict(f"{more}{times(beside['ratio'])}", f"MoorDyn's time over this project's, {name}", detail,
-                                beside["ratio"] >= FASTER, "load-case-costs"))  # fmt: skip
+            label, good = f"MoorDyn's time over this project's, {name}", beside["ratio"] >= FASTER
+            made.append(Verdict(f"{more}{times(beside['ratio'])}", label, detail, good, "load-case-costs"))
     off = [abs(row["measured"] - row["theory"]) <= STANDARD_ERRORS * row["sampling"] + THEORY_SHARE * row["theory"]
            for row in data["theory"]]  # fmt: skip
     made.append(Verdict(f"{sum(off)}/{len(off)}", "closed forms of Gaussian series met",
