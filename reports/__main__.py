@@ -28,7 +28,8 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("scenes", nargs="*", type=Path, metavar="FILE", help="a page about these only: "
                         "scenes and networks (.toml), MAP++ (.map, .dat) and MoorDyn files (.txt, .dat); or tables of "
-                        "load cases (.csv) and the system that they are for")  # fmt: skip
+                        "load cases (.csv; their columns: python -m benchmarks.load_cases.table --help) and the "
+                        "system that they are for")  # fmt: skip
     parser.add_argument(
         "--depth", type=float, metavar="M", help="depth of the water, m, where a MAP++ file asks for it"
     )

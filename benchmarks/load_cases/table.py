@@ -5,6 +5,7 @@ Rows are kept one by one in <system>/<cases>.csv (of its own sea <system>/sea.cs
 
 from __future__ import annotations
 
+import argparse
 import math
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -16,9 +17,11 @@ import numpy as np
 from tqdm import tqdm
 
 from solvers import ConvergenceError, InputError
-from solvers.io.case_file import load_case_of, load_system, read_load_cases
+from solvers.io.case_file import describe_columns, load_case_of, load_system, read_load_cases
 from solvers.load_cases import solve_load_cases
 from solvers.load_cases.integration import integrate_case
+from solvers.load_cases.solve import REFERENCE_TIME
+from solvers.load_cases.statistics import CONFIDENCE, REFERENCE_FREQUENCY
 from solvers.numerics.threads import one_blas_thread
 
 from ..run import console, results
@@ -96,6 +99,7 @@ def solve(arguments) -> dict:
         "output": f"{folder.name}/{output.name}", "dt": table.dt,
         "cells": table.cells, "wohler": arguments.wohler, "accuracy": asdict(table.accuracy),
         "rows": [_row(case, row) for case, row in zip(table.cases, rows, strict=True)],
+        "hours": REFERENCE_TIME / 3600, "confidence": CONFIDENCE, "frequency": REFERENCE_FREQUENCY,
         "series": None, "margins": [], "suspected": getattr(system, "warnings", ()),
     }  # fmt: skip
     if cases is None and table.cases[0].success:
@@ -138,6 +142,8 @@ def _row(case, row) -> dict:
 def main(argv=None) -> int:
     """Command line."""
     parser = console.parser("load_cases.table", __doc__)
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.epilog = f"Columns of CASES.csv, for which editors know no schema:\n{describe_columns()}"
     parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help="CASES.csv and a scene or network (.toml, "
                         ".map, .txt, .dat); or a scene or network alone, whose [motion] is a sea")  # fmt: skip
     parser.add_argument("--name", help="of the result, where another system has the same stem")

@@ -20,6 +20,7 @@ from ..papers.published import PUBLISHED
 from ..papers.section import ITEMS, entries
 from ..response_curves.section import RESPONSE_CURVES
 from ..response_curves.sweep import SWEEP
+from ..scenes.load_case_costs import LOAD_CASE_COSTS
 from ..scenes.load_cases import LOAD_CASES
 from ..scenes.networks import MOVING_NETWORKS
 from ..scenes.section import SCENES
@@ -27,7 +28,7 @@ from ..stability.section import STABILITY
 
 SECTIONS = (
     REGIMES, CLAIM_MAP, CLAIMS, DEFECTS,
-    WORK_PRECISION, NETWORKS, MOORING, MOORING_NETWORKS, DYNAMICS, HARMONIC, SCENES, MOVING_NETWORKS,
+    WORK_PRECISION, NETWORKS, MOORING, MOORING_NETWORKS, DYNAMICS, HARMONIC, SCENES, MOVING_NETWORKS, LOAD_CASE_COSTS,
     ITEMS, ERRATA, PUBLISHED,
     STABILITY, RESPONSE_CURVES,
     CONFORMANCE, OTHER_CODES,

@@ -446,7 +446,7 @@ def _files_beside(path: Path) -> tuple[str, ...]:
 
 
 # ---------------------------------------------------------------- the whole
-SLOW = ("work_precision", "defects", "benchmarks", "speed", "moving_scene", "moving_networks")
+SLOW = ("work_precision", "defects", "benchmarks", "speed", "moving_scene", "moving_networks", "load_case_costs")
 """Groups left out by --quick; results of an earlier whole run are still shown."""
 
 GROUPS = (
@@ -467,6 +467,7 @@ GROUPS = (
     "published",
     "load_cases",
     "sweep",
+    "load_case_costs",
 )
 
 
@@ -491,6 +492,7 @@ def plan(quick: bool, published: list[Path], claimed: Iterable[str] = ()) -> lis
         *(scene_stage(path) for path in sorted(SCENES.glob("*.toml"))),
         scene_stage(MOVING_SCENE, "moving_scene"),
         *_moving_networks(),
+        _measured("load_case_costs", "load cases", ("benchmarks.load_cases.measure",), 60, timed=True),
         *(scene_stage(path, "published") for path in published),
     ]  # fmt: skip
 

@@ -22,7 +22,8 @@ MARKERS = "os"  # by turns, for symmetric lines have the same tensions
 COLUMNS = {
     "case": "case", "line": "line", "minimum": "least", "mean": "mean", "maximum": "greatest",
     "standard_deviation": "std. dev.",
-    "time_of_max": "greatest at, s", "extreme": "in 3 h", "interval": "90 %", "damage_equivalent_load": "1 Hz range",
+    "time_of_max": "greatest at, s", "extreme": "in {hours:g} h", "interval": "{confidence:.0%}",
+    "damage_equivalent_load": "range at {frequency:g} Hz",
     "anchor_maximum": "anchor", "grounded": "on the seabed, m", "slack_time": "slack, s", "remarks": "remarks",
 }  # fmt: skip
 GROUPS = (("", 2), ("tension at the fairlead, kN", 4), ("extreme, kN", 2), ("damage, kN", 1), ("greatest, kN", 1),
@@ -37,6 +38,12 @@ def _kn(value) -> str:
 
 FORMATS = dict.fromkeys(("minimum", "mean", "maximum", "standard_deviation", "extreme", "damage_equivalent_load",
                          "anchor_maximum"), _kn)  # fmt: skip
+
+
+def _columns(summary: dict, without: str) -> dict:
+    """Return the columns but one, with what extremes and damage refer to in their heads."""
+    given = {key: summary[key] for key in ("hours", "confidence", "frequency")}
+    return {key: head.format(**given) for key, head in COLUMNS.items() if key != without}
 
 
 def build(inputs: Inputs) -> Content:
@@ -68,7 +75,7 @@ def _python_to_paste(summary: dict) -> str | None:
     return (
         f"{reader}from solvers.load_cases import solve_load_cases\n\n"
         f"table = solve_load_cases(system, [load_case_of(system)], dt={summary['dt']:.6g}, cells={summary['cells']})\n"
-        "table.cases[0].lines  # N: statistics, extreme and damage of each line"
+        """table.values("maximum"), table.values("standard_deviation")  # N, of each line"""
     )
 
 
@@ -93,10 +100,10 @@ def _table(summary: dict, name: str, most: int) -> Table:
     solved = sum(len(case["lines"]) for case in summary["rows"])
     damage = f"Damage: range of a cycle a second that does the same, exponent {summary['wohler']:g}."
     if summary["series"]:
-        columns = {key: head for key, head in COLUMNS.items() if key != "case"}
+        columns = _columns(summary, "case")
         times = f"Over {number(summary['series']['duration'])} s after a ramp of {number(summary['series']['ramp'])} s."
         return Table(f"{name}_rows", "Lines", columns, rows, FORMATS, OWN_GROUPS, note=f"{times} {damage}")
-    columns = {key: head for key, head in COLUMNS.items() if key != "time_of_max"}
+    columns = _columns(summary, "time_of_max")
     note = f"{plural(len(rows), 'row')} of the greatest tensions of {solved}; the CSV file has all of them. {damage}"
     return Table(f"{name}_rows", "Load cases", columns, rows, FORMATS, GROUPS, note=note)
 
@@ -190,7 +197,7 @@ def summarise(summary: dict, out: Path) -> str:
     """Return what the terminal shows of a table: the rows of the greatest tensions, the error, where all rows are."""
     table = _table(summary, "cases", IN_TERMINAL)
     kept = [key for key in table.columns if key not in ("remarks", "interval", "anchor_maximum")]
-    short = Table(table.name, table.title, {key: COLUMNS[key] for key in kept}, table.rows, FORMATS)
+    short = Table(table.name, table.title, {key: table.columns[key] for key in kept}, table.rows, FORMATS)
     where = f" in waves, {summary['rows'][0]['name']}" if summary["cases"] is None else ""
     text = [f"{summary['name']}{where}: tensions in kN", as_text(short), _sentence(summary), *_failed(summary)]
     text += margins.describe_margin(summary["margins"])

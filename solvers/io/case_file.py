@@ -1,13 +1,11 @@
 """Tables of load cases in CSV, their results in CSV, and the records from which an interrupted table goes on.
 
-A row of load cases has a header with the names of its columns, and any of
-name; duration (s); ramp (s, 120 where it is empty); current_x, current_y, current_z (m/s, in place of the system's);
-offset_x, offset_y, offset_z (m, of the coupled points); then one of
-  a sea: Hs (m), Tp (s), gamma, or spectrum (jonswap, pierson_moskowitz, or a CSV file); seed; heading (degrees);
-         amplitudes (rayleigh or deterministic); operators, a CSV file, where the system names none
-  a regular motion: period (s) and amplitudes surge, sway, heave (m), roll, pitch, yaw (rad) or roll_deg ... (degrees)
+A table of load cases has a header with the names of its columns, those of ``keys.CASES``: a duration, and one of
+  a sea: Hs, Tp and seed, or spectrum and seed; gamma, heading, amplitudes, and operators where the system names none
+  a regular motion: period and amplitudes surge, sway, heave, roll or roll_deg, ...
   a series: motion, a CSV file, see solvers/io/motion_file.py
-Files are relative to that of the table; a cell may be empty.
+with ramp, current and offset. Files are relative to that of the table; a cell may be empty. CSV has no schema for
+editors: ``describe_columns`` says what there is, and a wrong name gets the nearest column.
 """
 
 from __future__ import annotations
@@ -25,17 +23,27 @@ from ..common.load_case import LoadCase
 from ..common.outcome import InputError
 from ..common.sea_state import SeaMotion
 from .csv_columns import read_rows
-from .keys import SEA
+from .keys import CASES, SEA
 from .motion_file import COORDINATES, load_body_motion
 from .network_scene import load_network
 from .scene import Scene, read_tables
 from .sea_file import sea_from_settings
 
-_TEXTS = ("name", "spectrum", "operators", "amplitudes", "motion")
+_TEXTS = tuple(name for name, key in CASES.items() if key.kind in ("text", "amplitudes"))
 _SEA = tuple(key for key in SEA if key != "duration")
 _REGULAR = ("period", *COORDINATES, *(f"{name}_deg" for name in COORDINATES[3:]))
 _VECTORS = {name: tuple(f"{name}_{axis}" for axis in "xyz") for name in ("current", "offset")}
-COLUMNS = ("name", "duration", "ramp", *_VECTORS["current"], *_VECTORS["offset"], *_SEA, *_REGULAR, "motion")
+
+
+def describe_columns() -> str:
+    """Return a line for each column of a table of load cases: its name, unit and meaning.
+
+    >>> print(describe_columns().splitlines()[1])
+    duration (s): Time over which statistics are taken, after the ramp. Always.
+    """
+    units = {name: f" ({key.unit})" if key.unit else "" for name, key in CASES.items()}
+    return "\n".join(f"{name}{units[name]}: {key.help}{' Always.' if key.required else ''}"
+                     for name, key in CASES.items())  # fmt: skip
 
 
 def load_system(path: str | PathLike[str]):
@@ -49,7 +57,7 @@ def read_load_cases(path: str | PathLike[str], system=None) -> list[LoadCase | I
     system: whose [motion] from a spectrum gives response amplitude operators and reference point to rows without them.
     Raises InputError where the file itself cannot be read or has a column that is unknown.
     """
-    names, rows = read_rows(path, COLUMNS)
+    names, rows = read_rows(path, CASES)
     if not rows:
         raise InputError("has no rows of load cases", field="path", value=str(path), label=str(path))
     cases: list[LoadCase | InputError] = []

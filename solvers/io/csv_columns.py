@@ -9,6 +9,7 @@ from os import PathLike
 from pathlib import Path
 
 from ..common.outcome import InputError
+from .keys import describe_likely_key
 
 
 def read_rows(
@@ -16,8 +17,8 @@ def read_rows(
 ) -> tuple[list[str], list[tuple[int, list[str]]]]:
     """Return the names of the columns and, for each row, the number of its line and its cells.
 
-    known: the names that a column may have; required: one that must be there, beside so many others. Raises InputError
-    naming file, line and column of what is wrong.
+    known: the names that a column may have, or a table of Key by name, whose aliases are hints; required: one that must
+    be there, beside so many others. Raises InputError naming file, line and column of what is wrong.
     """
     try:
         text = Path(path).read_text(encoding="utf-8-sig")
@@ -57,11 +58,15 @@ def _check_names(where: str, names: list[str], known):
     """Raise InputError for a name that is unknown or there twice, in radians and degrees say."""
     for i, name in enumerate(names):
         if name not in known:
-            near = get_close_matches(name.lower(), known, n=1) or [k for k in known if k.lower() == name.lower()]
-            hint = f"did you mean {near[0]!r}?" if near else f"known columns are {', '.join(known)}"
+            hint = describe_likely_key(name, known, "columns") if isinstance(known, dict) else _nearest(name, known)
             raise InputError(f"{where}: unknown column {name!r}; {hint}", field=name, label="")
         if name.removesuffix("_deg") in [other.removesuffix("_deg") for other in names[:i]]:
             raise InputError(f"{where}: column {name!r} is there already", field=name, label="")
+
+
+def _nearest(name: str, known) -> str:
+    near = get_close_matches(name.lower(), known, n=1) or [k for k in known if k.lower() == name.lower()]
+    return f"did you mean {near[0]!r}?" if near else f"known columns are {', '.join(known)}"
 
 
 def _numbers(where: str, names: list[str], cells: list[str]) -> list[float]:

@@ -132,6 +132,25 @@ NETWORK = {
 }  # fmt: skip
 """Of a network file: table -> key -> Key; "" is the top level."""
 
+_AXES = {"x": "along x", "y": "along y", "z": "upwards"}
+CASES = {
+    "name": Key("text", "", "Name of the row, as results show it."),
+    "duration": Key("positive", "s", "Time over which statistics are taken, after the ramp.", True),
+    "ramp": Key("non_negative", "s", "Time over which the motion grows from rest, before it; 120 where it is empty."),
+    **{f"current_{axis}": Key("number", "m/s", f"Velocity of the water {way}, in place of the system's.")
+       for axis, way in _AXES.items()},
+    **{f"offset_{axis}": Key("number", "m", f"Displacement of the coupled points at rest, {way}.")
+       for axis, way in _AXES.items()},
+    **{name: key for name, key in SEA.items() if name != "duration"},
+    "period": Key("positive", "s", "Period of a regular motion, in place of a sea."),
+    **{name: Key("number", "m", f"Amplitude of a regular motion in {name}.") for name in ("surge", "sway", "heave")},
+    **{name: Key("number", "rad", f"Amplitude of a regular motion in {name}.") for name in ("roll", "pitch", "yaw")},
+    **{f"{name}_deg": Key("number", "degrees", f"Amplitude of a regular motion in {name}, in place of radians.")
+       for name in ("roll", "pitch", "yaw")},
+    "motion": Key("text", "", "Series of the motion in CSV, beside this file, in place of a sea."),
+}  # fmt: skip
+"""Columns of a table of load cases (CSV): name -> Key. CSV has no schema that an editor would check a file with."""
+
 ALIASES = {
     "rho": "density water_density rho_w rhow",
     "g": "gravity",
@@ -160,6 +179,17 @@ ALIASES = {
     "mass": "m",
     "volume": "v",
     "line_type": "type linetype",
+    "Hs": "h hm0 swh significant_height significant_wave_height wave_height",
+    "Tp": "t peak_period wave_period tpeak",
+    "gamma": "peak_enhancement peakedness",
+    "heading": "direction wave_direction wave_heading mwd dir theta beta",
+    "seed": "random_seed rng realisation realization",
+    "duration": "t_sim simulation_time length_s tmax time",
+    "ramp": "ramp_time transient t_ramp",
+    "operators": "rao raos transfer_functions",
+    "current_x": "current current_speed u",
+    "offset_x": "offset",
+    "motion": "file series motion_file",
 }
 """Key -> what other programs and papers call it, in small letters."""
 
@@ -169,18 +199,22 @@ def check_keys(where: str, table: dict, keys: dict[str, Key]):
     for key in table:
         if key not in keys:
             raise InputError(
-                f"unknown key {key!r} in {where}; {_likely(key, keys)}", field=key, value=table[key], label=""
+                f"unknown key {key!r} in {where}; {describe_likely_key(key, keys)}",
+                field=key,
+                value=table[key],
+                label="",
             )
     for key, about in keys.items():
         if about.required and key not in table:
             raise InputError(f"missing key {key!r} in {where}", field=key, label="")
 
 
-def _likely(key: str, keys: dict[str, Key]) -> str:
+def describe_likely_key(key: str, keys: dict[str, Key], noun: str = "keys") -> str:
+    """Return which key or column is likely meant by an unknown one, with its unit where it has another name; or all."""
     same = [known for known in keys if known.lower() == key.lower()]
     usual = [known for known in keys if key.lower() in ALIASES.get(known, "").split()]
     near = same or usual or get_close_matches(key, keys, n=1)
     if not near:
-        return f"known keys are {', '.join(sorted(keys))}"
+        return f"known {noun} are {', '.join(sorted(keys))}"
     about = keys[near[0]]
     return f"did you mean {near[0]!r}?" + (f" {about.help.rstrip('.')} ({about.unit or 'no unit'})." if usual else "")

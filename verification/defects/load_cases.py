@@ -109,4 +109,15 @@ DEFECTS = (
         "arrays that all look alike", "load_cases.fingerprint", "_add", "np.ascontiguousarray(value).tobytes()", 'b""',
         "input", "systems that differ in an array have one digest", f"{_SOLVE}fingerprints_tell_inputs_apart",
     ),
+    _defect(
+        "a touchdown away from itself", "mooring.mesh", "_surplus", "segment.length - s if segment.reversed else s",
+        "s if segment.reversed else segment.length - s", "sign", "nodes stand close at the other end of the line",
+        "mooring/test_model.py::test_a_touchdown_mesh_is_dense_where_the_touchdown_travels",
+    ),
+    _defect(
+        "usual names of columns not looked up", "io.csv_columns", "_check_names",
+        'describe_likely_key(name, known, "columns") if isinstance(known, dict) else _nearest(name, known)',
+        "_nearest(name, known)", "input", "peak_period is said to be period, the nearest in letters",
+        f"{_FILE}an_unknown_column_gets_the_nearest_one",
+    ),
 )  # fmt: skip

@@ -758,7 +758,7 @@ DEFECTS = (
     # ------------------------------------------------------------ io.keys, io.schema, io.plausibility
     Defect(
         "usual names of keys not looked up",
-        Fault("io.keys", "_likely", 'ALIASES.get(known, "").split()', "()"),
+        Fault("io.keys", "describe_likely_key", 'ALIASES.get(known, "").split()', "()"),
         "input",
         "Cd is said to be Cdt, the nearest in letters",
         "io/test_schema.py::test_the_usual_name_leads_to_the_key",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -11,7 +12,8 @@ from solvers import BodyMotion, InputError, Scene
 from solvers.common.load_case import RAMP
 from solvers.common.sea_state import SeaMotion, SeaState
 from solvers.io import load_network
-from solvers.io.case_file import load_system, read_load_cases, read_records, write_rows
+from solvers.io.case_file import describe_columns, load_system, read_load_cases, read_records, write_rows
+from solvers.io.keys import CASES
 from solvers.io.sea_file import load_response_operators, load_spectrum
 from verification import ROOT
 
@@ -168,3 +170,38 @@ def test_rows_are_written_with_all_digits(tmp_path):
     write_rows(path, ["a", "b"], [[1 / 3, None], ["x, y", 2]])
     assert path.read_text() == 'a,b\n0.3333333333333333,\n"x, y",2\n'
     assert read_records(tmp_path / "none.jsonl") == [] and list(tmp_path.iterdir()) == [path]
+
+
+NAMES = [
+    ("duration,hs,Tp,seed", "did you mean 'Hs'?"),
+    ("duration,significant_wave_height,Tp,seed", "did you mean 'Hs'? Significant wave height of the spectrum (m)"),
+    ("duration,Hs,peak_period,seed", "did you mean 'Tp'?"),
+    ("duration,Hs,Tp,seed,wave_direction", "did you mean 'heading'? Direction into which the waves run"),
+    ("duration,Hs,Tp,seeds", "did you mean 'seed'?"),
+    ("duration,Hs,Tp,seed,offset", "did you mean 'offset_x'? Displacement of the coupled points at rest, along x (m)"),
+    ("duration,Hs,Tp,seed,qqqqqq", "known columns are Hs, Tp, amplitudes, current_x"),
+]
+
+
+@pytest.mark.parametrize(("header", "message"), NAMES, ids=[message for _, message in NAMES])
+def test_an_unknown_column_gets_the_nearest_one(folder, header, message):
+    """By another case, another name of the trade with its unit, a slip of the pen; else all columns are said."""
+    path = folder / "cases.csv"
+    path.write_text(header + "\n")
+    with pytest.raises(InputError, match=re.escape(message)) as error:
+        read_load_cases(path, None)
+    assert str(error.value).startswith(f"{path}:1: unknown column")
+
+
+def test_every_column_is_described_and_read(folder):
+    """Each has a line with its unit; each can stand in a table, and those that are numbers are refused as words."""
+    lines = dict(line.split(": ", 1) for line in describe_columns().splitlines())
+    assert [name.partition(" (")[0] for name in lines] == list(CASES)
+    assert "Hs (m)" in lines and "pitch_deg (degrees)" in lines and "seed" in lines
+    path = folder / "cases.csv"
+    for name, key in CASES.items():
+        path.write_text(f"{name}\nword\n")
+        (case,) = read_load_cases(path, None)
+        is_number = key.kind not in ("text", "amplitudes")
+        assert isinstance(case, InputError)
+        assert (f"{name}: 'word' must be a finite number" in str(case)) == is_number, name

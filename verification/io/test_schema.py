@@ -91,7 +91,7 @@ def test_what_is_broken_fails_in_schema_and_reader(path, old, new, tmp_path):
 def test_every_key_has_a_known_kind_and_a_sentence():
     """A key that an editor could not explain would be of no help; aliases belong to keys."""
     known = set()
-    for tables in (keys.SCENE, keys.NETWORK):
+    for tables in (keys.SCENE, keys.NETWORK, {"columns": keys.CASES}):
         for table in tables.values():
             known |= table.keys()
             for key in table.values():

@@ -26,6 +26,7 @@ from solvers.load_cases.fingerprint import fingerprint
 from solvers.load_cases.integration import CHUNK, integrate_case
 from verification import ROOT
 
+from ..exact.gaussian import narrow_band_load, rayleigh_extreme
 from .systems import CATENARY, SURGE, TAUT, TWO_LINES, sea_case
 
 LINEAR = 0.02  # relative: inertia and drag of a light rope that is moved slowly, and its second order in the motion
@@ -51,8 +52,8 @@ def test_a_linear_line_has_rayleigh_maxima_and_the_damage_of_a_narrow_band(recor
     assert seen / scatter == pytest.approx(pull * deviation, rel=LINEAR)
     peaks = 0.08 * duration
     wanted = {
-        "extreme": math.sqrt(2 * math.log(peaks)),
-        "damage_equivalent_load": 2 * math.sqrt(2) * (0.08 * math.gamma(1 + exponent / 2)) ** (1 / exponent),
+        "extreme": rayleigh_extreme(peaks),
+        "damage_equivalent_load": narrow_band_load(0.08, exponent),
     }
     for name, theory in wanted.items():
         value = table.values(name)[:, 0] - (table.values("mean")[:, 0] if name == "extreme" else 0.0)

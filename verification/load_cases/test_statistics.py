@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from solvers.common.irregular_motion import IrregularMotion
 from solvers.load_cases.statistics import (
     FEWEST_PEAKS,
     WeibullFit,
@@ -18,6 +17,8 @@ from solvers.load_cases.statistics import (
     fit_weibull,
     refine_extremes,
 )
+
+from ..exact.gaussian import dirlik_load, gaussian_series, narrow_band_load, rayleigh_extreme
 
 SEEDS = 60  # of Gaussian series: their averages err by a 1/sqrt(60) of what one errs by
 ERRORS = 3.5  # standard errors of an average: once in two thousand
@@ -35,30 +36,7 @@ ASTM_CYCLES = {3: 0.5, 4: 1.5, 6: 0.5, 8: 1.0, 9: 0.5}
 
 def gaussian(seed: int, lowest: float, highest: float, duration: float = HOUR) -> np.ndarray:
     """Return a Gaussian series of unit variance with a level spectrum between two frequencies in Hz."""
-    k = np.arange(1, int(highest * duration) + 1)
-    band = (k >= lowest * duration)[:, None]
-    normal = np.random.default_rng(seed).standard_normal((2, k.size, 1)) * band
-    amplitude = (normal[0] + 1j * normal[1]) * [1.0, 0.0, 0.0] / math.sqrt(band.sum())
-    return IrregularMotion(duration, amplitude).displacement(STEP * np.arange(int(duration / STEP)))[0]
-
-
-def moments(lowest, highest) -> list[float]:
-    """Return moments 0, 1, 2 and 4 of a level spectrum of unit variance."""
-    return [(highest ** (n + 1) - lowest ** (n + 1)) / (n + 1) / (highest - lowest) for n in (0, 1, 2, 4)]
-
-
-def dirlik(lowest, highest, exponent) -> float:
-    """Return the damage-equivalent range at 1 Hz by the formula of T. Dirlik (thesis, Warwick 1985)."""
-    m0, m1, m2, m4 = moments(lowest, highest)
-    gamma, peaks = m2 / math.sqrt(m0 * m4), math.sqrt(m4 / m2)
-    x = m1 / m0 * math.sqrt(m2 / m4)
-    D1 = 2 * (x - gamma**2) / (1 + gamma**2)
-    R = (gamma - x - D1**2) / (1 - gamma - D1 + D1**2)
-    D2 = (1 - gamma - D1 + D1**2) / (1 - R)
-    D3, m = 1 - D1 - D2, exponent
-    Q = 1.25 * (gamma - D3 - D2 * R) / D1
-    mean = D1 * Q**m * math.gamma(1 + m) + 2 ** (m / 2) * math.gamma(1 + m / 2) * (D2 * abs(R) ** m + D3)
-    return 2 * math.sqrt(m0) * (peaks * mean) ** (1 / m)
+    return gaussian_series(seed, lowest, highest, duration, STEP)
 
 
 def test_cycles_of_the_standard():
@@ -98,8 +76,8 @@ def test_narrow_band_has_rayleigh_peaks(record_property):
         fits.append((fit.shape, fit.scale / deviation))
         extremes.append(fit.extreme(1080.0)[0] / deviation)
         loads.append(damage_equivalent_load(series, duration, exponent) / deviation)
-    theory = 2 * math.sqrt(2) * (0.1 * math.gamma(1 + exponent / 2)) ** (1 / exponent)
-    wanted = {"shape": 2.0, "scale": math.sqrt(2), "extreme": math.sqrt(2 * math.log(1080.0)), "damage": theory}
+    theory = narrow_band_load(0.1, exponent)
+    wanted = {"shape": 2.0, "scale": math.sqrt(2), "extreme": rayleigh_extreme(1080.0), "damage": theory}
     got = np.column_stack([fits, extremes, loads])
     for (name, value), column in zip(wanted.items(), got.T, strict=True):
         error, sampling = column.mean() - value, column.std() / math.sqrt(SEEDS // 3)
@@ -111,7 +89,7 @@ def test_broad_band_has_dirliks_damage(record_property):
     """The damage of broad-banded Gaussian series is that of Dirlik's formula, which was fitted to such counts."""
     for lowest, highest, exponent in ((0.02, 0.2, 3.0), (0.05, 0.25, 4.0)):
         loads = [damage_equivalent_load(gaussian(seed, lowest, highest), HOUR, exponent) for seed in range(SEEDS)]
-        theory, sampling = dirlik(lowest, highest, exponent), np.std(loads) / math.sqrt(SEEDS)
+        theory, sampling = dirlik_load(lowest, highest, exponent), np.std(loads) / math.sqrt(SEEDS)
         record_property(f"{lowest:g} to {highest:g} Hz", f"{np.mean(loads):.4g} for {theory:.4g}, error {sampling:.2g}")
         assert abs(np.mean(loads) - theory) <= ERRORS * sampling + DIRLIK * theory
 

@@ -78,6 +78,7 @@ TEST_ROOMS = ("browser",)  # looks at the finished page, and imports none of the
 # Beside that, what one file alone may import.
 ALSO = {
     "benchmarks/load_cases/table.py": ("distributed",),
+    "benchmarks/load_cases/measure.py": ("verification.exact.gaussian",),  # the theory that statistics are shown beside
     "verification/suite/test_conformance_motion.py": ("benchmarks.conformance.this_project",),  # a copy with mistakes
     "verification/suite/test_conformance_matrix.py": (
         "reports.conformance",

@@ -9,7 +9,7 @@ import sys
 
 import pytest
 
-from .test_report import ROOT, Page, broken_anchors, missing_files, report, undescribed
+from .test_report import ROOT, Page, broken_anchors, missing_files, read_site, report, undescribed
 
 PARTS = ("curve_taut", "roads", "parametric")
 
@@ -18,7 +18,7 @@ def built_page(out) -> Page:
     """The page made of what is in out/results; the machine alone is measured."""
     run = report("--only", "machine", "--out", out)
     assert run.returncode == 0, run.stderr
-    return Page((out / "index.html").read_text(encoding="utf-8"))
+    return Page(read_site(out))
 
 
 def words(page: Page) -> str:
