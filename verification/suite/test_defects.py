@@ -28,7 +28,7 @@ from ..defects.runner import CheckError, Copies, Log, Result, checks_of_loops, d
 from ..defects.verdict import as_json, kept, summary, verdicts
 from ..tools.patterns import module_syntax
 from ..tools.planting import Fault
-from .test_report import Page, broken_anchors, misaligned, missing_files, report, section
+from .test_report import Page, broken_anchors, misaligned, missing_files, read_site, report, section
 
 SOLVERS = ROOT / "solvers"
 TYPES = "common.types"  # for annotations alone: nothing in it runs
@@ -618,7 +618,7 @@ def test_the_page_shows_the_results_of_the_catalogue(tmp_path):
     (tmp_path / "results" / "defects.json").write_text(json.dumps(data), encoding="utf-8")
     made = report("--only", "machine", "--out", tmp_path)
     assert made.returncode == 0, made.stderr
-    page = Page((tmp_path / "index.html").read_text(encoding="utf-8"))
+    page = Page(read_site(tmp_path))
     shown = section(page.text, "defects")
     real = [d for d in defects if not d.blind]
     assert f"{len(real)} mistakes over the modules" in shown and "It was left to show this sentence." in shown
