@@ -106,9 +106,10 @@ class Ledger:
 
     def current(self, stage: Stage) -> bool:
         """Return whether the result is as it was written, no failure, and nothing that it depends on has changed."""
-        keys = [key(stage, arguments) for arguments in (stage.arguments, *stage.better)]
         entry = self.entries.get(stage.name, {})
-        return bool(entry.get("good") and entry.get("key") in keys and entry.get("result") == self._result(stage))
+        if not entry.get("good") or entry.get("result") != self._result(stage):
+            return False  # before all sources are read
+        return entry.get("key") in [key(stage, arguments) for arguments in (stage.arguments, *stage.better)]
 
     def _result(self, stage: Stage) -> str | None:
         path = self.results / stage.output

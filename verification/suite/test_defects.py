@@ -621,11 +621,11 @@ def test_the_page_shows_the_results_of_the_catalogue(tmp_path):
     page = Page(read_site(tmp_path))
     shown = section(page.text, "defects")
     real = [d for d in defects if not d.blind]
-    assert f"{len(real)} mistakes over the modules" in shown and "It was left to show this sentence." in shown
+    assert f"Of {len(real)} mistakes" in shown and "It was left to show this sentence." in shown
     assert shown.count('<td class="mark own">●</td>') == len(real) - 1
     matrix = json.loads((tmp_path / "tables" / "defects_matrix.json").read_text(encoding="utf-8"))
     assert matrix[-1]["planted"] == len(real) and matrix[-1]["found"] == len(real) - 1
-    assert "<h3>Which tests find mistakes in which module</h3>" in shown
+    assert 'id="defects-matrix"' in shown
     for module in {d.module for d in real}:
         count = sum(d.module == module for d in real)
         assert f"<b>{module}</b>" in shown and f"{count - (module == defects[0].module)} of {count} found" in shown
@@ -637,9 +637,9 @@ def test_the_page_shows_the_results_of_the_catalogue(tmp_path):
 def test_the_catalogue_is_found(deep, tmp_path):
     """At least 95 % without stored numbers, survivors explained, misprints all found, blind spots blind.
 
-    The whole catalogue in the long version, every hundredth defect by default.
+    The whole catalogue in the long version, every two-hundredth defect by default.
     """
-    defects = [d for i, d in enumerate(CATALOGUE) if deep or i % 100 == 0]
+    defects = [d for i, d in enumerate(CATALOGUE) if deep or i % 200 == 0]
     wanted = [(None, d.check) for d in defects] + [(d, d.check) for d in defects]
     *_, (_, _, results) = run(wanted, Log(tmp_path / "log"), jobs=os.cpu_count() or 1)
     counts = summary(verdicts(defects, results))
