@@ -109,13 +109,13 @@ def integrate(inputs, cells, first_period, *, bilateral=False) -> dict:
     bilateral: cells bear compression. Raises ArithmeticError where the integration does not get on.
     """
     of_network = "elements" in inputs
-    made = exact_network(inputs, cells) if of_network else exact_line(inputs, cells)
+    system = exact_network(inputs, cells) if of_network else exact_line(inputs, cells)
     clock = inputs["time"]
-    start = exact.solve_equilibrium(made, None if of_network else _start(inputs, cells))
+    start = exact.solve_equilibrium(system, None if of_network else _start(inputs, cells))
     step = clock["period"] / clock["instants"]
     times = step * np.arange((first_period + 1) * clock["instants"])
     with mock.patch.object(exact, "Forces", BilateralForces if bilateral else exact.Forces):
-        history = exact.simulate(made, times, start, rtol=TOLERANCE, atol=TOLERANCE)
+        history = exact.simulate(system, times, start, rtol=TOLERANCE, atol=TOLERANCE)
     kept = slice(first_period * clock["instants"], None)
     if of_network:
         force = np.moveaxis(history.holder_force[kept][:, history.mesh.coupled], 0, -1)

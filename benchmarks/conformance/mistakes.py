@@ -139,8 +139,8 @@ def mistaken_inputs(name, inputs) -> dict | None:
         return None
     if name in ("body_rotation_ignored",) and not is_network(inputs):
         return None
-    made = INPUTS[name][1](inputs)
-    return None if made == inputs else made
+    mistaken = INPUTS[name][1](inputs)
+    return None if mistaken == inputs else mistaken
 
 
 # ---------------------------------------------------------------- mistaken equations
@@ -247,19 +247,19 @@ def mistaken_answers(case, truth, base) -> dict:
     answers = {}
     for name in INPUTS:
         if (inputs := mistaken_inputs(name, case.inputs)) is not None:
-            answers[name] = moved(truth, base, march(inputs, *MESH))
+            answers[name] = add_difference(truth, base, march(inputs, *MESH))
     for name, (_, make) in EQUATIONS.items():
         if (variant := make(case.inputs)) is not None:
-            answers[name] = moved(truth, base, march(case.inputs, *MESH, variant))
+            answers[name] = add_difference(truth, base, march(case.inputs, *MESH, variant))
     for name, (_, make) in OUTPUTS.items():
         answers[name] = make(truth)
     if not is_network(case.inputs):
         ends, segments, level = end_segments(case.inputs, case.inputs["cells"], MESH[1])
-        answers["tension_of_last_segment"] = moved(truth, ends, segments)
-        answers["horizontal_for_tension"] = moved(truth, ends, level)
+        answers["tension_of_last_segment"] = add_difference(truth, ends, segments)
+        answers["horizontal_for_tension"] = add_difference(truth, ends, level)
     return {name: answer for name, answer in answers.items() if answer}
 
 
-def moved(truth, base, answer) -> dict:
-    """Return the truth and what an answer differs by from the base."""
+def add_difference(truth, base, answer) -> dict:
+    """Return the truth plus the difference of an answer from one of the same method without the mistake (base)."""
     return {key: truth[key] + (answer[key] - base[key]) for key in answer}

@@ -20,7 +20,7 @@ from solvers import ConvergenceError
 from ..run import console
 from . import independent
 from .cases import BILATERAL, BOX, EXACT, WITHOUT, all_cases
-from .mistakes import MESH, SENTENCES, mistaken_answers, moved
+from .mistakes import MESH, SENTENCES, add_difference, mistaken_answers
 from .responses import Variant, balance_box, balance_nodes, distance, extrapolate, is_network, march, spread
 
 FILE = Path(str(files("reference_data"))) / "conformance" / "motion.json"
@@ -133,8 +133,8 @@ def make_row_or_say_why(case) -> tuple:
 def left_out(case, feature, truth, base) -> dict:
     """Return the answer without a feature: quantity -> value."""
     if feature in BILATERAL:
-        return moved(truth, integrate_exact(case), integrate_exact(case, bilateral=True))
-    return moved(truth, base, march(WITHOUT[feature](case.inputs), *MESH))
+        return add_difference(truth, integrate_exact(case), integrate_exact(case, bilateral=True))
+    return add_difference(truth, base, march(WITHOUT[feature](case.inputs), *MESH))
 
 
 def summary(series) -> dict:
@@ -179,8 +179,8 @@ def main(argv=None) -> int:
     with multiprocessing.get_context("spawn").Pool(arguments.jobs, maxtasksperchild=4) as pool:
         for number, (name, row) in enumerate(pool.imap_unordered(make_row_or_say_why, wanted), start=1):
             failed += isinstance(row, str)
-            said = row if isinstance(row, str) else ""
-            print(f"{number} of {len(wanted)}: {name}", said, file=sys.stderr, flush=True)
+            failure = row if isinstance(row, str) else ""
+            print(f"{number} of {len(wanted)}: {name}", failure, file=sys.stderr, flush=True)
             if not isinstance(row, str):
                 known[name] = row
                 write([known[case.id] for case in all_cases() if case.id in known])

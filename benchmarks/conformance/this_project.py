@@ -71,8 +71,8 @@ class ThisProject(Adapter):
 
     def moving_network(self, network, motion, time, cells) -> MovingNetworkAnswer:
         """Return the forces on the coupled nodes and the tensions of the ends of elements."""
-        cells, moved = self.refinement * cells, self.body_motion(motion)
-        system = self.system(network_of(network), cells, moved, network.slip_speed, calibrate=False)
+        cells, body = self.refinement * cells, self.body_motion(motion)
+        system = self.system(network_of(network), cells, body, network.slip_speed, calibrate=False)
         history = solve_time_domain(system, dt=LONGER * time[1], duration=time[-1], ramp=motion.rule["ramp"])
         force = np.swapaxes(history.forces[:, system.coupled_nodes], 0, 1)
         tension = [[np.linalg.norm(e.end_force(end), axis=0) for end in (0, -1)] for e in history.elements]

@@ -196,10 +196,10 @@ def measure(sampled: int, timed: int) -> dict:
         setting = errors["dt"], errors["cells"]
         hours = seconds_a_case(system, sea_states(timed), *setting)
         cases = sea_states(max(COMPARED_CASES) + 1, COMPARED)
-        beside = beside_moordyn(system, [cases[i] for i in COMPARED_CASES], *setting) if _has_moordyn() else None
+        moordyn = beside_moordyn(system, [cases[i] for i in COMPARED_CASES], *setting) if _has_moordyn() else None
         measured[name] = errors | {
             "seconds_an_hour": hours, "total": CASES[name] * float(np.mean(hours)), "count": CASES[name],
-            "beside": beside}  # fmt: skip
+            "beside": moordyn}  # fmt: skip
     return {
         "tolerance": TOLERANCE,
         "systems": measured,

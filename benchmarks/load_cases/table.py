@@ -114,13 +114,13 @@ def series_of(system, case, table) -> dict:
     Times in s from the end of the ramp, over which the table has its statistics.
     """
     with one_blas_thread():
-        made = integrate_case(system, case, dt=table.dt, cells=table.cells)
-    wave = np.array([line.fairlead for line in made.lines])
+        series = integrate_case(system, case, dt=table.dt, cells=table.cells)
+    wave = np.array([line.fairlead for line in series.lines])
     greatest = int(wave.max(axis=0).argmax())
-    shown = min(wave.shape[1], math.ceil(WINDOW / made.dt))
-    first = min(max(greatest - shown // 2, 0), wave.shape[1] - shown)
-    return {"time": made.dt * np.arange(first, first + shown), "tension": wave[:, first : first + shown],
-            "spectrum": spectral_density(wave, made.dt), "time_of_max": made.dt * wave.argmax(axis=1),
+    count = min(wave.shape[1], math.ceil(WINDOW / series.dt))
+    first = min(max(greatest - count // 2, 0), wave.shape[1] - count)
+    return {"time": series.dt * np.arange(first, first + count), "tension": wave[:, first : first + count],
+            "spectrum": spectral_density(wave, series.dt), "time_of_max": series.dt * wave.argmax(axis=1),
             "duration": case.duration, "ramp": case.ramp}  # fmt: skip
 
 

@@ -11,11 +11,11 @@ from . import LIMITS, adapters
 def main() -> int:
     """Print one line a code."""
     try:
-        found = adapters()
+        by_name = adapters()
     except ImportError as error:
         print(error, file=sys.stderr)
         return 2
-    for adapter in found.values():
+    for adapter in by_name.values():
         title = " ".join(filter(None, (adapter.label, adapter.version, f"({adapter.name})")))
         print(f"{title} solves {', '.join(problem for problem in LIMITS if adapter.solves(problem))}")
     return 0

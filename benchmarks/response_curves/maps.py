@@ -48,14 +48,14 @@ def basins(quick: bool) -> dict:
     curve = response_curve(systems.taut_plane(amplitude, low), start=low, stop=high, harmonics=HARMONICS, step=0.02,
                            max_step=MAP_STEPS, throw=False)  # fmt: skip
     responses = responses_at(curve, share * FIRST)
-    found = find_basins(
+    basins = find_basins(
         responses, count=20 if quick else 60, spread=SPREAD, seed=3, steps=BASIN_STEPS, periods=MOST_PERIODS
     )
     rows = [{"size": float(abs(each.z[..., 1:]).max()), "stable": _is_stable_in_plane(each), "share": part,
-             "low": low, "high": high} for each, part, (low, high) in zip(responses, found.shares, found.intervals,
+             "low": low, "high": high} for each, part, (low, high) in zip(responses, basins.shares, basins.intervals,
                                                                           strict=True)]  # fmt: skip
-    return {"frequency": share * FIRST, "amplitude": amplitude, "count": found.landed.size, "rows": rows,
-            "unsettled": found.unsettled}  # fmt: skip
+    return {"frequency": share * FIRST, "amplitude": amplitude, "count": basins.landed.size, "rows": rows,
+            "unsettled": basins.unsettled}  # fmt: skip
 
 
 def parametric(quick: bool) -> dict:

@@ -138,9 +138,9 @@ class Sweep:
 def report(case: Case, band, curves, path: Path) -> dict:
     """Return what the page and the terminal say of the curves of a Case."""
     rows = [_rows(curve, way) for curve, way in zip(curves, ("up", "down"), strict=False) if curve.values.size]
-    rest = _rest_tensions(case.system)
+    tensions_at_rest = _rest_tensions(case.system)
     file = {"file": path.name, "name": case.name, "lines": case.lines, "band": band, "amplitude": case.amplitude,
-            "notes": case.notes, "rest": rest, "breaking": case.breaking, "curves": rows, "cells": CELLS,
+            "notes": case.notes, "rest": tensions_at_rest, "breaking": case.breaking, "curves": rows, "cells": CELLS,
             "harmonics": HARMONICS}  # fmt: skip
     return file | {"sentences": sentences(file)}
 

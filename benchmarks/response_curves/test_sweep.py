@@ -28,11 +28,11 @@ def case():
 
 def followed(case, folder, stop_after=None):
     """The Sweep of a case, ended after so many yields, as by an interruption."""
-    made = sweep.Sweep(case, BAND, folder, "test")
-    for number, _ in enumerate(made.follow(), start=1):
+    record = sweep.Sweep(case, BAND, folder, "test")
+    for number, _ in enumerate(record.follow(), start=1):
         if number == stop_after:
-            return made
-    return made
+            return record
+    return record
 
 
 def test_an_interrupted_sweep_goes_on_from_its_points(case, tmp_path, monkeypatch):
@@ -49,9 +49,9 @@ def test_an_interrupted_sweep_goes_on_from_its_points(case, tmp_path, monkeypatc
 
 def test_the_largest_tension_is_that_of_a_direct_solve(case, tmp_path):
     """The sentence names the frequency of the largest tension and its value, which a solve there gives as well."""
-    made = followed(case, tmp_path)
-    report = sweep.report(case, BAND, made.curves, LINE)
-    curve = made.curves[0]
+    record = followed(case, tmp_path)
+    report = sweep.report(case, BAND, record.curves, LINE)
+    curve = record.curves[0]
     k = int(curve.greatest[:, 0].argmax())
     direct = solve_periodic(curve.response(k).system, harmonics=sweep.HARMONICS, start=curve.response(k))
     tension = float(sweep.tensions(direct).max())

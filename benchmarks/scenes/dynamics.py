@@ -262,11 +262,11 @@ def _row(study: Study, reference: dict, instants, state, tension, positions) -> 
 
 def _poses(study: Study, positions) -> dict:
     """Return the line at some instants of the period and at rest, as ``network_outputs.envelope`` has lines, m."""
-    rest = solve_static(study.chain(LEVELS[-1])).r
+    at_rest = solve_static(study.chain(LEVELS[-1])).r
     points = np.unique(np.linspace(0, positions.shape[1] - 1, POSE_POINTS).astype(int))
-    rest = rest[:, np.unique(np.linspace(0, rest.shape[1] - 1, POSE_POINTS).astype(int))]
+    at_rest = at_rest[:, np.unique(np.linspace(0, at_rest.shape[1] - 1, POSE_POINTS).astype(int))]
     chosen = np.linspace(0, positions.shape[2], POSES + 1)[:-1].astype(int)
-    return {"rest": [rest], "poses": [[positions[:, points, k]] for k in chosen]}
+    return {"rest": [at_rest], "poses": [[positions[:, points, k]] for k in chosen]}
 
 
 def _modes(study: Study) -> list[float]:

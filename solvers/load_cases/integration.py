@@ -58,8 +58,8 @@ def integrate_case(given, case, *, dt, cells) -> CaseSeries:
     ConvergenceError for what the case cannot be.
     """
     motion = case.motion.motion() if isinstance(case.motion, SeaState) else case.motion
-    moved = move_system(given, case)
-    system = mooring_system(moved, cells, mesh=_fitted_mesh(moved, motion, cells), motion=motion)
+    displaced = move_system(given, case)
+    system = mooring_system(displaced, cells, mesh=_fitted_mesh(displaced, motion, cells), motion=motion)
     _require_offset_within_reach(given, case, system, cells)
     repeats = case.motion.duration if isinstance(case.motion, SeaState) else case.whole_duration
     dt = repeats / math.ceil(repeats / dt * (1 - ROUNDING))

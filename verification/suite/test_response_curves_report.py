@@ -3,27 +3,16 @@
 from __future__ import annotations
 
 import json
-import re
 import subprocess
 import sys
 
 import pytest
 
-from .test_report import ROOT, Page, broken_anchors, missing_files, read_site, report, undescribed
+from .test_dynamics_report import page as built_page
+from .test_dynamics_report import words
+from .test_report import ROOT, Page, broken_anchors, missing_files, report, undescribed
 
 PARTS = ("curve_taut", "roads", "parametric")
-
-
-def built_page(out) -> Page:
-    """The page made of what is in out/results; the machine alone is measured."""
-    run = report("--only", "machine", "--out", out)
-    assert run.returncode == 0, run.stderr
-    return Page(read_site(out))
-
-
-def words(page: Page) -> str:
-    """The text of the page without tags, on one line."""
-    return " ".join(re.sub(r"<[^>]+>", " ", page.text).split())
 
 
 @pytest.fixture(scope="module")
