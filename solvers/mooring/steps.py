@@ -79,7 +79,7 @@ def integrate(
     by_v, by_a = gamma / (beta * h), 1 / (beta * h * h)
     weights = (1.0, by_v, (1 - alpha_m) / (1 - alpha_f) * by_a)
     axial = line.EA / line.length * (1 + by_v * line.damping)  # change of a tension by the length of its cell
-    kept = auxiliary.copy()
+    kept, taut, lies = auxiliary.copy(), np.zeros(cells, np.bool_), np.zeros(nodes, np.bool_)  # in the factors
     for step in range(path.shape[0] - 1):
         kept[:], solved = auxiliary, False
         for attempt in range(2):  # predicted with a steady change of acceleration, then with a steady velocity
@@ -116,9 +116,14 @@ def integrate(
                     factorise(order, diagonal, right, left, column)
                     factorisations += 1
                     factorised = True
+                    for c in range(cells):
+                        taut[c] = T[c] != 0
+                    for i in range(nodes):
+                        lies[i] = r1[i, n - 1] < line.floor
                 solve(order, diagonal, right, left, R, column)
-                largest_step, largest_force, is_finite = 0.0, 0.0, True
+                largest_step, largest_force, is_finite, turned = 0.0, 0.0, True, False
                 for i in range(nodes):
+                    turned = turned or (r1[i, n - 1] < line.floor) != lies[i]
                     depth = line.floor - min(r1[i, n - 1], r1[i, n - 1] - R[i, n - 1])
                     if depth > 0:
                         largest_force = max(largest_force, seabed_after_step(line, i, depth, R, by_v))
@@ -126,6 +131,7 @@ def integrate(
                         largest_step = max(largest_step, abs(R[i, k]))
                         is_finite = is_finite and abs(R[i, k]) < np.inf
                 for c in range(cells):
+                    turned = turned or (T[c] != 0) != taut[c]
                     change = 0.0
                     for k in range(n):
                         change -= unit[c, k] * (R[line.last[c], k] - R[line.first[c], k])
@@ -140,6 +146,8 @@ def integrate(
                 error = max(largest_step / scale[1] * max(1.0, scale[2]), largest_force / scale[0])
                 error = error if is_finite else np.inf
                 solved = error <= max(tolerance * scale[2], scale[3])
+                if solved and turned:  # old factors are far too stiff for a cell gone slack, or a node that has lifted
+                    solved, factorised = False, False
                 part = 1.0 if solved or iteration < FULL_STEPS else 0.5  # cells that turn taut and slack by turns
                 for i in range(nodes):
                     for k in range(n):

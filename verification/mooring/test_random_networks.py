@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from solvers import Status, mooring_system, solve_static, solve_time_domain
+from solvers import Network, Status, mooring_system, solve_static, solve_time_domain
 
 from .problems import energy_gap
 from .random_systems import random_system
@@ -39,13 +41,7 @@ def change(history, finer) -> float:
     return max(error / max(spread, SMALL * max(ranges)) for error, spread in zip(rms, ranges, strict=True))
 
 
-DAMPER = "at one instant of 200 a damper's tension, which jumps as its cell turns taut, leaves 0.41 of the greatest"
-SEEDS = [
-    pytest.param(s, marks=pytest.mark.xfail(reason=DAMPER, strict=True)) if s == 319 else s for s in range(COUNT_DEEP)
-]
-
-
-@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("seed", range(COUNT_DEEP))
 def test_random_networks_move_as_they_must(seed, deep):
     """Forces at free nodes and energy are in balance; what finer steps change by more than a tenth was warned of."""
     if seed >= COUNT and not deep:
@@ -63,3 +59,16 @@ def test_random_networks_move_as_they_must(seed, deep):
     finer = run(system, FINER * STEPS)
     if finer.success and change(history, finer) > WRONG:
         assert any(warning.startswith(("slack", "dt")) for warning in history.warnings)
+
+
+OLD_FACTORS = 0.01  # of the greatest tension; measured 6e-4 and 2.4e-3; 1.05 and 7.6 where such steps were accepted
+
+
+@pytest.mark.parametrize("element, cells", [(0, 4), (10, 5)], ids=["lifted", "slack"])
+def test_steps_do_not_end_with_factors_that_are_too_stiff(element, cells):
+    """A node has lifted off the seabed, or a cell gone slack, since the factors: forces are in balance all the same."""
+    network, motion = random_system(319)
+    given = network.elements[element]
+    line = Network([network.nodes[i] for i in given.ends], [replace(given, ends=(0, 1))], network.environment)
+    history = run(mooring_system(line, cells, motion=motion, fields="spatial"), STEPS)
+    assert history.success and unbalanced(history) <= OLD_FACTORS
