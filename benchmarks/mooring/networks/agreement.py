@@ -6,6 +6,7 @@ damping, and this core runs on as many uniform cells as MoorDyn: what each chang
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from functools import cache
 
 import numpy as np
@@ -14,6 +15,7 @@ from solvers import mooring_system
 from solvers.network.solve import solve_network
 
 from ... import peers
+from ...run import refinement
 from . import systems
 
 PERIODS, OUR_PERIODS = 4, 6  # the last one is compared
@@ -46,8 +48,31 @@ def reference(name: str, quick: bool) -> tuple[np.ndarray, float]:
 
 
 def _fine_tensions(made, steps: int, periods: int) -> np.ndarray:
-    """Return the tensions (P, COUNT) of a history of which no more is kept than is compared."""
-    return systems.our_tensions(systems.history(made, steps, periods, every=steps // systems.COUNT), systems.COUNT)
+    """Return the tensions (P, S) of a history of which no more is kept than is compared; S: COUNT, or fewer steps."""
+    every = max(1, steps // systems.COUNT)
+    return systems.our_tensions(systems.history(made, steps, periods, every=every), steps // every)
+
+
+def refine(name: str, quick: bool) -> dict:
+    """Return "mesh" and "steps" -> the fields of a Refinement of the fine run, of the fairlead that it is largest of.
+
+    Three meshes with the finest step and three steps on the finest mesh, each by four, by two and by one.
+    """
+    cells, steps = QUICK_REFERENCE if quick else REFERENCE
+    fine, _ = reference(name, quick)
+    levels = {"mesh": [(cells // k, steps) for k in (4, 2)], "steps": [(cells, steps // k) for k in (4, 2)]}
+    kept = {}
+    for i, (what, coarse) in enumerate(levels.items()):
+        waves = [*(_fine_tensions(systems.system(name, n), k, OUR_PERIODS) for n, k in coarse), fine]
+        count = min(wave.shape[1] for wave in waves)
+        waves = [wave[:, :: wave.shape[1] // count] for wave in waves]
+        sizes = [*(level[i] for level in coarse), (cells, steps)[i]]
+        of_fairleads = (
+            refinement.estimate_uncertainty(sizes, [wave[p] for wave in waves], float(np.ptp(fine[p])))
+            for p in range(len(fine))
+        )
+        kept[what] = asdict(refinement.largest(of_fairleads))
+    return kept
 
 
 def moordyn_tensions(network, counts, steps: int, periods: int = PERIODS, damping_ratio: float = DAMPING) -> np.ndarray:
@@ -81,7 +106,8 @@ def compare(name: str, quick: bool) -> dict:
     row = {"system": name, "title": network.name, "period": network.motion.period, "fairleads": len(ours),
            "lines": len(network.elements), "segments": segments, "steps": steps, "rms": apart["rms"],
            "error": apart["error"], "rms_of_half": half["rms"], "uncertainty": uncertainty,
-           "range": float(np.ptp(ours, axis=1).max()), "mean_difference": mean_difference(fine, ours)}  # fmt: skip
+           "range": float(np.ptp(ours, axis=1).max()), "mean_difference": mean_difference(fine, ours),
+           "refinements": refine(name, quick)}  # fmt: skip
     pairs = {"segments": (rough, fine), "steps": (fewer, rough), "damping": (damped, rough)}
     row |= {f"by_{key}": systems.differences(one, other)["rms"] for key, (one, other) in pairs.items()}
     row["explained"] = explained(row)

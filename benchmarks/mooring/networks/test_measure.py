@@ -188,3 +188,14 @@ def test_less_drag_takes_more_periods():
     few, many = (scaling.at_drag("oc3", drag, 30) for drag in (1.0, 0.1))
     assert few["periods"] < many["periods"] < 30 and few["status"] == many["status"] == "SUCCESS"
     assert few["difference"] < 0.01 and few["in_time"] > 0
+
+
+# ---------------------------------------------------------------- references
+def test_the_fine_run_is_refined_in_mesh_and_step_alone():
+    """Of a taut system each has three sizes that end at the fine run's, and the mesh its second order."""
+    kept = agreement.refine("polyester", quick=True)
+    cells, steps = agreement.QUICK_REFERENCE
+    assert {what: one["sizes"] for what, one in kept.items()} == {
+        "mesh": (cells // 4, cells // 2, cells), "steps": (steps // 4, steps // 2, steps)}  # fmt: skip
+    assert kept["mesh"]["is_asymptotic"] and kept["mesh"]["order"] == pytest.approx(2.0, abs=0.2)
+    assert 0 < kept["mesh"]["change"] < 1e-3 and 0 < kept["steps"]["change"] < 1e-3
