@@ -40,7 +40,7 @@ class Refinement:
     change : of the last refinement, root mean square over the scale
     u_num : standard uncertainty, of the same kind; where ``is_asymptotic`` is false the greatest difference of two of
         the three, a bound by their range
-    safety : Fs, None where not asymptotic
+    safety : Fs, expansion : k; None where no order gave the uncertainty
     """
 
     sizes: tuple[int, ...]
@@ -50,6 +50,7 @@ class Refinement:
     u_num: float
     is_asymptotic: bool
     safety: float | None = None
+    expansion: float | None = None
 
 
 def estimate_uncertainty(
@@ -79,7 +80,7 @@ def estimate_uncertainty(
     safety = SAFETY_NEAR if is_near else SAFETY_FAR
     used = min(max(order, LEAST_ORDER), formal_order)
     u_num = safety * changes[1] / (ratios[1] ** used - 1) / EXPANSION
-    return Refinement(*about, order, changes[1] / scale, u_num / scale, True, safety)
+    return Refinement(*about, order, changes[1] / scale, u_num / scale, True, safety, EXPANSION)
 
 
 def observed_order(changes, ratios) -> float | None:

@@ -30,7 +30,7 @@ def test_the_uncertainty_is_that_of_the_finest_run():
     """At the formal order u_num is 1.25/1.15 of the true error of the finest run, relative to the scale."""
     result = estimate_uncertainty(SIZES, sequence(2.0), 2.0)
     true = 0.5 / 200**2 * np.sqrt(0.5) / 2.0
-    assert result.safety == SAFETY_NEAR == 1.25 and EXPANSION == 1.15
+    assert result.safety == SAFETY_NEAR == 1.25 and result.expansion == EXPANSION == 1.15
     assert result.u_num == pytest.approx(1.25 / 1.15 * true, rel=EXACT)
     assert result.change == pytest.approx(3 * true, rel=EXACT)
 

@@ -195,6 +195,16 @@ def test_less_drag_takes_more_periods():
     assert few["difference"] < 0.01 and few["in_time"] > 0
 
 
+# ---------------------------------------------------------------- periodic or not yet
+def test_the_change_of_the_last_period_is_that_of_the_worst_fairlead():
+    """A sine that is 2 % of its range higher in the period before, beside one that repeats itself."""
+    sine = 5.0 + np.sin(2 * np.pi * np.arange(100) / 100)
+    tension = np.array([[*sine, *sine, sine[0]], [*(sine + 0.04), *sine, sine[0]]])
+    forces = np.stack([tension, 0 * tension, 0 * tension], axis=1)
+    assert systems.last_change(forces, 100) == pytest.approx(0.02, rel=1e-9)
+    assert systems.last_change(forces[:1], 100) < 1e-12
+
+
 # ---------------------------------------------------------------- references
 def test_the_fine_run_is_refined_in_mesh_and_step_alone():
     """Of a taut system each has three sizes that end at the fine run's, and the mesh its second order."""

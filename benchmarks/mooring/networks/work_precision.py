@@ -89,7 +89,7 @@ def settings(quick: bool) -> dict:
 
 def references(quick: bool, folder: Path) -> dict:
     """Return method -> fine tensions (P, COUNT): MoorDyn's of its own, kept in ``folder``/cache."""
-    ours = agreement.reference(systems.NINE_LINES, quick)[0]
+    ours = agreement.reference(systems.NINE_LINES, quick).tensions
     fine = dict.fromkeys(OWN, ours)
     if agreement.PEER in peers.adapters():
         fine[MOORDYN] = _peer_reference(QUICK_PEER_REFERENCE if quick else PEER_REFERENCE, folder)
@@ -154,8 +154,9 @@ def work(quick: bool, folder: Path):
         measured += [] if point is None else [point]
         yield None
     apart = systems.differences(fine[MOORDYN], fine[TIME])["rms"] if MOORDYN in fine else None
-    yield {"title": systems.network(systems.NINE_LINES).name, "points": measured, "wanted": WANTED,
-           "uncertainty": agreement.reference(systems.NINE_LINES, quick)[1], "references_apart": apart,
+    network = systems.network(systems.NINE_LINES)
+    yield {"title": network.name, "lines": len(network.elements), "points": measured, "wanted": WANTED,
+           "uncertainty": agreement.reference(systems.NINE_LINES, quick).uncertainty, "references_apart": apart,
            "tolerance": TOLERANCE, "ratios": ratios(measured, MOORDYN, WANTED, OWN),
            "coarse_ratios": ratios(measured, MOORDYN, (WANTED[1], COARSE), OWN), "coarse": COARSE,
            "fronts": {method: len(pareto_front(p for p in measured if p["method"] == method))
