@@ -23,9 +23,9 @@ def show_profiles(costs: Costs, work: Costs, looks: dict, save, about: str, xlab
         return None
     by_time, by_work = performance_profiles(costs), data_profiles(work)
     ratio = "run time over the least of all methods"
-    figures = [draw_profiles(by_time, looks, "Performance profile", ratio, save, "performance_profile")]
+    figures = [draw_profiles(by_time, looks, "Performance profile", ratio, save, "performance-profile")]
     if work:
-        figures.append(draw_profiles(by_work, looks, "Data profile", xlabel, save, "data_profile"))
+        figures.append(draw_profiles(by_work, looks, "Data profile", xlabel, save, "data-profile"))
     problems = len(next(iter(costs.values())))
     sentences = [describe_best(by_time, problems), about]
     sentences.append(
@@ -41,11 +41,12 @@ def show_profiles(costs: Costs, work: Costs, looks: dict, save, about: str, xlab
 def draw_profiles(profiles: dict[str, Profile], looks: dict, title: str, xlabel: str, save, name: str) -> Figure:
     """Return the profiles of methods as rising steps over a bound of the cost; save: of the section."""
     figure, axes = panel(title, xlabel, SHARE)
-    bounds = [bound for profile in profiles.values() for bound in profile.bounds]
+    bounds = [bound for profile in profiles.values() for bound in profile.bounds if bound > 0]
     first, last = (min(bounds), max(bounds)) if bounds else (1.0, 1.0)
     for method, profile in profiles.items():
-        x = [first, *profile.bounds, BEYOND * last]
-        y = [profile.at(first), *profile.shares, profile.solved]
+        rises = [(b, share) for b, share in zip(profile.bounds, profile.shares, strict=True) if b > first]
+        steps = [(first, profile.at(first)), *rises, (BEYOND * last, profile.solved)]  # what costs nothing, with first
+        x, y = zip(*steps, strict=True)
         look = {"color": looks[method]["color"], "marker": looks[method]["marker"]}
         axes.step(x, y, where="post", linewidth=1.4, markersize=4, markevery=max(1, len(x) // 8),
                   label=method, **look)  # fmt: skip
