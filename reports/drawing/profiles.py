@@ -28,10 +28,7 @@ def show_profiles(costs: Costs, work: Costs, looks: dict, save, about: str, xlab
         figures.append(draw_profiles(by_work, looks, "Data profile", xlabel, save, "data-profile"))
     problems = len(next(iter(costs.values())))
     sentences = [describe_best(by_time, problems), about]
-    sentences.append(
-        "A curve is the share of the problems that a method solves at no more than so many times the least run time of "
-        "all, or with no more than so many evaluations; higher is better, and it ends at what is solved at all."
-    )
+    sentences.append("Left, the cost is the run time over the least of all methods; right, evaluations.")
     sentences += [describe_median(by_work, xlabel)] if work else []
     untold = [method for method in costs if method not in work]
     sentences += [f"Evaluations are not told by {', '.join(untold)}."] if untold and work else []
@@ -57,10 +54,14 @@ def draw_profiles(profiles: dict[str, Profile], looks: dict, title: str, xlabel:
 
 
 def describe_best(profiles: dict[str, Profile], problems: int) -> str:
-    """Return on how many problems each method is the best and how many it solves, in a sentence."""
-    parts = [f"{method} is the best in {round(profile.at(1.0) * problems)} and solves "
-             f"{round(profile.solved * problems)}" for method, profile in profiles.items()]  # fmt: skip
-    return f"Of {plural(problems, 'problem')}, {'; '.join(parts)}."
+    """Return how a curve is read, and in how many problems each method is the fastest and how many it solves."""
+    order = sorted(profiles, key=lambda method: (-profiles[method].solved, -profiles[method].at(1.0)))
+    counts = ((method, profiles[method].at(1.0), profiles[method].solved) for method in order)
+    parts = [f"{method} {round(best * problems)} and {round(solved * problems)}" for method, best, solved in counts]
+    return (
+        f"A curve is the share of {plural(problems, 'problem')} that a method solves within the cost below it, "
+        f"failures counted; fastest in, and solved at all: {'; '.join(parts)}."
+    )
 
 
 def describe_median(profiles: dict[str, Profile], what: str) -> str:

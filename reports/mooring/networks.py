@@ -100,8 +100,8 @@ def _agreement(data, folder, tables) -> dict | None:
 
 
 def _references(rows, tables) -> dict:
-    kept = {row["system"]: row["refinements"] for row in rows if row.get("refinements")}
-    titles = {row["system"]: row["title"] for row in rows}
+    kept = {row["title"]: row["refinements"] for row in rows if row.get("refinements")}
+    titles = dict(zip(kept, kept, strict=True))
     return {"table": reference_table("mooring_networks", tables, kept, titles), "explained": explain_references(kept)}
 
 

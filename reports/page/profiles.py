@@ -67,11 +67,11 @@ def least_costs(points: Iterable[dict], levels: Iterable[float], cost: Callable[
     """Return the cost of each method for each case and each error of ``levels``, case by case.
 
     points : of settings, with ``case``, ``method``, and ``rms``, the error; None: no answer. cost: of a point, None
-    where it is not told; a method that tells none has no entry.
+    where it is not told; a method that tells none of any of its points has no entry.
     """
     points, levels = list(points), list(levels)
     cases = list(dict.fromkeys(p["case"] for p in points))
-    told = {p["method"] for p in points if p["rms"] is not None and cost(p) is not None}
+    told = {p["method"] for p in points if cost(p) is not None}
     least = {(p["method"], p["case"], p["level"]): cost(p) for p in cheapest_points(points, levels, cost)}
     return {
         method: [least.get((method, case, level)) for case in cases for level in levels]
