@@ -64,8 +64,8 @@ def axial_ratio(name: str) -> float:
 @dataclass(frozen=True)
 class Reference:
     """Converged fairlead tension (INSTANTS,) in N at ``instants`` of the period in s; uncertainty: its rms,
-    estimated; levels: nodes of the meshes that it is extrapolated from; refinements: "mesh", "steps" or "harmonics" ->
-    the fields of a Refinement, of this tension."""
+    estimated; levels: nodes of the meshes that it is extrapolated from; refinements: "mesh", "steps"
+    or "harmonics" -> the fields of a Refinement of its finest run, which extrapolation may still improve."""
 
     period: float
     tension: np.ndarray
@@ -101,9 +101,8 @@ QUICK_LEVELS, QUICK_FINE = (25, 50, 100), 20
 def converged(name: str, levels=LEVELS, harmonics=FINE, finest=FINEST) -> Reference:
     """HB extrapolated to infinitely many nodes, and corrected at the coarsest mesh to ``finest`` harmonics.
 
-    The error is of second order in the cell, that of the extrapolated values of fourth: of these are the mesh's order
-    and uncertainty where there are three of them, else of the meshes. Uncertainty: what the finest mesh moves the
-    extrapolated value by, and what the additional harmonics do; relative to the range.
+    The error is of second order in the cell. Uncertainty: what the finest mesh moves the extrapolated value by, and
+    what the additional harmonics do; relative to the range.
     """
     responses = [None]
     for nodes in levels:
@@ -120,9 +119,7 @@ def converged(name: str, levels=LEVELS, harmonics=FINE, finest=FINEST) -> Refere
     uncertainty = (rms(limits[-1] - limits[-2]) + rms(by_harmonics[2] - waves[0])) / spread
     cells = [n - 1 for n in levels[-3:]]
     refinements = {
-        "mesh": estimate_uncertainty(cells, limits[-3:], spread, 4.0)
-        if len(limits) > 2
-        else estimate_uncertainty(cells, waves[-3:], spread),
+        "mesh": estimate_uncertainty(cells, waves[-3:], spread),
         "harmonics": estimate_uncertainty(
             (harmonics // 2, harmonics, finest), by_harmonics, spread, is_truncation=True
         ),

@@ -264,7 +264,6 @@ def test_a_reference_has_its_order_in_mesh_and_harmonics():
     assert kept["mesh"]["sizes"] == (12, 24, 48) and kept["harmonics"]["sizes"] == (3, 6, 12)
     assert kept["mesh"]["is_asymptotic"] and kept["mesh"]["order"] == pytest.approx(2.0, abs=0.3)
     assert kept["harmonics"]["is_asymptotic"] and kept["harmonics"]["order"] > 1
-    assert dynamic_cases.converged("case_1", (13, 17, 25, 33), 6, 8).refinements["mesh"]["formal_order"] == 4.0
 
 
 def test_a_reference_is_computed_once_and_again_when_the_scene_changes(tmp_path, monkeypatch):

@@ -16,15 +16,17 @@ def explain_references(refinements: dict) -> str:
     used = [one for kinds in refinements.values() for one in kinds.values() if one["safety"] is not None]
     factors = " or ".join(_plain(value) for value in sorted({one["safety"] for one in used}))
     expansions = " or ".join(_plain(value) for value in sorted({one["expansion"] for one in used}))
-    known = f" Here Fs is {factors} and k {expansions}." if used else ""
-    return (
+    sentences = (
         "Numerical uncertainty of the references, as in ASME V&V 20: three sizes show the order p, and u_num = Fs "
-        "change / (rᵖ - 1) / k is the standard uncertainty of the finest. The safety factor Fs is the smaller where p "
-        "is near the order of the scheme; the expansion factor k is that of an error on one side; a change of "
-        "harmonics is taken to have second order at most." + known + " Where the three differ in another way each "
-        "time, as where the touchdown travels, they are not in the asymptotic range, and the bound is their greatest "
-        "difference. Values are rms over the range of the tension."
+        "change / (rᵖ - 1) / k is the standard uncertainty of the finest, which extrapolation may still improve.",
+        "The safety factor Fs is the smaller where p is near the order of the scheme; the expansion factor k is that "
+        "of an error on one side; a change of harmonics is taken to have second order at most.",
+        f"Here Fs is {factors} and k {expansions}." if used else "",
+        "Where the three differ in another way each time, as where the touchdown travels, they are not in the "
+        "asymptotic range, and the bound is their greatest difference.",
+        "Values are rms over the range of the tension.",
     )
+    return " ".join(filter(None, sentences))
 
 
 def reference_table(section: str, folder: Path, refinements: dict, titles: dict) -> Table | None:
@@ -43,9 +45,7 @@ def reference_table(section: str, folder: Path, refinements: dict, titles: dict)
 
 
 def _row(title: str, what: str, one: dict) -> dict:
-    is_extrapolated = what == "mesh" and one["formal_order"] > 2
-    return {"reference": title, "what": WHAT[what] + (", extrapolated" if is_extrapolated else ""),
-            "sizes": ", ".join(map(str, one["sizes"])),
+    return {"reference": title, "what": WHAT[what], "sizes": ", ".join(map(str, one["sizes"])),
             "formal": None if what == "harmonics" else one["formal_order"], "order": one["order"],
             "change": 100 * one["change"], "safety": one["safety"], "u_num": 100 * one["u_num"],
             "range": "yes" if one["is_asymptotic"] else "no"}  # fmt: skip
