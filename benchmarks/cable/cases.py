@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, field
 from functools import cache
 from importlib.resources import files
 from itertools import pairwise
@@ -24,7 +24,8 @@ from solvers.harmonic_balance.solve import solve_periodic
 from verification.cases import cables
 from verification.registry import INSTANTS, last_period_tension
 
-from ..run import results
+from ..run import refinement, results
+from ..run.refinement import estimate_uncertainty
 
 SCENES = files("reference_data") / "scenes" / "dynamics"
 CASES = cables.PAPER_CASES
@@ -63,12 +64,14 @@ def axial_ratio(name: str) -> float:
 @dataclass(frozen=True)
 class Reference:
     """Converged fairlead tension (INSTANTS,) in N at ``instants`` of the period in s; uncertainty: its rms,
-    estimated; levels: nodes of the meshes that it is extrapolated from."""
+    estimated; levels: nodes of the meshes that it is extrapolated from; refinements: "mesh", "steps"
+    or "harmonics" -> the fields of a Refinement of its finest run, which extrapolation may still improve."""
 
     period: float
     tension: np.ndarray
     uncertainty: float
     levels: tuple[int, ...] = ()
+    refinements: dict = field(default_factory=dict)
 
     @property
     def range(self) -> float:
@@ -106,15 +109,23 @@ def converged(name: str, levels=LEVELS, harmonics=FINE, finest=FINEST) -> Refere
         chain = system(name, nodes)
         responses.append(solve_periodic(chain, harmonics=harmonics, start=on_mesh(responses[-1], chain)))
     coarsest, waves = responses[1], [last_period_tension(response) for response in responses[1:]]
-    more = last_period_tension(solve_periodic(coarsest.system, harmonics=finest, start=coarsest)) - waves[0]
-    meshes = list(zip(levels, waves, strict=True))[-3:]
-    before, last = (
-        fine + (fine - rough) / (((m - 1) / (n - 1)) ** 2 - 1) for (n, rough), (m, fine) in pairwise(meshes)
-    )
-    tension = last + more
+    fewest = solve_periodic(coarsest.system, harmonics=harmonics // 2)
+    more = solve_periodic(coarsest.system, harmonics=finest, start=coarsest)
+    by_harmonics = [last_period_tension(fewest), waves[0], last_period_tension(more)]
+    meshes = list(zip(levels, waves, strict=True))
+    limits = [fine + (fine - rough) / (((m - 1) / (n - 1)) ** 2 - 1) for (n, rough), (m, fine) in pairwise(meshes)]
+    tension = limits[-1] + by_harmonics[2] - waves[0]
     spread = float(np.ptp(tension))
-    uncertainty = (rms(last - before) + rms(more)) / spread
-    return Reference(chain.period, tension, uncertainty, levels)
+    uncertainty = (rms(limits[-1] - limits[-2]) + rms(by_harmonics[2] - waves[0])) / spread
+    cells = [n - 1 for n in levels[-3:]]
+    refinements = {
+        "mesh": estimate_uncertainty(cells, waves[-3:], spread),
+        "harmonics": estimate_uncertainty(
+            (harmonics // 2, harmonics, finest), by_harmonics, spread, is_truncation=True
+        ),
+    }
+    kept = {name: asdict(one) for name, one in refinements.items()}
+    return Reference(chain.period, tension, uncertainty, levels, kept)
 
 
 def rms(values) -> float:
@@ -180,7 +191,7 @@ _SOLVERS = (
 @cache
 def sources() -> str:
     """Digest of the solver modules that a reference depends on, and of this one."""
-    total = hashlib.sha256(Path(__file__).read_bytes())
+    total = hashlib.sha256(Path(__file__).read_bytes() + Path(refinement.__file__).read_bytes())
     for name in _SOLVERS:
         total.update((files("solvers") / f"{name}.py").read_bytes())
     return total.hexdigest()

@@ -258,6 +258,14 @@ def test_a_reference_is_better_than_its_finest_mesh():
     assert result.uncertainty < 0.01
 
 
+def test_a_reference_has_its_order_in_mesh_and_harmonics():
+    """Three meshes show the second order of the scheme; more harmonics change the tension less each time."""
+    kept = dynamic_cases.converged("case_1", (13, 25, 49), 6, 12).refinements
+    assert kept["mesh"]["sizes"] == (12, 24, 48) and kept["harmonics"]["sizes"] == (3, 6, 12)
+    assert kept["mesh"]["is_asymptotic"] and kept["mesh"]["order"] == pytest.approx(2.0, abs=0.3)
+    assert kept["harmonics"]["is_asymptotic"] and kept["harmonics"]["order"] > 1
+
+
 def test_a_reference_is_computed_once_and_again_when_the_scene_changes(tmp_path, monkeypatch):
     """Kept by content: a second run reads it, a changed scene file makes a new one, a finer one is preferred."""
     made = []

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 
 import numpy as np
@@ -13,7 +13,7 @@ from solvers.numerics.threads import one_blas_thread
 from verification.registry import PROBLEMS
 
 from .. import peers
-from ..run import harness
+from ..run import costs, harness
 from ..run.harness import clock
 from .cases import PERIODS, system
 
@@ -53,12 +53,13 @@ def peer_adapters() -> dict[str, peers.Adapter]:
 class PeerTension:
     """Fairlead tension (n,) in N of another code over the last period, from its beginning; None: it gave none.
 
-    kind "refused" or "unsupported", message why.
+    kind "refused" or "unsupported", message why. work: what it cost, as ``costs.count_work`` has it.
     """
 
     tension: np.ndarray | None
     kind: str = ""
     message: str = ""
+    work: dict = field(default_factory=lambda: costs.NOT_TOLD)
 
 
 def ask(adapter: peers.Adapter, scene, motion, period: float, setting, periods=PERIODS) -> PeerTension:
@@ -73,7 +74,15 @@ def ask(adapter: peers.Adapter, scene, motion, period: float, setting, periods=P
         answer, kind, message = harness.checked(answer, time.shape)
     if kind:
         return PeerTension(None, kind, message)
-    return PeerTension(answer[-1 - steps : -1])
+    return PeerTension(answer[-1 - steps : -1], work=_count_peer_work(adapter, scene, time, cells))
+
+
+def _count_peer_work(adapter, scene, time, cells: int) -> dict:
+    """Return what another code cost, where its adapter knows the steps that it takes within a coupling step."""
+    if not hasattr(adapter, "count_cable_steps"):
+        return costs.NOT_TOLD
+    inner = adapter.count_cable_steps(scene, time[1] - time[0], cells)
+    return costs.count_explicit(len(time) - 1, inner, adapter.stages, cells)
 
 
 def call(name: str, method: str, size: int, other, periods=PERIODS):
@@ -95,12 +104,13 @@ def _peer_call(adapter, chain, cells, steps):
 
 
 def errors(reference, answer) -> dict:
-    """rms, error and status of what ``call`` returned; of another code that gave no tension, why."""
+    """rms, error, status and cost of what ``call`` returned; of another code that gave no tension, why."""
     if isinstance(answer, PeerTension) and answer.tension is None:
         return {"rms": None, "error": None, "status": answer.kind.upper(), "message": answer.message[:200]}
     if isinstance(answer, (np.ndarray, PeerTension)):
-        return reference.errors(getattr(answer, "tension", answer)) | {"status": "SUCCESS"}
-    return reference.errors_of_response(answer) | {"status": answer.status.name}
+        work = getattr(answer, "work", costs.NOT_TOLD)
+        return reference.errors(getattr(answer, "tension", answer)) | {"status": "SUCCESS"} | work
+    return reference.errors_of_response(answer) | {"status": answer.status.name} | costs.count_work(answer)
 
 
 def least_seconds(run) -> tuple[float, object]:

@@ -63,7 +63,8 @@ def converged(quick: bool, references):
     uncertainties = {}
     for case in CASES:
         reference = references.get_or_compute(case)
-        uncertainties[case] = {"uncertainty": reference.uncertainty, "levels": reference.levels}
+        uncertainties[case] = {"uncertainty": reference.uncertainty, "levels": reference.levels,
+                               "refinements": reference.refinements}  # fmt: skip
         yield None
     yield uncertainties
 

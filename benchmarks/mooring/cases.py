@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from dataclasses import replace
+from dataclasses import asdict, replace
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
@@ -20,7 +20,7 @@ from verification.registry import last_period_tension
 
 from ..cable import cases as cable_cases
 from ..cable.cases import Reference, References, rms
-from ..run import results
+from ..run import refinement, results
 
 SCENES = files("reference_data") / "scenes"
 PAPER = (*cable_cases.PAPER_CASES, "case_1_large")
@@ -91,18 +91,33 @@ def box(name: str, nodes: int) -> CableSystem:
 
 
 def finest(name: str, levels) -> Reference:
-    """Return the tension on the last of one or two levels; uncertainty: a third of what the first one differs by.
+    """Return the tension on the last of two levels, refined by half in mesh and step alone, or on one level.
 
-    A third is what an error of second order leaves; where the touchdown travels it is a guide and no bound.
+    Uncertainty: a third of what the first level differs by, as an error of second order leaves; where the touchdown
+    travels it is a guide and no bound. refinements: three meshes with the finest step, three steps on the finest mesh.
     """
-    waves = []
-    for cells, steps in levels:
-        system = line(name, cells)
-        waves.append(
-            last_period_tension(solve_time_domain(system, dt=system.period / steps, periods=REFERENCE_PERIODS))
-        )
-    uncertainty = rms(waves[-1] - waves[0]) / 3 / float(np.ptp(waves[-1]))
-    return Reference(system.period, waves[-1], uncertainty, tuple(cells for cells, _ in levels))
+    runs = {level: run_in_time(name, *level) for level in levels}
+    wave = runs[levels[-1]]
+    spread = float(np.ptp(wave))
+    uncertainty = rms(wave - runs[levels[0]]) / 3 / spread
+    kept = {} if len(levels) == 1 else _refine(name, *levels[-1], wave)
+    return Reference(line(name, levels[-1][0]).period, wave, uncertainty, tuple(cells for cells, _ in levels), kept)
+
+
+def run_in_time(name: str, cells: int, steps: int) -> np.ndarray:
+    """Return the fairlead tension (INSTANTS,) of a case over the last of REFERENCE_PERIODS, N."""
+    system = line(name, cells)
+    return last_period_tension(solve_time_domain(system, dt=system.period / steps, periods=REFERENCE_PERIODS))
+
+
+def _refine(name: str, cells: int, steps: int, fine) -> dict:
+    """Return "mesh" and "steps" -> the fields of a Refinement of the finest run, each by four, by two and by one."""
+    spread = float(np.ptp(fine))
+    meshes, counts = ([size // 4, size // 2, size] for size in (cells, steps))
+    by_mesh = [*(run_in_time(name, size, steps) for size in meshes[:2]), fine]
+    by_step = [*(run_in_time(name, cells, count) for count in counts[:2]), fine]
+    return {"mesh": asdict(refinement.estimate_uncertainty(meshes, by_mesh, spread)),
+            "steps": asdict(refinement.estimate_uncertainty(counts, by_step, spread))}  # fmt: skip
 
 
 class ConvergedTensions:
@@ -132,7 +147,7 @@ class ConvergedTensions:
 @cache
 def sources() -> str:
     """Return a digest of the modules that a reference over a seabed depends on."""
-    total = hashlib.sha256(Path(__file__).read_bytes())
+    total = hashlib.sha256(Path(__file__).read_bytes() + Path(refinement.__file__).read_bytes())
     for path in sorted((files("solvers") / "mooring").iterdir(), key=lambda path: path.name):
         if path.name.endswith(".py"):
             total.update(path.read_bytes())

@@ -33,14 +33,19 @@ REFERENCE = (100, 24)  # (cells, harmonics) of extrapolated harmonic balance
 
 
 def references(quick: bool, folder: Path):
-    """How far this core on a fine mesh is from another discretisation; the timings find the references made."""
-    tensions, difference = cases.ConvergedTensions(folder, quick), {}
+    """How far this core on a fine mesh is from another discretisation; the timings find the references made.
+
+    refinements: case -> observed order and numerical uncertainty of its reference.
+    """
+    tensions, difference, refinements = cases.ConvergedTensions(folder, quick), {}, {}
     for name in work_of.QUICK_CASES if quick else cases.CASES:
         reference = tensions.get_or_compute(name)
+        refinements[name] = reference.refinements
         if name in cases.PAPER:
             difference[name] = reference.errors(cases.finest(name, cases.QUICK_REFERENCE[1:]).tension)["rms"]
         yield None
-    yield {"difference": difference}
+    titles = {name: cases.scene(name).name for name in refinements if name in cases.SEABED}
+    yield {"difference": difference, "refinements": refinements, "titles": titles}
 
 
 def work(quick: bool, folder: Path):

@@ -14,7 +14,7 @@ from verification.registry import INSTANTS, instants
 
 from .. import peers
 from ..cable import work_precision as cable_work
-from ..cable.cases import Reference
+from ..cable.cases import Reference, rms
 from . import cases, seabed, validation
 from . import work_precision as work
 
@@ -155,6 +155,18 @@ def test_a_motion_is_measured_as_solved_elsewhere():
 
 
 # ---------------------------------------------------------------- references
+def test_a_reference_is_refined_in_mesh_and_step_alone():
+    """Both end at the reference's own cells and steps; a uniform error of the mesh would show in no step."""
+    levels = ((20, 100), (40, 200))
+    kept = cases.finest("oc3_seabed", levels).refinements
+    assert (kept["mesh"]["sizes"], kept["steps"]["sizes"]) == ((10, 20, 40), (50, 100, 200))
+    waves = {size: cases.run_in_time("oc3_seabed", *size) for size in ((20, 200), (40, 100), (40, 200))}
+    fine = waves[40, 200]
+    for what, size in (("mesh", (20, 200)), ("steps", (40, 100))):
+        assert kept[what]["change"] == pytest.approx(rms(fine - waves[size]) / np.ptp(fine), rel=1e-9), what
+    assert cases.finest("oc3_seabed", levels[1:]).refinements == {}
+
+
 def test_a_reference_is_kept_and_made_anew_for_another_line(tmp_path, monkeypatch):
     made = []
 

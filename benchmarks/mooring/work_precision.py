@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 
 import numpy as np
@@ -16,6 +16,7 @@ from solvers.numerics.threads import one_blas_thread
 from verification.registry import last_period_tension
 
 from ..cable import work_precision as cable_work
+from ..run import costs
 from . import cases
 
 TIME, EXTRAPOLATED = "in time", "in time, extrapolated"
@@ -61,10 +62,11 @@ SHORT = 0.05  # s: of a call that is made once before it is timed, for what ran 
 
 @dataclass(frozen=True)
 class Tension:
-    """Fairlead tension (n,) in N over the last period, or None and a word on why."""
+    """Fairlead tension (n,) in N over the last period, or None and a word on why; what it cost."""
 
     wave: np.ndarray | None
     status: str = "SUCCESS"
+    work: dict = field(default_factory=lambda: costs.NOT_TOLD)
 
 
 def call(name: str, method: str, size: int, other: int):
@@ -90,7 +92,8 @@ def _tension(solve) -> Tension:
         response = solve()
     except ConvergenceError as error:
         return Tension(None, error.args[0].splitlines()[0][:80])
-    return Tension(last_period_tension(response) if response.success else None, response.status.name)
+    wave = last_period_tension(response) if response.success else None
+    return Tension(wave, response.status.name, costs.count_work(response))
 
 
 def _extrapolated_call(name, cells, steps):
@@ -102,7 +105,10 @@ def _extrapolated_call(name, cells, steps):
         runs = ((coarse, 2 * fine.period / steps), (fine, fine.period / steps))
         waves = [_tension(partial(solve_time_domain, system, dt=dt, periods=count, throw=False)) for system, dt in runs]
         failed = [one for one in waves if one.wave is None]
-        return failed[0] if failed else Tension(waves[1].wave + (waves[1].wave - waves[0].wave) / 3)
+        if failed:
+            return failed[0]
+        extrapolated = waves[1].wave + (waves[1].wave - waves[0].wave) / 3
+        return Tension(extrapolated, work=costs.add_work(one.work for one in waves))
 
     return run
 
@@ -113,7 +119,7 @@ def _peer_call(adapter, name, size, steps):
 
     def run():
         answer = cable_work.ask(adapter, case, moved, period, (size, steps), cases.periods(name))
-        return Tension(answer.tension, answer.kind.upper() or "SUCCESS")
+        return Tension(answer.tension, answer.kind.upper() or "SUCCESS", answer.work)
 
     return run
 
@@ -131,7 +137,7 @@ def calls(name: str, quick: bool) -> dict:
 
 
 def points(name: str, reference, quick: bool):
-    """Yield a dict for each setting of a case: method, size, other, least seconds, rms, error, status.
+    """Yield a dict for each setting of a case: method, size, other, least seconds, rms, error, status, cost.
 
     All settings take turns in a random order, ROUNDS times; a call longer than LONG is not repeated, one shorter than
     SHORT is timed with warm caches.
@@ -156,7 +162,7 @@ def points(name: str, reference, quick: bool):
             continue
         errors = {"rms": None, "error": None} if answer.wave is None else reference.errors(answer.wave)
         point = {"case": name, "method": method, "size": size, "other": other, "status": answer.status}
-        yield point | {"seconds": seconds[method, size, other]} | errors
+        yield point | {"seconds": seconds[method, size, other]} | errors | answer.work
 
 
 def pareto_front(points) -> list[dict]:

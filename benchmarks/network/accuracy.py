@@ -79,7 +79,7 @@ def ladder(title: str, method: Method, tolerances) -> list[dict]:
     exact, network = truth(title)
     points, before = [], {"error": None}
     for tolerance in method.ladder(tolerances):
-        tension, verdict, message, clock = (theirs if method.adapter else ours)(network, method, tolerance)
+        tension, verdict, message, clock, work = (theirs if method.adapter else ours)(network, method, tolerance)
         error = None if tension is None else tension_error(tension, exact)
         same = error is not None and error == before["error"]
         with harness.quiet():
@@ -88,7 +88,7 @@ def ladder(title: str, method: Method, tolerances) -> list[dict]:
         before = {"solver": method.name, "label": method.label, "case": title, "tolerance": tolerance}
         if method.adapter:
             before["code"] = f"{method.label} {method.adapter.version}".strip()
-        before |= {"verdict": verdict, "message": message[:200], "error": error, "seconds": seconds}
+        before |= {"verdict": verdict, "message": message[:200], "error": error, "seconds": seconds} | work
         points.append(before)
         if message.startswith(harness.OVERTIME):
             break
@@ -96,7 +96,11 @@ def ladder(title: str, method: Method, tolerances) -> list[dict]:
 
 
 def ours(network, method: Method, tolerance: float) -> tuple:
-    """(end tensions (e, 2) or None, "refused" where it did not converge, message, call that times one solve, s)."""
+    """Return what a method gives and costs.
+
+    End tensions (e, 2) in N or None; "refused" where it did not converge; message; call that times one solve, s; the
+    counts of its work.
+    """
 
     def solve():
         return method.solve(network, tolerance=tolerance, start="nodes", fallback=False, throw=False)
@@ -105,7 +109,20 @@ def ours(network, method: Method, tolerance: float) -> tuple:
         state = solve()
     tension = np.column_stack([np.hypot(state.H_anchor, state.V_anchor), np.hypot(state.H, state.V)])
     clock = partial(cpu_seconds, solve)
-    return (tension, "", "", clock) if state.success else (None, "refused", state.status.value, clock)
+    work = count_work(state, method.solve.options.get("method") == "nested")
+    return (tension, "", "", clock, work) if state.success else (None, "refused", state.status.value, clock, work)
+
+
+def count_work(state, is_nested: bool) -> dict:
+    """Return lines, iterations, residual evaluations, and evaluations of the catenary of a line.
+
+    Each residual of the monolithic methods evaluates every line once; nested ones solve the lines inside each residual.
+    Those of the start are told with either.
+    """
+    lines = len(state.H)
+    evaluations = state.inner_iterations + (0 if is_nested else lines * state.function_evaluations)
+    return {"lines": lines, "iterations": state.iterations, "evaluations": state.function_evaluations,
+            "catenary_evaluations": evaluations}  # fmt: skip
 
 
 def theirs(network, method: Method, tolerance) -> tuple:
@@ -127,4 +144,5 @@ def theirs(network, method: Method, tolerance) -> tuple:
     (_, tension), kind, message = asked()
     if not kind:
         tension, kind, message = harness.checked(tension, (len(network.elements), 2))
-    return tension, kind, message, lambda: asked()[0][0] or np.inf
+    work = {"lines": len(network.elements), "iterations": None, "evaluations": None, "catenary_evaluations": None}
+    return tension, kind, message, lambda: asked()[0][0] or np.inf, work

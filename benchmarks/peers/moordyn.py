@@ -70,6 +70,7 @@ class MoorDyn(Adapter):
     version = metadata.version("moordyn")
     settings = ((8, 100), (12, 200), (17, 500), (24, 500), (34, 1000), (49, 1000), (98, 2000))
     # 196 segments take four times as long as 98 and, but for case 3 of the paper, no further
+    stages = 2  # of its RK2
 
     def cable(self, scene, time, fairlead, cells):
         """The force on the fairlead at the start and at the end of each coupling step.
@@ -142,6 +143,16 @@ class MoorDyn(Adapter):
                 forces[..., k + 1] = [moordyn.GetPointForce(point) for point in points]
                 tension[..., k + 1] = end_tensions(lines)
         return MovingNetworkAnswer(forces, tension) if is_case else forces
+
+    def count_cable_steps(self, scene, coupling_step: float, cells: int) -> int:
+        """Return how many steps of RK2 it takes in a coupling step in s, by the dtM that it is given."""
+        return _count_within(coupling_step, _stable_step(scene, cells))
+
+    def count_network_steps(self, network, coupling_step: float, counts) -> int:
+        """Return the same for a network without internal damping of its own, with so many segments in each element."""
+        elements = zip(network.elements, counts, strict=True)
+        crossing = min(e.L / n * math.sqrt(e.cable.mass_per_length / e.cable.EA) for e, n in elements)
+        return _count_within(coupling_step, STEP * crossing)
 
     def forces_at_rest(self, network, cells, seconds=600.0):
         """As the function of this name: where motions start, and no solver of networks at rest."""
@@ -274,13 +285,22 @@ def describe(scene, segments: int, down: float) -> str:
     else:  # per unit of the area that the diameter covers
         stiffness, damping = (c / cable.diameter for c in (environment.seabed_stiffness, environment.seabed_damping))
         depth, seabed = float(environment.depth + down), f"{stiffness!r} kBot\n{damping!r} cBot\n"
-    crossing = scene.length / segments / math.sqrt(cable.EA / cable.mass_per_length)  # s
     return _INPUT.format(
         d=cable.diameter, m=cable.mass_per_length, EA=cable.EA, damping=cable.damping * cable.EA or DAMPING,
         Cd=cable.Cdn, Ca=cable.Ca, Cdt=cable.Cdt, L=scene.length, segments=segments,
-        step=stable_step(STEP, crossing, cable.damping), g=environment.g, rho=environment.rho, depth=depth,
+        step=_stable_step(scene, segments), g=environment.g, rho=environment.rho, depth=depth,
         seabed=seabed, currents=int(any(environment.current)), **points,
     )  # fmt: skip
+
+
+def _stable_step(scene, segments: int) -> float:
+    """Return its dtM for a line, s."""
+    crossing = scene.length / segments / math.sqrt(scene.cable.EA / scene.cable.mass_per_length)
+    return stable_step(STEP, crossing, scene.cable.damping)
+
+
+def _count_within(coupling_step: float, step: float) -> int:
+    return math.ceil(coupling_step / step * (1 - 1e-9))  # a whole number of steps, in spite of rounding
 
 
 @contextmanager

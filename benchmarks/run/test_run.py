@@ -325,6 +325,19 @@ def test_a_method_that_is_wrong_or_gives_up_has_that_verdict(monkeypatch):
     assert (stopped["verdict"], stopped["error"], stopped["seconds"]) == ("refused", None, None)
 
 
+def test_a_nested_method_costs_the_lines_that_it_solves_inside():
+    """A residual of the monolithic one is an evaluation of each line; of the nested one, the solve of each."""
+    rows = {method.name: network_accuracy.ladder("two lines, 59.1 N/m", method, (1e-5,))[0]
+            for method in network_accuracy.METHODS}  # fmt: skip
+    for row in rows.values():
+        assert row["lines"] == 2 and 0 < row["iterations"] < row["evaluations"]
+    whole, nested = rows["monolithic-line-search"], rows["nested-analytic"]
+    state = solve_network(two_lines(59.1), tolerance=1e-5, start="nodes", fallback=False)
+    assert whole["catenary_evaluations"] == 2 * state.function_evaluations + state.inner_iterations
+    assert nested["catenary_evaluations"] > 2 * nested["evaluations"]
+    assert rows["monolithic-differences"]["evaluations"] > 4 * whole["evaluations"]
+
+
 def test_the_power_of_growth_is_that_of_the_times():
     """Planted times C n^p give p; small, failed and too few sizes give none of their own."""
     row = lambda n, p, status="SUCCESS": {"family": "net", "elements": n, "seconds": 3e-5 * n**p, "status": status}

@@ -7,7 +7,7 @@ from ..page.formatting import TIMES, number, ratio
 from ..page.pareto import front_verdict, static_fronts, summarise_fronts
 from ..page.section import Content, Inputs, Section
 from ..page.verdicts import Verdict
-from . import figures
+from . import figures, profiles
 from .tables import speed_table, timing_table, work_table
 
 # What the project set itself to reach before anything was measured.
@@ -27,6 +27,8 @@ def build(inputs: Inputs) -> Content:
         "work": group,
         "work_table": work_table(work).write(inputs.tables) if work else None,
         "fronts": fronts,
+        "profiles": profiles.profiles(work, accuracy, inputs.looks, inputs.figures) if work else None,
+        "costs": profiles.cost_table(work).write(inputs.tables) if work else None,
         "map": figures.error_map(accuracy, inputs.looks, inputs.figures) if accuracy else None,
         "speed": speed,
         "speed_table": speed_table(speed).write(inputs.tables) if speed else None,

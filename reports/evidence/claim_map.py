@@ -46,7 +46,7 @@ NOTHING_CLAIMED = (
 def build(inputs: Inputs) -> Content:
     """Return the table of claims by kind of evidence, with the uncertainties of the references."""
     rows = [_row(verdict) for verdict in _verdicts(inputs.results) if verdict.label in KINDS]
-    rows += _references(inputs.results)
+    rows += _references(inputs.results) + _refinements(inputs.results)
     order = (CODE, SOLUTION, MEASURED, INDEPENDENT)
     rows.sort(key=lambda row: order.index(row["kind"]))
     columns = {"kind": "kind of evidence", "about": "of what", "value": "measured", "label": "what it is",
@@ -86,6 +86,23 @@ def _references(results: dict) -> list[dict]:
     text = f"greatest uncertainty of a reference, rms over the range, of {plural(len(values), 'case')}"
     return [{"kind": SOLUTION, "about": "references of the moving line", "value": number(max(values), 2),
              "label": text, "within": "no bound", "anchor": "mooring-work"}]  # fmt: skip
+
+
+def _refinements(results: dict) -> list[dict]:
+    """Return a row on how many refinements of references show an order, where they were measured."""
+    lines = ((results["mooring"] or {}).get("references") or {}).get("refinements", {})
+    networks = ((results["mooring_networks"] or {}).get("agreement") or {}).get("rows", ())
+    kinds = [*lines.values(), *(row.get("refinements", {}) for row in networks)]
+    every = [one for kind in kinds for one in kind.values()]
+    if not every:
+        return []
+    known = [one for one in every if one["is_asymptotic"]]
+    networks_at = "mooring-networks-agreement" if networks else None
+    anchor = "mooring-work" if (results["mooring"] or {}).get("work") else networks_at
+    text = "refinements of references in mesh, step or harmonics in the asymptotic range; the others have a bound"
+    return [{"kind": SOLUTION, "about": "references of moving lines and networks",
+             "value": f"{len(known)} of {len(every)}", "label": text, "within": "no bound",
+             "anchor": anchor}]  # fmt: skip
 
 
 CLAIM_MAP = Section(

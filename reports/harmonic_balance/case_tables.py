@@ -90,28 +90,36 @@ def _independent(data, tables) -> Table:
 
 def show_work(data, folder, tables) -> dict:
     """Return error against run time, and every method's least time to an error."""
-    keys = ("case", "method", "size", "harmonics", "dt", "seconds", "rms", "error", "status", "message")
-    columns = {key: key for key in keys}
+    keys = ("case", "method", "size", "harmonics", "dt", "seconds", "steps", "iterations", "factorisations",
+            "cell_evaluations", "rms", "error", "status", "message")  # fmt: skip
+    columns = {key: key.replace("_", " ") for key in keys}
     table = write_table(tables, "work", "Error against run time", data["points"], columns)
     return {"points": FigureWithTable(work_figures.work(data, folder), table), "levels": _levels(data, tables)}
 
 
 def _levels(data, tables) -> Table:
-    """Return every method's least time to an error, and the setting of harmonic balance."""
+    """Return every method's least time to an error and its cell evaluations, with the setting of harmonic balance."""
     family, rows = "harmonic balance", []
     others = dict.fromkeys(method for row in data["at_errors"] for method in row["best"] if method != family)
     for entry in data["at_errors"]:
         best, row = entry["best"], {"case": CASES[entry["case"]], "level": entry["level"]}
         if ours := best.get(family):
             corrected = ", corrected" if ours["method"] != family else ""
-            row |= {"ours": ours["seconds"], "setting": f"{ours['size']}, {ours['harmonics']}{corrected}"}
+            row |= {
+                "ours": ours["seconds"],
+                "cells": ours.get("cell_evaluations"),
+                "setting": f"{ours['size']}, {ours['harmonics']}{corrected}",
+            }
         for method in (name for name in others if name in best):
             row[method] = best[method]["seconds"]
+            row[f"{method} cells"] = best[method].get("cell_evaluations")
             row[f"{method} ratio"] = best[method]["seconds"] / ours["seconds"] if ours else None
         rows.append(row)
-    columns = {"case": "case", "level": "rms error at most", "ours": family, "setting": "with (nodes, harmonics)"}
+    columns = {"case": "case", "level": "rms error at most", "ours": family, "setting": "with (nodes, harmonics)",
+               "cells": "cell evaluations"}  # fmt: skip
     for method in others:
-        columns |= {method: method, f"{method} ratio": "over harmonic balance"}
+        columns |= {method: method, f"{method} ratio": "over harmonic balance",
+                    f"{method} cells": "cell evaluations"}  # fmt: skip
     formats = dict.fromkeys(("ours", *others), seconds) | {f"{method} ratio": two_digits for method in others}
     formats["level"] = "{:g}".format
     return write_table(tables, "equal_errors", "Least times to an error", rows, columns, formats=formats)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ..cable.cases import CASES, motion_of
+from ..cable.references import reference_table
 from ..cable.tables import to_long_form, write_table
 from ..drawing.axes import KN
 from ..page.figures import FigureWithTable
@@ -181,7 +182,13 @@ def _oscillators(rows, folder, tables) -> dict:
     return {"text": text, "table": table}
 
 
+def _references(data, folder, tables):
+    kept = {case: one["refinements"] for case, one in data.items() if one.get("refinements")}
+    return reference_table("dynamics", tables, kept, CASES)
+
+
 PARTS = {
+    "references": _references,
     "cases": case_tables.show_cases,
     "work": case_tables.show_work,
     "newton": _newton,

@@ -33,3 +33,8 @@ save = partial(style.save_in_section, "mooring")
 """Write a figure as style.save does, under the names that all figures of this section have."""
 save_network = partial(style.save_in_section, "mooring_networks")
 """As ``save``, of the section on moving networks."""
+
+
+def describe_history(change: float | None, periodic: float) -> str:
+    """Return whether a history has become periodic; change: of its last period from the one before, over the range."""
+    return "" if change is None else "periodic" if change <= periodic else "not periodic yet"

@@ -5,12 +5,15 @@ from __future__ import annotations
 from functools import partial
 from statistics import median
 
+from ..cable.references import explain_references, reference_table
 from ..page.figures import FigureWithTable
 from ..page.formatting import TIMES, number, plural, ratio, seconds, status_words, times, two_digits
 from ..page.section import Content, Inputs, Section, show_parts
 from ..page.tables import Table, write_table
 from ..page.verdicts import Verdict
 from . import network_figures
+from .cases import describe_history
+from .profiles import COUNTS
 
 FASTER = 10.0  # times as fast as MoorDyn at equal error: what is asked of the nine lines
 ALIKE = 0.01  # rms over the range, that MoorDyn and this core may be apart
@@ -77,14 +80,15 @@ def _agreement(data, folder, tables) -> dict | None:
     shares = ("rms", "error", "uncertainty", "rms_of_half", "by_segments", "by_steps", "by_damping", "same_cells",
               "explained")  # fmt: skip
     (rough, _), (fine, _) = data["rows"][0]["at_rest"]
-    rows = [row | {key: 100 * row[key] for key in shares} | _at_rest(row) | {"range": row["range"] / 1e3}
+    rows = [row | {key: 100 * row[key] for key in shares} | _at_rest(row) | {"range": row["range"] / 1e3,
+            "history": describe_history(row.get("change"), row.get("periodic", 0.0))}
             for row in data["rows"]]  # fmt: skip
     formats = dict.fromkeys(shares, two_digits)
     formats |= {"range": _whole, "tension": _whole, "rest": _signed, "rest_half": _signed}
     columns = {"title": "system", "lines": "lines", "range": "range, kN", "tension": "at rest, kN",
                "rest_half": f"{rough} segments, %", "rest": f"{fine} segments, %", "rms": "rms, %",
-               "error": "greatest, %", "explained": "explained, %"}  # fmt: skip
-    groups = (("", 4), ("MoorDyn at rest", 2), ("MoorDyn in motion", 3))
+               "error": "greatest, %", "explained": "explained, %", "history": "histories"}  # fmt: skip
+    groups = (("", 4), ("MoorDyn at rest", 2), ("MoorDyn in motion", 4))
     causes = {"title": "system", "segments": "segments", "by_segments": "segments", "by_steps": "coupling steps",
               "by_damping": "damping", "uncertainty": "this core", "rms_of_half": "half the segments",
               "same_cells": "this core on its segments"}  # fmt: skip
@@ -92,7 +96,13 @@ def _agreement(data, folder, tables) -> dict | None:
     title = "Four systems beside MoorDyn"
     return {"table": _table(tables, "agreement", title, rows, columns, formats=formats, groups=groups),
             "causes": _table(tables, "causes", "What explains it", rows, causes, formats=formats, groups=of_causes),
-            "text": explain(data["rows"])}  # fmt: skip
+            "text": explain(data["rows"]), "references": _references(data["rows"], tables)}  # fmt: skip
+
+
+def _references(rows, tables) -> dict:
+    kept = {row["title"]: row["refinements"] for row in rows if row.get("refinements")}
+    titles = dict(zip(kept, kept, strict=True))
+    return {"table": reference_table("mooring_networks", tables, kept, titles), "explained": explain_references(kept)}
 
 
 def _at_rest(row) -> dict:
@@ -141,7 +151,8 @@ def _signed(value) -> str:
 def _work(data, folder, tables) -> dict:
     points = [point | {"size": _setting(point)} for point in data["points"]]
     columns = {"method": "method", "size": "cells", "other": "steps or harmonics", "periods": "periods",
-               "seconds": "run time", "rms": "rms error", "error": "greatest error", "status": "status"}  # fmt: skip
+               "seconds": "run time", **COUNTS, "rms": "rms error", "error": "greatest error",
+               "status": "status"}  # fmt: skip
     rows = [row | {"size": _setting(row)} for row in data["ratios"]]
     ratios = {"size": "segments of MoorDyn", "other": "coupling steps", "rms": "rms error", "seconds": "its run time",
               "ours": "nodes and elements", "ratio": "times"}  # fmt: skip

@@ -7,12 +7,13 @@ from statistics import median
 
 import numpy as np
 
+from ..cable.references import explain_references, reference_table
 from ..page.figures import FigureWithTable
 from ..page.formatting import number, plural, seconds, status_words, times, two_digits
 from ..page.section import Content, Inputs, Section, show_parts
 from ..page.tables import Table, write_table
-from . import figures
-from .cases import CASES, GROWING
+from . import figures, profiles
+from .cases import CASES, GROWING, describe_history
 from .verdicts import verdicts
 
 _table = partial(write_table, "mooring")
@@ -24,6 +25,11 @@ def build(inputs: Inputs) -> Content:
     if not data:
         return Content({"mooring": None})
     shown = show_parts(PARTS, data, inputs)
+    if shown["work"]:
+        others = [(inputs.results[group] or {}).get("work") for group in ("harmonic_balance", "mooring_networks")]
+        points = profiles.collect_points(data["work"], *others)
+        shown["work"] |= {"profiles": profiles.profiles(points, inputs.figures),
+                          "costs": profiles.cost_table(points, inputs.tables)}  # fmt: skip
     content = Content({"mooring": shown}, list(verdicts(data)))
     if shown["work"]:
         content.figures += [("a moving line", figure) for figure in shown["work"]["points"].group.figures[:1]]
@@ -45,7 +51,8 @@ def _work(data, folder, tables) -> dict:
     titles = CASES | data["titles"]
     points = [point | {"case": titles[point["case"]]} for point in data["points"]]
     columns = {"case": "case", "method": "method", "size": "cells or nodes", "other": "steps or harmonics",
-               "seconds": "run time", "rms": "rms error", "error": "greatest error", "status": "status"}  # fmt: skip
+               "seconds": "run time", **profiles.COUNTS, "rms": "rms error", "error": "greatest error",
+               "status": "status"}  # fmt: skip
     rows = [row | {"case": titles[row["case"]]} for row in data["ratios"] if row["method"] == "MoorDyn"]
     ratios = {"case": "case", "size": "cells of MoorDyn", "other": "steps a period", "rms": "rms error",
               "seconds": "its run time", "ours": "nodes and elements", "ratio": "times"}  # fmt: skip
@@ -58,7 +65,13 @@ def _work(data, folder, tables) -> dict:
     }
 
 
-def _difference(data, folder, tables) -> str:
+def _references(data, folder, tables) -> dict:
+    kept, titles = data.get("refinements", {}), CASES | data.get("titles", {})
+    return {"text": _difference(data), "table": reference_table("mooring", tables, kept, titles),
+            "explained": explain_references(kept)}  # fmt: skip
+
+
+def _difference(data) -> str:
     cases = ", ".join(f"{CASES[name]} {number(100 * value, 2)} %" for name, value in data["difference"].items())
     return (
         f"On a fine mesh nodes and elements come to the tension of the box scheme, another discretisation by other "
@@ -166,15 +179,10 @@ def _motion_row(row, periodic: float) -> dict:
     kN = {key: row[key] / 1e3 if key in row else None for key in ("pretension", "least", "greatest")}
     warned = ", ".join(row.get("subjects", ())) or "none"
     about = {"line": row["title"], "difference": balance["difference"], "change": row.get("change"),
-             "history": _describe_history(row.get("change"), periodic),
+             "history": describe_history(row.get("change"), periodic),
             "error": row.get("error"), "warned": warned if row["status"] == "SUCCESS" else status_words(row["status"]),
             "balance": status_words(balance["status"])}  # fmt: skip
     return row | kN | about
-
-
-def _describe_history(change: float | None, periodic: float) -> str:
-    """Return whether a history has become periodic; change: of its last period from the one before, over the range."""
-    return "" if change is None else "periodic" if change <= periodic else "not periodic yet"
 
 
 def _line_table(data, tables) -> Table:
@@ -204,7 +212,7 @@ def _line_table(data, tables) -> Table:
 
 
 PARTS = {
-    "references": _difference,
+    "references": _references,
     "work": _work,
     "three_periods": _three_periods,
     "growth": _growth,
@@ -220,7 +228,7 @@ MOORING = Section(
     title="Moving line of nodes and elements",
     part="error-for-time",
     page="moving",
-    needs=("mooring",),
+    needs=("mooring", "mooring_networks", "harmonic_balance"),
     template="mooring/section.html.j2",
     build=build,
     tests={

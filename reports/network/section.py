@@ -5,7 +5,7 @@ from __future__ import annotations
 from ..page.formatting import across
 from ..page.section import Content, Inputs, Section
 from ..pipeline import published
-from . import figures, paragraphs, tables
+from . import figures, paragraphs, profiles, tables
 from .pictures import pictures
 from .verdicts import verdicts
 
@@ -27,6 +27,7 @@ def build(inputs: Inputs) -> Content:
         "units": tables.unit_table(table2) if table2 else None,
         "settings": tables.setting_table(table2) if table2 else None,
         "work_table": tables.work_table(work) if work else None,
+        "costs": profiles.cost_table(work) if work else None,
         "speed": tables.speed_table(speed) if speed else None,
         "peers": tables.peer_table(peers) if peers else None,
     }
@@ -37,6 +38,7 @@ def build(inputs: Inputs) -> Content:
         "pictures": pictures(drawn, inputs.figures) if drawn else None,
         "reproduction": paragraphs.reproduction(table2, printed) if table2 else [],
         "work": figures.work(work, inputs.figures) if work else None,
+        "profiles": profiles.profiles(work, inputs.figures) if work else None,
         "speed_text": paragraphs.speed(speed) if speed else "",
         "gain": figures.gain(speed, inputs.figures) if speed else None,
         "peer_text": paragraphs.peers(peers, tables.SYSTEMS) if peers else "",

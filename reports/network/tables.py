@@ -87,7 +87,8 @@ def setting_table(rows: list[dict]) -> Table:
 
 def work_table(rows: list[dict]) -> Table:
     """Return the points of the figure of error against time."""
-    columns = {key: key for key in ("case", "label", "tolerance", "seconds", "error", "verdict", "message")}
+    columns = {key: key for key in ("case", "label", "tolerance", "seconds", "error", "lines", "iterations",
+                                     "evaluations", "catenary_evaluations", "verdict", "message")}  # fmt: skip
     return Table("networks_work", "Error against run time, networks", columns, rows)
 
 

@@ -23,8 +23,8 @@ class PeriodicResponse(Response, Outcome):
     """Periodic state: coefficients z (n_f, N, C) about ``system.rest_state()`` in the order of ``basis.harmonic``.
 
     time (Nt,) s; y, ydot (n_f, N, Nt): the samples. iterations: Newton steps with these harmonics, at all amplitudes;
-    coarse_iterations: those with fewer harmonics or nodes before; steps: error (76) and relaxation of those of
-    the last solve.
+    coarse_iterations: those with fewer harmonics or nodes before, of a moving line those of the start in time; steps:
+    error (76) and relaxation of those of the last solve.
     residual_norm: largest coefficient of the rows, before a deferred correction.
     amplitude: share of the motion that was reached, 1 on success. event: (time, node) of an invalid state, or None.
     correction: mean |dz| of the deferred correction, which tells the error that the mesh had made; None without one.

@@ -104,7 +104,7 @@ def solve_periodic(
     with one_blas_thread(), np.errstate(all="ignore"):  # a diverging step is found by its size
         mirror = find_mirror(system, basis) if symmetry else None
         if multilevel and start is None and hasattr(system, "periodic_start"):
-            z = system.periodic_start(basis, nu)
+            z, coarse_iterations = system.periodic_start(basis, nu)
         elif multilevel and start is None:
             z, coarse_iterations = multilevel_start(system, basis, nu, newton, mirror, iterative)
         solution = solve_with_continuation(system, basis, z, tolerance, newton, mirror, iterative)

@@ -118,9 +118,10 @@ class MooringResponse(MooringOutputs, PeriodicResponse):
         return tuple(diagnostics.check_response(self))
 
 
-def start_from_time(system, basis) -> np.ndarray:
-    """Return the coefficients z (n, N, C) of the last period of a time integration; zeros where that fails.
+def start_from_time(system, basis) -> tuple[np.ndarray, int]:
+    """Return the coefficients z (n, N, C) of the last period of a time integration and its Newton steps.
 
+    Coefficients are zero where the integration fails.
     Of three periods; of a line in deep water with coarser iterations, and two where the second ends as the first did.
     """
     steps = max(LEAST_STEPS, STEPS_PER_HARMONIC * basis.harmonics)
@@ -129,14 +130,16 @@ def start_from_time(system, basis) -> np.ndarray:
     tolerance = START_TOLERANCE if is_smooth else None
     integrate = partial(solve_time_domain, system, dt=period / steps, tolerance=tolerance, throw=False)
     history = integrate(duration=(2 if is_smooth else 3) * period)
+    iterations = history.iterations
     if is_smooth and history.success:
         change = abs(history.y[..., -1] - history.y[..., -steps - 1]).max()
         if change > SETTLED * abs(history.y - y_at_rest).max():
             history = integrate(duration=3 * period)
+            iterations += history.iterations
     if not history.success:
-        return np.zeros((len(system.axes), system.nodes, basis.harmonic.size))
+        return np.zeros((len(system.axes), system.nodes, basis.harmonic.size)), iterations
     t = period * np.arange(steps) / steps
-    return 2 / steps * (history.y[..., -steps - 1 : -1] - y_at_rest) @ basis.functions(t)[0]
+    return 2 / steps * (history.y[..., -steps - 1 : -1] - y_at_rest) @ basis.functions(t)[0], iterations
 
 
 def solve_extrapolated(system, **options) -> MooringResponse:

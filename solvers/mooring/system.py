@@ -190,8 +190,8 @@ class MooringSystem:
         """Return the rows in Fourier coefficients; neither a mirror nor an iterative solver is used."""
         return MooringHarmonics(self, basis)
 
-    def periodic_start(self, basis, harmonics_of_driving) -> np.ndarray:
-        """Return coefficients z (n, N, C) from a short time integration."""
+    def periodic_start(self, basis, harmonics_of_driving) -> tuple[np.ndarray, int]:
+        """Return coefficients z (n, N, C) from a short time integration, and the Newton steps that it took."""
         return start_from_time(self, basis)
 
     def mirror(self):

@@ -105,28 +105,31 @@ def test_factors_are_in_double_precision_where_many_are_needed():
 
 @pytest.mark.parametrize(("Cdn", "periods"), [(SURGE_5.Cdn, [2]), (0.0, [2, 3])], ids=["damped", "undamped"])
 def test_a_start_that_does_not_settle_takes_one_more_period(Cdn, periods, monkeypatch):
-    """Two periods in time where the second ends as the first did, else three."""
-    taken = []
+    """Two periods in time where the second ends as the first did, else three; all their Newton steps are told."""
+    taken, steps = [], []
 
     def integrate(system, **settings):
         taken.append(settings["duration"] / system.period)
-        return solve_time_domain(system, **settings)
+        history = solve_time_domain(system, **settings)
+        steps.append(history.iterations)
+        return history
 
     monkeypatch.setattr(harmonic, "solve_time_domain", integrate)
     made = system(replace(SURGE_5, Cdn=Cdn), 8, calibrate=False)
-    z = made.periodic_start(Basis(4, 16, 2 * np.pi / made.period, True), 1)
+    z, iterations = made.periodic_start(Basis(4, 16, 2 * np.pi / made.period, True), 1)
     assert taken == pytest.approx(periods) and abs(z[:, -1]).max() == pytest.approx(5.0, rel=1e-3)
+    assert iterations == sum(steps) > 0
 
 
 def test_starts_are_as_fine_as_slack_and_touchdown_need(monkeypatch):
     """A line in deep water starts from a coarse integration; one over a seabed and networks from the usual one."""
-    given, failed = [], SimpleNamespace(success=False)
+    given, failed = [], SimpleNamespace(success=False, iterations=0)
     monkeypatch.setattr(harmonic, "solve_time_domain", lambda system, **settings: given.append(settings) or failed)
     motion = Motion.harmonic(0.1, (0.0, 0.0, 1.0))
     bridles = mooring_system(case_network(cases.bridle_system()), 4, motion=motion)
     lying = replace(OC3_SEABED, amplitude=(5.0, 0.0, 0.0))
     for made in (system(SURGE_5, 8), system(lying, 8), bridles):
-        assert not made.periodic_start(Basis(4, 16, 2 * np.pi / made.period, True), 1).any()
+        assert not made.periodic_start(Basis(4, 16, 2 * np.pi / made.period, True), 1)[0].any()
     assert [one["tolerance"] for one in given] == [harmonic.START_TOLERANCE, None, None]
 
 

@@ -150,13 +150,60 @@ def test_report_calls_a_validation_that_is_missed_not_reached(line):
         assert re.search(f"{label} . not reached", text), label
 
 
+# ---------------------------------------------------------------- profiles and references
+def refinement(order, u_num: float, is_asymptotic: bool = True) -> dict:
+    factors = {"safety": 1.25, "expansion": 1.15} if is_asymptotic else {"safety": None, "expansion": None}
+    return {"sizes": [10, 20, 40], "formal_order": 2.0, "order": order, "change": 0.003, "u_num": u_num,
+            "is_asymptotic": is_asymptotic} | factors  # fmt: skip
+
+
+REFINEMENTS = {"mesh": refinement(1.98, 0.00123), "steps": refinement(None, 0.25, is_asymptotic=False)}
+
+
+def assert_references(file: Path, text: str):
+    """The table holds orders and uncertainties in per cent, and the words say which factors were used."""
+    rows = file.read_text(encoding="utf-8").splitlines()[1:]
+    assert [row.rsplit(",", 1)[-1] for row in rows] == ["yes", "no"]
+    assert ",2.0,1.98,0.3,1.25,0.123," in rows[0] and ",2.0,,0.3,,25.0," in rows[1]
+    assert re.search(r"1 of 2 \s*refinements of references", text)
+
+
+def test_report_counts_every_failure_in_its_profiles(tmp_path):
+    """Of two lines and four errors: what has no answer, an error too large and a wrong status count as never solved."""
+    points = [work_point("in time", 0.001, 0.0009, 500), work_point("in time", 0.004, 0.0009, 500, case="case_2"),
+              work_point("MoorDyn", 0.01, 0.005, 9000), work_point("MoorDyn", 0.02, None, None, case="case_2"),
+              work_point("harmonic balance", 0.0005, 0.02, 100, case="case_2", status="NOT_CORRECTED")]  # fmt: skip
+    data = {"work": {"points": points, "titles": {}, "uncertainty": {"case_1": 1e-4, "case_2": 1e-4}, "ratios": [],
+                     "wanted": [1e-3, 1e-2]},
+            "references": {"difference": {}, "titles": {}, "refinements": {"case_1": REFINEMENTS}}}  # fmt: skip
+    (tmp_path / "results").mkdir()
+    (tmp_path / "results" / FILES[LINE]).write_text(json.dumps(data), encoding="utf-8")
+    shown = page(tmp_path)
+    text = words(shown)
+    assert undescribed(shown) == [] and missing_files(shown, tmp_path) == [] and broken_anchors(shown) == []
+    assert "share of 8 problems" in text
+    assert "fastest in, and solved at all: in time 8 and 8; MoorDyn 0 and 2; harmonic balance 0 and 0" in text
+    assert "Half of the problems are solved by in time 500, MoorDyn never, harmonic balance never" in text
+    costs = (tmp_path / "tables" / "mooring_costs.csv").read_text(encoding="utf-8")
+    assert costs.count("\n") == 1 + 8 + 2 and ",75,300,100,500\n" in costs
+    assert "Here Fs is 1.25 and k 1.15" in text
+    assert_references(tmp_path / "tables" / "mooring_references.csv", text)
+
+
+def work_point(method, seconds, rms, evaluations, case="case_1", status="SUCCESS") -> dict:
+    return {"case": case, "method": method, "size": 20, "other": 50, "seconds": seconds, "rms": rms, "error": rms,
+            "status": status, "steps": 75, "iterations": 300, "factorisations": 100,
+            "cell_evaluations": evaluations}  # fmt: skip
+
+
 # ---------------------------------------------------------------- moving networks
 def test_report_shows_how_networks_grow_and_what_they_are_beside_moordyn(tmp_path):
     """The growth as measured; a difference from MoorDyn and a ratio, planted, turn words and verdicts."""
     result = measure(NETWORKS, tmp_path / "results", "--parts", "growth")
     row = {"title": "a spar", "lines": 3, "segments": 20, "range": 1e5, "pretension": 9e5, "rms": 0.0123, "error": 0.03,
            "explained": 0.0119, "uncertainty": 1e-3, "rms_of_half": 0.03, "by_segments": 0.02, "by_steps": 0.001,
-           "by_damping": 0.002, "same_cells": 0.001, "at_rest": [[10, 0.004], [20, -0.001]]}  # fmt: skip
+           "by_damping": 0.002, "same_cells": 0.001, "at_rest": [[10, 0.004], [20, -0.001]],
+           "change": 0.02, "periodic": 0.01, "refinements": REFINEMENTS}  # fmt: skip
     point = {"method": "in time", "size": 20, "other": 50, "periods": 2, "seconds": 0.01, "rms": 0.005, "error": 0.01,
              "status": "SUCCESS", "case": "bridles"}  # fmt: skip
     ratio = {"size": [20, 1, 1], "other": 400, "rms": 0.009, "seconds": 0.08, "ours": 0.01, "ratio": 8.0}
@@ -174,3 +221,5 @@ def test_report_shows_how_networks_grow_and_what_they_are_beside_moordyn(tmp_pat
     for label in ("off MoorDyn, moving networks", "time of MoorDyn, moving network"):
         assert re.search(f"{label} . not reached", text), label
     assert "exponent of the growth with lines" in text and "Light damping" not in text
+    assert "not periodic yet" in text
+    assert_references(tmp_path / "tables" / "mooring_networks_references.csv", text)

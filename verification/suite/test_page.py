@@ -56,6 +56,8 @@ ALLOWED = {
     "moves by 1 %": "a setting of the benchmark of networks, in its name",
     "5 and 95": "percentiles",
     "2n³/3": "the formula (5.6)",
+    "V&V 20:": "the name of a standard",
+    "(rᵖ - 1)": "the formula of the numerical uncertainty",
     "out by 1 m": "a setting of the benchmark of networks",
     "per 1 % of": "a unit of the sensitivity",
     "from 0 to": "where a scale of colours begins",

@@ -6,6 +6,7 @@ damping, and this core runs on as many uniform cells as MoorDyn: what each chang
 
 from __future__ import annotations
 
+from dataclasses import asdict, dataclass
 from functools import cache
 
 import numpy as np
@@ -14,6 +15,7 @@ from solvers import mooring_system
 from solvers.network.solve import solve_network
 
 from ... import peers
+from ...run import refinement
 from . import systems
 
 PERIODS, OUR_PERIODS = 4, 6  # the last one is compared
@@ -28,30 +30,76 @@ AT_REST, QUICK_AT_REST, RELAXED = (20, 40), (10, 20), 100.0
 """Segments of the longest line for the tension at rest, and s that MoorDyn relaxes for: 600 s change it by 5e-5."""
 DAMPING = 0.1
 """Of the critical damping of a segment, what MoorDyn is given; RK2 is unstable with half of it."""
+PERIODIC = 1e-2
+"""Change of the last period from the one before, rms over the range, to which a history is called periodic."""
 PEER = "moordyn"
 
 
-@cache
-def reference(name: str, quick: bool) -> tuple[np.ndarray, float]:
-    """Return the tensions (P, COUNT) of this core on a fine mesh and its rms uncertainty.
+@dataclass(frozen=True)
+class FineRun:
+    """Tensions (P, COUNT) of this core on a fine mesh, N; rms uncertainty; change of the last period from the one
+    before, the largest rms over the range."""
 
-    The finer of two runs, of twice the cells and steps; a third of their difference is what an error of second order
-    leaves in the finer one: over a seabed a guide and no bound.
+    tensions: np.ndarray
+    uncertainty: float
+    change: float
+
+
+@cache
+def reference(name: str, quick: bool) -> FineRun:
+    """Return the finer of two runs of this core, of twice the cells and steps.
+
+    A third of their difference is what an error of second order leaves in the finer one: over a seabed a guide and no
+    bound.
     """
     cells, steps = QUICK_REFERENCE if quick else REFERENCE
-    coarse, fine = (
-        _fine_tensions(systems.system(name, n), k, OUR_PERIODS) for n, k in ((cells // 2, steps // 2), (cells, steps))
-    )
-    return fine, systems.differences(coarse, fine)["rms"] / 3
+    coarse = _fine_tensions(systems.system(name, cells // 2), steps // 2, OUR_PERIODS)
+    run, kept = _fine_history(systems.system(name, cells), steps, OUR_PERIODS)
+    fine = systems.our_tensions(run, kept)
+    uncertainty = systems.differences(coarse, fine)["rms"] / 3
+    return FineRun(fine, uncertainty, systems.last_change(systems.coupled_forces(run), kept))
 
 
 def _fine_tensions(made, steps: int, periods: int) -> np.ndarray:
-    """Return the tensions (P, COUNT) of a history of which no more is kept than is compared."""
-    return systems.our_tensions(systems.history(made, steps, periods, every=steps // systems.COUNT), systems.COUNT)
+    """Return the tensions (P, S) of a history; S: COUNT, or fewer steps."""
+    return systems.our_tensions(*_fine_history(made, steps, periods))
+
+
+def _fine_history(made, steps: int, periods: int) -> tuple:
+    """Return a history of which no more is kept than is compared, and how many steps of a period are."""
+    every = max(1, steps // systems.COUNT)
+    return systems.history(made, steps, periods, every=every), steps // every
+
+
+def refine(name: str, quick: bool) -> dict:
+    """Return "mesh" and "steps" -> the fields of a Refinement of the fine run, of the fairlead that it is largest of.
+
+    Three meshes with the finest step and three steps on the finest mesh, each by four, by two and by one.
+    """
+    cells, steps = QUICK_REFERENCE if quick else REFERENCE
+    fine = reference(name, quick).tensions
+    levels = {"mesh": [(cells // k, steps) for k in (4, 2)], "steps": [(cells, steps // k) for k in (4, 2)]}
+    kept = {}
+    for i, (what, coarse) in enumerate(levels.items()):
+        waves = [*(_fine_tensions(systems.system(name, n), k, OUR_PERIODS) for n, k in coarse), fine]
+        count = min(wave.shape[1] for wave in waves)
+        waves = [wave[:, :: wave.shape[1] // count] for wave in waves]
+        sizes = [*(level[i] for level in coarse), (cells, steps)[i]]
+        of_fairleads = (
+            refinement.estimate_uncertainty(sizes, [wave[p] for wave in waves], float(np.ptp(fine[p])))
+            for p in range(len(fine))
+        )
+        kept[what] = asdict(refinement.largest(of_fairleads))
+    return kept
 
 
 def moordyn_tensions(network, counts, steps: int, periods: int = PERIODS, damping_ratio: float = DAMPING) -> np.ndarray:
-    """Return MoorDyn's tensions (P, S) at the fairleads over the last period, from rest, N.
+    """Return MoorDyn's tensions (P, S) at the fairleads over the last period, from rest, N; see ``moordyn_forces``."""
+    return systems.last_tensions(moordyn_forces(network, counts, steps, periods, damping_ratio), steps)
+
+
+def moordyn_forces(network, counts, steps: int, periods: int = PERIODS, damping_ratio: float = DAMPING) -> np.ndarray:
+    """Return MoorDyn's forces (P, 3, K) at the fairleads in so many periods from rest, N.
 
     counts: segments of each element; steps: coupling steps in a period.
     """
@@ -59,7 +107,7 @@ def moordyn_tensions(network, counts, steps: int, periods: int = PERIODS, dampin
     time = np.arange(periods * steps + 1) * (period / steps)
     moved = network.motion.ramped(period / 2)  # as solve_time_domain starts by default
     adapter = peers.adapters()[PEER]
-    return systems.last_tensions(adapter.moving_network(network, moved, time, counts, damping_ratio), steps)
+    return adapter.moving_network(network, moved, time, counts, damping_ratio)
 
 
 def rows(quick: bool):
@@ -72,16 +120,20 @@ def compare(name: str, quick: bool) -> dict:
     """Return how far MoorDyn is from this core in one system, and what its segments, steps and damping change."""
     network, counts = systems.network(name), systems.SEGMENTS[name]
     segments, steps = (QUICK_SEGMENTS if quick else SEGMENTS)[name], QUICK_STEPS if quick else STEPS
-    ours, uncertainty = reference(name, quick)
-    fine = moordyn_tensions(network, counts(segments), steps)
+    reference_run = reference(name, quick)
+    ours = reference_run.tensions
+    forces = moordyn_forces(network, counts(segments), steps)
+    fine = systems.last_tensions(forces, steps)
     rough = moordyn_tensions(network, counts(segments // 2), steps)
     fewer = moordyn_tensions(network, counts(segments // 2), steps // 2)
     damped = moordyn_tensions(network, counts(segments // 2), steps, damping_ratio=2 * DAMPING)
     apart, half = systems.differences(fine, ours), systems.differences(rough, ours)
     row = {"system": name, "title": network.name, "period": network.motion.period, "fairleads": len(ours),
            "lines": len(network.elements), "segments": segments, "steps": steps, "rms": apart["rms"],
-           "error": apart["error"], "rms_of_half": half["rms"], "uncertainty": uncertainty,
-           "range": float(np.ptp(ours, axis=1).max()), "mean_difference": mean_difference(fine, ours)}  # fmt: skip
+           "error": apart["error"], "rms_of_half": half["rms"], "uncertainty": reference_run.uncertainty,
+           "range": float(np.ptp(ours, axis=1).max()), "mean_difference": mean_difference(fine, ours),
+           "refinements": refine(name, quick), "periodic": PERIODIC,
+           "change": max(reference_run.change, systems.last_change(forces, steps))}  # fmt: skip
     pairs = {"segments": (rough, fine), "steps": (fewer, rough), "damping": (damped, rough)}
     row |= {f"by_{key}": systems.differences(one, other)["rms"] for key, (one, other) in pairs.items()}
     row["explained"] = explained(row)

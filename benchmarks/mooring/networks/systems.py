@@ -144,9 +144,23 @@ def last_tensions(forces, steps: int) -> np.ndarray:
     return last[:, :: max(1, steps // COUNT)]
 
 
+def last_change(forces, steps: int) -> float:
+    """Return the change of the tensions from the last period but one to the last, rms over the range, the largest.
+
+    forces (P, 3, K) of two whole periods at least, at so many steps in each, N.
+    """
+    last, before = last_tensions(forces, steps), last_tensions(np.asarray(forces)[..., :-steps], steps)
+    return float((np.sqrt(((last - before) ** 2).mean(axis=1)) / np.ptp(last, axis=1)).max())
+
+
+def coupled_forces(run) -> np.ndarray:
+    """Return the forces (P, 3, K) at the fairleads of a history, N."""
+    return run.forces[:, run.system.coupled_nodes].swapaxes(0, 1)
+
+
 def our_tensions(run, steps: int) -> np.ndarray:
     """Return the tensions (P, S) at the fairleads over the last period of a history, N; steps: kept, in a period."""
-    return last_tensions(run.forces[:, run.system.coupled_nodes].swapaxes(0, 1), steps)
+    return last_tensions(coupled_forces(run), steps)
 
 
 def periodic_tensions(response) -> np.ndarray:

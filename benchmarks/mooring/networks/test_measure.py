@@ -102,7 +102,7 @@ def test_the_equilibrium_that_moordyn_gets_is_solved_for_once(monkeypatch):
     """Else the run time of a repeated call would hold this project's statics."""
     work.run_moordyn((8, 1, 1), 50, 2)
     monkeypatch.setattr("solvers.network.solve.solve_network", None)
-    tensions = work.run_moordyn((8, 1, 1), 50, 2)
+    tensions = work.run_moordyn((8, 1, 1), 50, 2).tensions
     assert tensions.shape == (6, 50) and tensions.min() > 0
 
 
@@ -119,10 +119,13 @@ def test_points_have_the_error_from_the_reference_of_their_method(monkeypatch):
     sine = np.sin(2 * np.pi * np.arange(systems.COUNT) / systems.COUNT)[None]
     fine = {work.TIME: sine, work.BALANCE: sine, work.MOORDYN: 3 * sine}
 
+    counted = {"steps": 3, "iterations": 7, "factorisations": 2, "cell_evaluations": 70}
+
     def fail(*setting):
         raise RuntimeError("an error of another code")
 
-    calls = {work.TIME: lambda *s: sine, work.BALANCE: lambda *s: None, work.MOORDYN: lambda *s: 3.3 * sine}
+    calls = {work.TIME: lambda *s: work.Answer(sine, counted), work.BALANCE: lambda *s: work.Answer(None),
+             work.MOORDYN: lambda *s: work.Answer(3.3 * sine)}  # fmt: skip
     plan = {("in time", (20, 50, 2)): calls[work.TIME], ("harmonic balance", (20, 5)): calls[work.BALANCE],
             ("MoorDyn", ((8, 1, 1), 200, 2)): calls[work.MOORDYN], ("MoorDyn", ((9, 1, 1), 200, 2)): fail}  # fmt: skip
     monkeypatch.setattr(work, "settings", lambda quick: plan)
@@ -132,15 +135,17 @@ def test_points_have_the_error_from_the_reference_of_their_method(monkeypatch):
     assert rows["MoorDyn", (8, 1, 1)]["error"] == pytest.approx(0.05, rel=ROUNDING)
     assert rows["MoorDyn", (9, 1, 1)]["rms"] is None and rows["MoorDyn", (9, 1, 1)]["status"] == "FAILED"
     assert all(0 < row["seconds"] < work.LONG for row in rows.values())
+    assert counted.items() <= rows["in time", 20].items() and rows["MoorDyn", (9, 1, 1)]["cell_evaluations"] is None
 
 
 def test_errors_of_the_nine_lines_fall_along_the_ladder():
     fine = systems.our_tensions(systems.history(systems.system(systems.NINE_LINES, 80), 200, 4), 200)
     errors = [
-        systems.differences(work.run_in_time(*one), fine)["rms"] for one in ((10, 25, 2), (20, 50, 2), (40, 100, 3))
+        systems.differences(work.run_in_time(*one).tensions, fine)["rms"]
+        for one in ((10, 25, 2), (20, 50, 2), (40, 100, 3))
     ]
     assert errors[0] > errors[1] > errors[2] and errors[2] < 0.005
-    balanced = work.run_balance(*work.BALANCED[0])
+    balanced = work.run_balance(*work.BALANCED[0]).tensions
     assert balanced is not None and systems.differences(balanced, fine)["rms"] < 0.03
 
 
@@ -188,3 +193,24 @@ def test_less_drag_takes_more_periods():
     few, many = (scaling.at_drag("oc3", drag, 30) for drag in (1.0, 0.1))
     assert few["periods"] < many["periods"] < 30 and few["status"] == many["status"] == "SUCCESS"
     assert few["difference"] < 0.01 and few["in_time"] > 0
+
+
+# ---------------------------------------------------------------- periodic or not yet
+def test_the_change_of_the_last_period_is_that_of_the_worst_fairlead():
+    """A sine that is 2 % of its range higher in the period before, beside one that repeats itself."""
+    sine = 5.0 + np.sin(2 * np.pi * np.arange(100) / 100)
+    tension = np.array([[*sine, *sine, sine[0]], [*(sine + 0.04), *sine, sine[0]]])
+    forces = np.stack([tension, 0 * tension, 0 * tension], axis=1)
+    assert systems.last_change(forces, 100) == pytest.approx(0.02, rel=1e-9)
+    assert systems.last_change(forces[:1], 100) < 1e-12
+
+
+# ---------------------------------------------------------------- references
+def test_the_fine_run_is_refined_in_mesh_and_step_alone():
+    """Of a taut system each has three sizes that end at the fine run's, and the mesh its second order."""
+    kept = agreement.refine("polyester", quick=True)
+    cells, steps = agreement.QUICK_REFERENCE
+    assert {what: one["sizes"] for what, one in kept.items()} == {
+        "mesh": (cells // 4, cells // 2, cells), "steps": (steps // 4, steps // 2, steps)}  # fmt: skip
+    assert kept["mesh"]["is_asymptotic"] and kept["mesh"]["order"] == pytest.approx(2.0, abs=0.2)
+    assert 0 < kept["mesh"]["change"] < 1e-3 and 0 < kept["steps"]["change"] < 1e-3

@@ -11,6 +11,7 @@ import hashlib
 import json
 import math
 import time
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +20,7 @@ from solvers import ConvergenceError, solve_periodic
 from solvers.numerics.threads import one_blas_thread
 
 from ... import peers
-from ...run import results
+from ...run import costs, results
 from ..work_precision import WANTED, pareto_front, ratios
 from . import agreement, systems
 
@@ -44,21 +45,34 @@ COARSE = 5e-2  # greatest error at which MoorDyn is compared beside those wanted
 ROUNDS, LONG = 2, 0.3  # a call longer than that, in s, is timed once
 
 
-def run_in_time(cells: int, steps: int, periods: int) -> np.ndarray:
-    """Return the fairlead tensions (P, S) of a history on a uniform mesh, N."""
+@dataclass(frozen=True)
+class Answer:
+    """Fairlead tensions (P, S) in N over the last period, None where there are none; what they cost."""
+
+    tensions: np.ndarray | None
+    work: dict = field(default_factory=lambda: costs.NOT_TOLD)
+
+
+def run_in_time(cells: int, steps: int, periods: int) -> Answer:
+    """Return the fairlead tensions of a history on a uniform mesh."""
     run = systems.history(systems.system(systems.NINE_LINES, cells, "uniform"), steps, periods, tolerance=TOLERANCE)
-    return systems.our_tensions(run, steps)
+    return Answer(systems.our_tensions(run, steps), costs.count_work(run))
 
 
-def run_balance(cells: int, harmonics: int) -> np.ndarray | None:
-    """Return the fairlead tensions (P, S) of harmonic balance, N; None where it has no response."""
+def run_balance(cells: int, harmonics: int) -> Answer:
+    """Return the fairlead tensions of harmonic balance, None where it has no response."""
     response = solve_periodic(systems.system(systems.NINE_LINES, cells), harmonics=harmonics, throw=False)
-    return systems.periodic_tensions(response) if response.success else None
+    tensions = systems.periodic_tensions(response) if response.success else None
+    return Answer(tensions, costs.count_work(response))
 
 
-def run_moordyn(segments, steps: int, periods: int) -> np.ndarray:
-    """Return the fairlead tensions (P, S) of MoorDyn, N."""
-    return agreement.moordyn_tensions(systems.network(systems.NINE_LINES), [*segments] * 3, steps, periods)
+def run_moordyn(segments, steps: int, periods: int) -> Answer:
+    """Return the fairlead tensions of MoorDyn."""
+    network, counts = systems.network(systems.NINE_LINES), [*segments] * 3
+    adapter = peers.adapters()[agreement.PEER]
+    inner = adapter.count_network_steps(network, network.motion.period / steps, counts)
+    tensions = agreement.moordyn_tensions(network, counts, steps, periods)
+    return Answer(tensions, costs.count_explicit(periods * steps, inner, adapter.stages, sum(counts)))
 
 
 CALLS = {TIME: run_in_time, BALANCE: run_balance, MOORDYN: run_moordyn}
@@ -75,7 +89,7 @@ def settings(quick: bool) -> dict:
 
 def references(quick: bool, folder: Path) -> dict:
     """Return method -> fine tensions (P, COUNT): MoorDyn's of its own, kept in ``folder``/cache."""
-    ours = agreement.reference(systems.NINE_LINES, quick)[0]
+    ours = agreement.reference(systems.NINE_LINES, quick).tensions
     fine = dict.fromkeys(OWN, ours)
     if agreement.PEER in peers.adapters():
         fine[MOORDYN] = _peer_reference(QUICK_PEER_REFERENCE if quick else PEER_REFERENCE, folder)
@@ -87,12 +101,12 @@ def _peer_reference(setting, folder: Path) -> np.ndarray:
     digest = hashlib.sha256(json.dumps(made_with).encode()).hexdigest()[:16]
     path = folder / "cache" / f"mooring-networks-{digest}.json"
     if not path.exists():
-        results.write(path, run_moordyn(*setting))
+        results.write(path, run_moordyn(*setting).tensions)
     return np.array(json.loads(path.read_text(encoding="utf-8")))
 
 
 def points(quick: bool, fine: dict):
-    """Yield a dict for each setting: method, size, other, periods, least seconds, rms, error, status.
+    """Yield a dict for each setting: method, size, other, periods, least seconds, rms, error, status, cost.
 
     All settings take turns in a random order, ROUNDS times, after one call each that is not timed.
     """
@@ -109,16 +123,17 @@ def points(quick: bool, fine: dict):
                 try:
                     answers[key] = run()
                 except (ConvergenceError, RuntimeError):
-                    answers[key] = None
+                    answers[key] = Answer(None)
                 if turn or time.perf_counter() - began > LONG:  # the first call finds empty caches
                     seconds[key] = min(seconds[key], time.perf_counter() - began)
                 yield None
-    for (method, setting), tensions in answers.items():
+    for (method, setting), answer in answers.items():
+        tensions = answer.tensions
         errors = {"rms": None, "error": None} if tensions is None else systems.differences(tensions, fine[method])
         size, other, *periods = setting
         yield {"case": systems.NINE_LINES, "method": method, "size": size, "other": other,
                "periods": periods[0] if periods else None, "status": "FAILED" if tensions is None else "SUCCESS",
-               "seconds": seconds[method, setting]} | errors  # fmt: skip
+               "seconds": seconds[method, setting]} | errors | answer.work  # fmt: skip
 
 
 def balance(quick: bool):
@@ -139,8 +154,9 @@ def work(quick: bool, folder: Path):
         measured += [] if point is None else [point]
         yield None
     apart = systems.differences(fine[MOORDYN], fine[TIME])["rms"] if MOORDYN in fine else None
-    yield {"title": systems.network(systems.NINE_LINES).name, "points": measured, "wanted": WANTED,
-           "uncertainty": agreement.reference(systems.NINE_LINES, quick)[1], "references_apart": apart,
+    network = systems.network(systems.NINE_LINES)
+    yield {"title": network.name, "lines": len(network.elements), "points": measured, "wanted": WANTED,
+           "uncertainty": agreement.reference(systems.NINE_LINES, quick).uncertainty, "references_apart": apart,
            "tolerance": TOLERANCE, "ratios": ratios(measured, MOORDYN, WANTED, OWN),
            "coarse_ratios": ratios(measured, MOORDYN, (WANTED[1], COARSE), OWN), "coarse": COARSE,
            "fronts": {method: len(pareto_front(p for p in measured if p["method"] == method))
