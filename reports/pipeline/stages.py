@@ -297,8 +297,8 @@ def sweep_stage(path: Path, band: str, amplitude: float | None = None, depth: fl
                  (program(module),), sources, seconds=20)  # fmt: skip
 
 
-SAMPLE = 150
-"""Seeded defects that are planted beside misprints and blind spots, one from nearly every module: a third of all."""
+SAMPLE = 122
+"""Seeded defects that are planted beside misprints and blind spots, one from every module: a quarter of all."""
 
 
 def _defects() -> Stage:

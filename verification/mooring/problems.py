@@ -216,7 +216,8 @@ def evaluate(module, line, r, v, a, auxiliary):
     """Return R (N, n), T (C,) and unit (C, n) of the module's residual, of the type of r."""
     kind, cells = np.result_type(r, v, a), line.length.size
     R, T, unit = np.empty(r.shape, kind), np.empty(cells, kind), np.empty((cells, r.shape[1]), kind)
-    module.residual(line, r.astype(kind), v.astype(kind), a.astype(kind), auxiliary, R, T, unit)
+    r, v, a = (np.ascontiguousarray(part, kind) for part in (r, v, a))
+    module.residual(line, r, v, a, auxiliary, R, T, unit)
     return R, T, unit
 
 
