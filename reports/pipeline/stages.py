@@ -206,8 +206,8 @@ def _benchmarks() -> Stage:
 
 MOVING = {
     "dynamics": ("moving cable", "benchmarks.cable.measure", (21, 6), (10, 4)),
-    "harmonic_balance": ("harmonic balance", "benchmarks.harmonic_balance.measure", (24, 10), (60, 10)),
-    "mooring": ("moving line", "benchmarks.mooring.measure", (90, 12), (25, 8)),
+    "harmonic_balance": ("harmonic balance", "benchmarks.harmonic_balance.measure", (10, 10), (30, 10)),
+    "mooring": ("moving line", "benchmarks.mooring.measure", (100, 12), (25, 8)),
     "mooring_networks": ("moving networks", "benchmarks.mooring.networks.measure", (26, 11), (18, 5)),
 }
 """Group -> title, program, expected seconds of the whole and of the quick run: of what is not timed, and what is."""
@@ -225,7 +225,7 @@ def _dynamics(quick: bool) -> Iterator[Stage]:
 
 def _stability(quick: bool) -> Stage:
     words = ("benchmarks.stability.measure", "--jobs", "{jobs}")
-    return _sized("stability", "stability maps", words, (125, 12), quick, jobs=JOBS)
+    return _sized("stability", "stability maps", words, (95, 12), quick, jobs=JOBS)
 
 
 @dataclass(frozen=True)
@@ -282,7 +282,7 @@ def _conformance(quick: bool) -> Iterator[Stage]:
 
 def _response_curves(quick: bool) -> Stage:
     words = ("benchmarks.response_curves.measure",)
-    return _sized("response_curves", "response curves", words, (60, 12), quick)
+    return _sized("response_curves", "response curves", words, (80, 12), quick)
 
 
 def sweep_stage(path: Path, band: str, amplitude: float | None = None, depth: float | None = None,
@@ -359,6 +359,13 @@ def _moving_networks() -> Iterator[Stage]:
         arguments = (module, *names, "--out", "{results}", "--compact", "--kind", kind)
         yield Stage(name, "moving_networks", title, arguments, f"{name}.json", (program(module),), names,
                     timed=kind == "timed", seconds=seconds)  # fmt: skip
+
+
+def _load_case_costs() -> Iterator[Stage]:
+    """Yield two stages: the errors of load cases beside other work, then what they cost, with these errors."""
+    group, words = "load_case_costs", ("benchmarks.load_cases.measure", "--kind")
+    yield _measured(f"{group}_untimed", "load cases", (*words, "untimed"), 25, group)
+    yield _measured(group, "load cases, timings", (*words, "timed"), 17, timed=True)
 
 
 def is_network(path: Path) -> bool:
@@ -492,7 +499,7 @@ def plan(quick: bool, published: list[Path], claimed: Iterable[str] = ()) -> lis
         *(scene_stage(path) for path in sorted(SCENES.glob("*.toml"))),
         scene_stage(MOVING_SCENE, "moving_scene"),
         *_moving_networks(),
-        _measured("load_case_costs", "load cases", ("benchmarks.load_cases.measure",), 60, timed=True),
+        *_load_case_costs(),
         *(scene_stage(path, "published") for path in published),
     ]  # fmt: skip
 

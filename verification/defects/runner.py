@@ -141,10 +141,11 @@ class Copies:
 
 
 def _copy(project: Path, to: Path):
+    """Copy the files with their times, and so that what numba has cached beside them holds for the copy too."""
     to.mkdir()
     for name in COPIED:
         if (project / name).is_dir():
-            shutil.copytree(project / name, to / name, ignore=shutil.ignore_patterns("__pycache__", ".*"))
+            shutil.copytree(project / name, to / name, ignore=shutil.ignore_patterns("*.pyc", "*.tmp*", ".*"))
         elif (project / name).exists():
             shutil.copy2(project / name, to / name)
     settings = to / "verification" / "installed_pytest.ini"
