@@ -360,7 +360,7 @@ def test_forked_and_anew_are_one(tiny):
         TINY[0].fault.write_to(tiny)
         os.utime(tiny / "solvers" / "numbers.py", (1e9 + len(answers), 1e9 + len(answers)))  # no stale bytecode
         answers[-1] += [run_check(interpreter, check, 120.0)[:3:2] for check in ("test_numbers.py::test_double",)]
-        answers[-1] += [run_check(interpreter, "test_numbers.py::test_that_waits", 2.0)[0]]
+        answers[-1] += [run_check(interpreter, "test_numbers.py::test_that_waits", 0.5)[0]]
         interpreter.close()
         with pytest.raises(Stopped):
             interpreter.run([], 1.0)

@@ -458,7 +458,7 @@ def test_the_report_runs_every_test_that_its_page_names():
     missing = lambda ran: [test for test in claimed if not {test, test.partition("::")[0]} & ran]
     assert len(claimed) > 50 and missing(ran) == []
     quick = {word.removeprefix("{root}/verification/") for words, _ in plans["1"] for word in words}
-    assert 0 < len(missing(quick)) < 10
+    assert 0 < len(missing(quick)) <= 10
     serving = [words for arguments, better in plans["1"] for words in (arguments, *better)]
     assert all(words in serving for words, _ in plans["0"])
 
@@ -507,9 +507,9 @@ def test_results_depend_on_what_is_imported():
     """Timings of lines need neither networks nor templates; what names a folder or a program needs it."""
     code = (
         "from reports.pipeline.sources import *; import sys, json; "
-        "print(json.dumps(depends_on([program(sys.argv[1])])))"
+        "print(json.dumps({name: depends_on([program(name)]) for name in sys.argv[1:]}))"
     )
-    results = {name: json.loads(python(code, name).stdout) for name in ("benchmarks.catenary.speed", "reports")}
+    results = json.loads(python(code, "benchmarks.catenary.speed", "reports").stdout)
     assert {"solvers/catenary/span.py", "benchmarks/run/harness.py", "benchmarks/peers/moorpy.py",
             "reference_data/spans/data.csv"} <= set(results["benchmarks.catenary.speed"])  # fmt: skip
     assert not [
