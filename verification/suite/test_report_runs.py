@@ -507,9 +507,9 @@ def test_results_depend_on_what_is_imported():
     """Timings of lines need neither networks nor templates; what names a folder or a program needs it."""
     code = (
         "from reports.pipeline.sources import *; import sys, json; "
-        "print(json.dumps({name: depends_on([program(name)]) for name in sys.argv[1:]}))"
+        "print(json.dumps(depends_on([program(sys.argv[1])])))"
     )
-    results = json.loads(python(code, "benchmarks.catenary.speed", "reports").stdout)
+    results = {name: json.loads(python(code, name).stdout) for name in ("benchmarks.catenary.speed", "reports")}
     assert {"solvers/catenary/span.py", "benchmarks/run/harness.py", "benchmarks/peers/moorpy.py",
             "reference_data/spans/data.csv"} <= set(results["benchmarks.catenary.speed"])  # fmt: skip
     assert not [
