@@ -15,6 +15,17 @@ CHOICES = ("keyword", "markexpr", "deselect", "ignore", "ignore_glob", "lf", "ma
 
 
 @pytest.hookimpl(tryfirst=True)
+def pytest_cmdline_main(config):
+    """Have the workers of ``-n`` take a file's tests together, and steal from one another only at the end.
+
+    A fixture of a module is then made once and a loop compiled once, where tests dealt out in turns make both on every
+    worker.
+    """
+    if getattr(config.option, "numprocesses", None) and config.option.dist == "no":
+        config.option.dist = "worksteal"
+
+
+@pytest.hookimpl(tryfirst=True)
 def pytest_configure(config):
     """Have the outcomes of a whole run written for the report, with a digest of the sources that they are of."""
     is_whole = config.args_source is pytest.Config.ArgsSource.TESTPATHS

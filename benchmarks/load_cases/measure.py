@@ -9,6 +9,7 @@ extrapolated from a long and a short run, which leaves its start out of what is 
 from __future__ import annotations
 
 import importlib
+import json
 import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -188,11 +189,17 @@ def check_theory() -> list[dict]:
              "sampling": np.std(values, ddof=1) / SERIES**0.5} for name, theory, values in rows]  # fmt: skip
 
 
-def measure(sampled: int, timed: int) -> dict:
-    """Return for each system errors, CPU seconds of an hour, the total of all cases, and MoorDyn's; and the theory."""
+def measure_errors(sampled: int) -> dict:
+    """Return the errors of each system, "checked", and what theory says of the statistics: no timing."""
+    checked = {name: check_errors(system, sea_states(sampled, COMPARED)) for name, system in systems().items()}
+    return {"checked": checked, "theory": check_theory()}
+
+
+def measure_times(checked: dict, timed: int) -> dict:
+    """Return for each system its errors, CPU seconds of an hour, the total of all cases, and MoorDyn's."""
     measured = {}
     for name, system in systems().items():
-        errors = check_errors(system, sea_states(sampled, COMPARED))
+        errors = checked[name]
         setting = errors["dt"], errors["cells"]
         hours = seconds_a_case(system, sea_states(timed), *setting)
         cases = sea_states(max(COMPARED_CASES) + 1, COMPARED)
@@ -200,19 +207,13 @@ def measure(sampled: int, timed: int) -> dict:
         measured[name] = errors | {
             "seconds_an_hour": hours, "total": CASES[name] * float(np.mean(hours)), "count": CASES[name],
             "beside": moordyn}  # fmt: skip
-    return {
-        "tolerance": TOLERANCE,
-        "systems": measured,
-        "theory": check_theory(),
-        "exponent": EXPONENT,
-        "duration": COMPARED,
-    }
+    return {"tolerance": TOLERANCE, "systems": measured, "exponent": EXPONENT, "duration": COMPARED}
 
 
 def describe(measured: dict) -> str:
     """Return the figures as sentences."""
     text = []
-    for name, row in measured["systems"].items():
+    for name, row in measured.get("systems", {}).items():
         errors = ", ".join(f"{key} {100 * max(values):.2g} %" for key, values in row["errors"].items())
         text.append(
             f"{name}: dt {row['dt']:.3g} s, {row['cells']} cells; promised {100 * row['promised']:.2g} %, measured "
@@ -227,7 +228,7 @@ def describe(measured: dict) -> str:
                 f"    {r['code']}, {r['cells']} cells, {r['dt']:.3g} s: {r['hour']:.3g} s, error {r['error']:.2g}"
                 for r in beside["rows"]
             ]
-    for row in measured["theory"]:
+    for row in measured.get("theory", ()):
         text.append(f"{row['quantity']}: {row['measured']:.4g} +- {row['sampling']:.2g} for {row['theory']:.4g}")
     return "\n".join(text)
 
@@ -237,10 +238,20 @@ def main(argv=None) -> int:
     parser = console.parser("load_cases.measure", __doc__)
     parser.add_argument("--sampled", type=int, default=20, help="cases whose errors are measured")
     parser.add_argument("--timed", type=int, default=3, help="hours that are timed")
+    parser.add_argument("--kind", choices=("timed", "untimed"), help="only what is a timing, with the errors that the "
+                        "other kind has left in the folder, or only the rest, in a file of its own")  # fmt: skip
     arguments = parser.parse_args(argv)
+    untimed, kept = arguments.out / "load_case_costs_untimed.json", {}
+    if arguments.kind == "timed" and untimed.exists():
+        kept = json.loads(untimed.read_text(encoding="utf-8"))
     with one_blas_thread():
-        measured = measure(arguments.sampled, arguments.timed)
-    results.write(arguments.out / "load_case_costs.json", measured)
+        checked = kept or results.plain(measure_errors(arguments.sampled))
+        if arguments.kind == "untimed":
+            results.write(untimed, checked)
+            print(describe(checked))
+            return 0
+        measured = measure_times(checked["checked"], arguments.timed)
+    results.write(arguments.out / "load_case_costs.json", measured | {"theory": checked["theory"]})
     print(describe(measured))
     return 0
 

@@ -55,7 +55,7 @@ FINE_PEER = (98, 2000)
 NEED_FINE_PEER = ("case_3", *cases.SEABED)  # cases in which other codes have larger errors
 QUICK_PEER = ((12, 200), (24, 500), (34, 1000))
 WANTED = (1e-3, 1e-2)  # errors between which other codes are compared with
-LONG = 0.5  # s: of a call that is timed once
+LONG = 0.1  # s: of a call that is timed once: three of 0.1 to 0.3 s in turn differ by 3 % at most
 ROUNDS = 2
 SHORT = 0.05  # s: of a call that is made once before it is timed, for what ran before it has emptied the caches
 

@@ -1,4 +1,4 @@
-"""Work in forked processes: a figure is written to its file while the program draws the next one."""
+"""Work in forked processes: sections side by side, and figures written to files while the program draws the next."""
 
 from __future__ import annotations
 
@@ -6,15 +6,41 @@ import os
 import sys
 import traceback
 from collections.abc import Callable
+from multiprocessing import get_context
 
 from ..pipeline.stages import CORES
 
 _children: list[int] = []
+_forks = sys.platform == "linux" and CORES > 1  # elsewhere a program that draws cannot be forked safely
+_work: Callable | None = None
+
+
+def for_each(work: Callable, count: int) -> list:
+    """Return work(i) for i below count, made in forked processes; in this process where forking is not safe.
+
+    What is returned is pickled. An exception of ``work`` is raised here.
+    """
+    global _work
+    if not _forks or count < 2:
+        return [work(i) for i in range(count)]
+    _work = work
+    with get_context("fork").Pool(min(CORES, count), _stay) as pool:
+        return pool.map(_do, range(count), chunksize=1)
+
+
+def _stay():
+    """Have this process, which is one of several, start no others."""
+    global _forks
+    _forks = False
+
+
+def _do(i: int):
+    return _work(i)
 
 
 def start(work: Callable[[], object]):
     """Run ``work()`` in a process of its own, at most CORES at a time; in this process where forking is not safe."""
-    if sys.platform != "linux" or CORES < 2:  # elsewhere a program that draws cannot be forked safely
+    if not _forks:
         work()
         return
     if len(_children) >= CORES:

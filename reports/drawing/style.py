@@ -86,7 +86,8 @@ def save(figure, folder: Path, name: str, title: str, alt: str, rows: list[dict]
         figure.savefig(drawn, format="svg", metadata=nothing, transparent=True)
         write_atomically(folder / f"{name}.svg", _add_white_background(drawn.getvalue()))
     figure.set_layout_engine("none")  # the layout is done: the PNG is drawn with the same places
-    background.start(lambda: figure.savefig(folder / f"{name}.png", dpi=200, facecolor="white"))
+    quickly = {"pil_kwargs": {"compress_level": 1}}  # a fifth of the time of a PNG is its compression
+    background.start(lambda: figure.savefig(folder / f"{name}.png", dpi=160, facecolor="white", **quickly))
     plt.close(figure)
     return Figure(name, title, alt, _embed(drawn.getvalue(), name, alt, width), width > 6)
 

@@ -59,8 +59,7 @@ def read_sources(folder: Path) -> dict[str, tuple[str, dict[str, str]]]:
     files = {}
     for path in sorted(folder.rglob("test_*.py")):
         tree = ast.parse(path.read_text(encoding="utf-8"))
-        functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef) and _is_test(node.name)]
-        functions.sort(key=lambda node: node.lineno)
+        functions = [node for node in tree.body if isinstance(node, ast.FunctionDef) and _is_test(node.name)]
         files[path.relative_to(folder).with_suffix("").as_posix()] = (
             first_sentence(ast.get_docstring(tree)),
             {node.name: first_sentence(ast.get_docstring(node)) or _words(node.name) for node in functions},

@@ -109,6 +109,7 @@ class Results:
             if end.state == "failed"
         ]
 
+    @cached_property
     def stage_table(self) -> list[dict]:
         """Return the stages as they ran last, those of tests as one."""
         rows = [self._stage_row(stage) for stage in self.stages if stage.group != "tests"]

@@ -37,8 +37,10 @@ def build(out: Path, name: str, stages: list[Stage], ended: list[Ended], whole: 
         write_atomically(out / name, _scene_page(results, looks, out, environment))
         return out / name
     cache = SectionCache(out, results, looks)
+    kept = {section.id: cache.load(section) for section in SECTIONS}
+    built = _build_all([s for s in SECTIONS if kept[s.id] is None], results, looks, out, environment)
+    sections = [(s, kept[s.id] or cache.keep(s, built[s.id])) for s in SECTIONS]
     try:
-        sections = [(s, cache.load(s) or cache.keep(s, _build(s, results, looks, out, environment))) for s in SECTIONS]
         answers = answer_questions(results, sections, out / "figures")
     finally:
         background.finish()
@@ -48,6 +50,13 @@ def build(out: Path, name: str, stages: list[Stage], ended: list[Ended], whole: 
     return out / INDEX
 
 
+def _build_all(sections: list[Section], results: Results, looks: dict, out: Path, environment: Environment):
+    """Return id -> section, rendered side by side."""
+    _ = results.questions, results.stage_table  # which all ask for: read before the processes are forked
+    made = background.for_each(lambda i: _build(sections[i], results, looks, out, environment), len(sections))
+    return {section.id: built for section, built in zip(sections, made, strict=True)}
+
+
 def _inputs(section: Section, results: Results, looks: dict, out: Path) -> Inputs:
     return Inputs(
         results={group: results.load(group) for group in section.needs},
@@ -55,7 +64,7 @@ def _inputs(section: Section, results: Results, looks: dict, out: Path) -> Input
         figures=out / "figures",
         tables=out / "tables",
         notes=results.notes,
-        stages=results.stage_table(),
+        stages=results.stage_table,
     )
 
 

@@ -206,7 +206,7 @@ def test_tables_that_are_none_are_refused(steps):
 
 
 # ---------------------------------------------------------------- planted faults
-SHARE = 15  # every fifteenth sign by default; all of them in the long version
+SHARE = 30  # every thirtieth sign by default; all of them in the long version
 SIGNS = {
     "cable.planar": ("_loads", "_local", "_add_stiffness", "_up", "cells", "velocity", "stretched_tangent"),
     "cable.spatial": (

@@ -7,6 +7,7 @@ doing and nothing else.
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import importlib.metadata
 import json
@@ -14,6 +15,7 @@ import os
 import platform
 import queue
 import re
+import shlex
 import shutil
 import signal
 import tempfile
@@ -21,7 +23,7 @@ import threading
 import time
 from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor, as_completed
-from dataclasses import asdict, astuple, dataclass
+from dataclasses import asdict, astuple, dataclass, replace
 from pathlib import Path
 
 from verification import ROOT
@@ -48,7 +50,7 @@ class Result:
     """How a check ended with a defect planted ("" for none).
 
     outcome : "caught" (a test failed), "timeout" (it did not end), "crash" (the interpreter died) or "missed"
-    test, message : the first test that failed and what it said
+    test, message : the first test that failed and what it said; parameters : with which it did, as pytest writes them
     """
 
     defect: str
@@ -57,6 +59,7 @@ class Result:
     seconds: float
     test: str = ""
     message: str = ""
+    parameters: str = ""
 
     @property
     def red(self) -> bool:
@@ -67,10 +70,10 @@ class Result:
 # ---------------------------------------------------------------- one check
 def run_check(
     interpreter: Interpreter, check: str, timeout: float, interpreted: bool = False
-) -> tuple[str, float, str, str]:
-    """Return (outcome, seconds, test, message) of a check on a copy of the project, its loops compiled or interpreted.
+) -> tuple[str, float, str, str, str]:
+    """Return (outcome, seconds, test, message, parameters) of a check on a copy of the project.
 
-    Raises CheckError, KeyboardInterrupt.
+    interpreted: whether Python runs the loops of the solvers. Raises CheckError, KeyboardInterrupt.
     """
     began = time.perf_counter()
     try:
@@ -79,16 +82,17 @@ def run_check(
         raise KeyboardInterrupt from stopped
     seconds = time.perf_counter() - began
     if code is None:
-        return "timeout", seconds, "", f"not ended after {timeout:g} s"
+        return "timeout", seconds, "", f"not ended after {timeout:g} s", ""
     if code in _STOPPED or "KeyboardInterrupt" in output:
         raise KeyboardInterrupt
     if code in (3, 4, 5):
         raise CheckError(f"{check}: pytest ended with status {code}:\n{output.strip()}")
     if code == 0:
-        return "missed", seconds, "", ""
+        return "missed", seconds, "", "", ""
     match = _SUMMARY.search(output)
     test, message = (match[1].removeprefix("verification/"), match[3] or "") if match else ("", output[-300:])
-    return ("caught" if code in (1, 2) else "crash"), seconds, test, message[:300]
+    parameters = match[2] or "" if match else ""
+    return ("caught" if code in (1, 2) else "crash"), seconds, test, message[:300], parameters
 
 
 # ---------------------------------------------------------------- copies of the project
@@ -137,10 +141,11 @@ class Copies:
 
 
 def _copy(project: Path, to: Path):
+    """Copy the files with their times, and so that what numba has cached beside them holds for the copy too."""
     to.mkdir()
     for name in COPIED:
         if (project / name).is_dir():
-            shutil.copytree(project / name, to / name, ignore=shutil.ignore_patterns("__pycache__", ".*"))
+            shutil.copytree(project / name, to / name, ignore=shutil.ignore_patterns("*.pyc", "*.tmp*", ".*"))
         elif (project / name).exists():
             shutil.copy2(project / name, to / name)
     settings = to / "verification" / "installed_pytest.ini"
@@ -208,30 +213,61 @@ def run(
 ) -> Iterator[tuple[int, int, list[Result]]]:
     """Run the (defect, check) that the log does not have yet; yields (done, total, results so far) after each.
 
-    No defect means the project as it is. The results are all of ``wanted``, old ones included. Raises CheckError.
+    No defect means the project as it is, of which only the tests are run that a defect turned red. The results are all
+    of ``wanted``, old ones included. Raises CheckError.
     """
     with tempfile.TemporaryDirectory(prefix="seeded-defects-", ignore_cleanup_errors=True) as folder:
         copies = Copies(Path(folder), project, jobs)
-        tree = digest(copies.source)
-        pairs = {key(tree, *pair): pair for pair in wanted}
-        _check_patches(copies.source, {pair[0] for pair in pairs.values() if pair[0]})
-        outcome = [] if fresh else [log.results[k] for k in pairs if k in log.results]
-        left = {k: pair for k, pair in pairs.items() if fresh or k not in log.results}
-        interpreted = checks_of_loops(copies.source, pairs.values())
-        yield len(outcome), len(pairs), outcome
+        tree, pairs = digest(copies.source), list(dict.fromkeys(wanted))
+        planted = [(defect, check, check) for defect, check in pairs if defect is not None]
+        _check_patches(copies.source, {defect for defect, _, _ in planted})
+        how = copies, timeout, checks_of_loops(copies.source, pairs)
+        outcome: list[Result] = []
         pool = ThreadPoolExecutor(jobs)
         try:
-            groups = _groups(left, interpreted)
-            futures = [pool.submit(_results, copies, *group, timeout, interpreted) for group in groups]
-            for future in as_completed(futures):
-                for k, result in future.result().items():
-                    log.append(k, result)
-                    outcome.append(result)
+            for _ in _run_new(planted, tree, log, fresh, how, pool, outcome):
+                yield len(outcome), len(pairs), outcome
+            clean = [(None, check, narrowed(check, outcome)) for defect, check in pairs if defect is None]
+            for _ in _run_new(clean, tree, log, fresh, how, pool, outcome):
                 yield len(outcome), len(pairs), outcome
         finally:
             pool.shutdown(wait=False, cancel_futures=True)
             copies.__exit__()
             pool.shutdown(wait=True)
+
+
+def narrowed(check: str, planted: Iterable[Result]) -> str:
+    """Return the tests of a check that defects turned red, as a check; the whole one where that is not known.
+
+    Empty where no defect turned it red: whether it is red by itself then says nothing of any defect.
+    """
+    mine = [result for result in planted if result.check == check]
+    red = [result for result in mine if result.red]
+    if not mine or not all(".py::" in result.test for result in red):
+        return check
+    return shlex.join(dict.fromkeys(result.test + result.parameters for result in red))
+
+
+def _run_new(some, tree, log, fresh, how, pool, outcome) -> Iterator[None]:
+    """Add the results of (defect, check, what of it is run) to the outcome, from the log where they are in it.
+
+    Yields after each group.
+    """
+    keys = {key(tree, defect, words): (defect, check, words) for defect, check, words in some}
+    left = {}
+    for k, job in keys.items():
+        if k in log.results and not fresh:
+            outcome.append(replace(log.results[k], check=job[1]))
+        elif not job[2]:
+            outcome.append(Result("", job[1], "missed", 0.0))
+        else:
+            left[k] = job
+    yield
+    for future in as_completed([pool.submit(_results, group, *how) for group in _groups(left, how[-1])]):
+        for k, result in future.result().items():
+            log.append(k, result)
+            outcome.append(result)
+        yield
 
 
 def checks_of_loops(root: Path, pairs: Iterable[tuple[Defect | None, str]]) -> set[str]:
@@ -258,28 +294,33 @@ def _check_patches(root: Path, defects: Iterable[Defect]):
         raise CheckError("\n".join(sorted(wrong)))
 
 
-def _groups(left: dict, interpreted: set[str]) -> list[tuple[str, dict]]:
-    """(check, what it answers for): on the project as it is, the functions of one file together; else one by one.
-
-    A function that is named with several choices of its parameters is run once, with all of them. Those with
-    interpreted loops are together, too.
-    """
-    clean = {k: check for k, (defect, check) in left.items() if defect is None and "::" in check}
-    functions = {k: check.split(" -k ")[0] for k, check in clean.items() if len(check.split(" -k ")[0].split()) == 1}
-    several = [function for function in functions.values() if list(functions.values()).count(function) > 1]
+def _groups(left: dict, interpreted: set[str]) -> list[dict]:
+    """Return jobs that share one run: on the project as it is, the tests of one file; else each has its own."""
     together: dict[tuple, dict] = {}
-    for k, pair in left.items():
-        whole = k in functions and (functions[k] in several or functions[k] == clean[k])
-        name = functions[k].split("::")[0] if whole else k
-        together.setdefault((name, pair[1] in interpreted), {})[k] = pair
-    joined = lambda group: " ".join(dict.fromkeys(functions.get(k, pair[1]) for k, pair in group.items()))
-    return [(joined(group) if len(group) > 1 else "", group) for group in together.values()]
+    for k, job in left.items():
+        defect, check, words = job
+        files = {word.partition("::")[0] for word in shlex.split(words)}
+        alone = defect is not None or words == check or len(files) > 1
+        together.setdefault(((k,) if alone else tuple(files), check in interpreted), {})[k] = job
+    return list(together.values())
 
 
-def _results(copies: Copies, joined: str, group: dict, timeout: float, interpreted: set[str]) -> dict[str, Result]:
+def _results(group: dict, copies: Copies, timeout: float, interpreted: set[str]) -> dict[str, Result]:
     """Key -> result of a group; one by one where not all of it is green."""
-    if joined:
-        one = copies.run(None, joined, timeout, all(check in interpreted for _, check in group.values()))
-        if not one.red:
-            return {k: Result("", check, "missed", one.seconds / len(group)) for k, (_, check) in group.items()}
-    return {k: copies.run(*pair, timeout, pair[1] in interpreted) for k, pair in group.items()}
+    if len(group) > 1:
+        joined = " ".join(words for _, _, words in group.values())
+        with contextlib.suppress(CheckError):
+            one = copies.run(None, joined, timeout, all(check in interpreted for _, check, _ in group.values()))
+            if not one.red:
+                return {k: Result("", job[1], "missed", one.seconds / len(group)) for k, job in group.items()}
+    return {k: _result(*job, copies, timeout, interpreted) for k, job in group.items()}
+
+
+def _result(defect, check, words, copies, timeout, interpreted) -> Result:
+    """Return the result of one job; of the whole check where pytest does not find the tests by their parameters."""
+    try:
+        return replace(copies.run(defect, words, timeout, check in interpreted), check=check)
+    except CheckError:
+        if words == check:
+            raise
+        return copies.run(defect, check, timeout, check in interpreted)

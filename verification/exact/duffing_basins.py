@@ -13,7 +13,7 @@ import math
 import numpy as np
 
 
-def last_amplitudes(q, v, *, omega, force, c, b, periods=150, steps=200) -> np.ndarray:
+def last_amplitudes(q, v, *, omega, force, c, b, periods=80, steps=100) -> np.ndarray:
     """Return the largest |q| in the last of so many periods, (K,), of starts q, v (K,)."""
     q, v = np.array(q, dtype=float), np.array(v, dtype=float)
     h, largest = 2 * math.pi / omega / steps, np.zeros(q.shape)

@@ -17,7 +17,7 @@ from mpmath import mp
 from solvers import CableProperties, Element, Environment, Motion, Network, Node, Scene, mooring_system
 from solvers.mooring import elimination, equations
 from solvers.mooring.equations import Line
-from solvers.mooring.layout import Elimination, Layout, plan_elimination
+from solvers.mooring.layout import INDEX, Elimination, Layout, plan_elimination
 
 from ..cases.cables import CableCase
 from ..exact.lumped_node import Cell, Seabed, force_terms
@@ -139,7 +139,7 @@ def random_state(name: str, n: int, seed: int = 1, pattern: str = "line") -> Ran
     pattern: one of PATTERNS.
     """
     rng = np.random.default_rng([2026, n, seed])
-    first, last = (np.array(part) for part in zip(*PATTERNS[pattern], strict=True))
+    first, last = (np.array(part, INDEX) for part in zip(*PATTERNS[pattern], strict=True))
     cells, nodes, number = first.size, NODES, lambda size, count: size * rng.uniform(0.7, 1.3, count)
     given = {
         "EA": number(3e3, cells), "damping": number(0.4, cells), "mass": number(80.0, cells),
@@ -216,7 +216,8 @@ def evaluate(module, line, r, v, a, auxiliary):
     """Return R (N, n), T (C,) and unit (C, n) of the module's residual, of the type of r."""
     kind, cells = np.result_type(r, v, a), line.length.size
     R, T, unit = np.empty(r.shape, kind), np.empty(cells, kind), np.empty((cells, r.shape[1]), kind)
-    module.residual(line, r.astype(kind), v.astype(kind), a.astype(kind), auxiliary, R, T, unit)
+    r, v, a = (np.ascontiguousarray(part, kind) for part in (r, v, a))
+    module.residual(line, r, v, a, auxiliary, R, T, unit)
     return R, T, unit
 
 

@@ -237,7 +237,7 @@ def modes(made):
     state = made.solve_static()
     r = np.ascontiguousarray(state.y.T)
     still = np.zeros_like(r)
-    K, M = (matrix(compiled, made.line, r, still, still, state.tension, w) for w in ((1.0, 0, 0), (0, 0, 1.0)))
+    K, M = (matrix(compiled, made.line, r, still, still, state.tension, w) for w in ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)))
     assert abs(K - K.T).max() <= 1e-12 * abs(K).max() and abs(M - M.T).max() <= 1e-12 * abs(M).max()
     n = len(made.axes)
     free = np.setdiff1d(np.arange(r.size), [n * i + k for i in made.prescribed_nodes for k in range(n)])

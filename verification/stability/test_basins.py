@@ -15,7 +15,7 @@ from ..cases.oscillators import duffing
 from ..exact import duffing_basins
 
 OMEGA, FORCE, DAMPING, CUBIC = 1.2, 0.18, 0.05, 0.1
-COUNT, STEPS = 24, 100
+COUNT, STEPS = 12, 100
 BOUNDARY = 0.1  # of q and v: a basin's edge moves by a part of it with 100 steps of second order a period
 ROUND_OFF = 1e-12  # of numbers of order one
 SOLVED = 1e-8  # of a state of order one: two solves whose last Newton steps are below 1e-10

@@ -10,6 +10,7 @@ import ast
 import re
 import sys
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -105,8 +106,13 @@ NEVER = {
 
 
 # ---------------------------------------------------------------- reading imports
-def imports_of(path: Path, root: Path) -> Iterator[tuple[int, str]]:
+@cache
+def imports_of(path: Path, root: Path) -> list[tuple[int, str]]:
     """(line, dotted name) of everything a file imports, relative imports resolved, at any depth of the file."""
+    return list(_read_imports(path, root))
+
+
+def _read_imports(path: Path, root: Path) -> Iterator[tuple[int, str]]:
     package = path.relative_to(root).with_suffix("").parts[:-1]
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):

@@ -223,8 +223,8 @@ from pathlib import Path
 from reports.page import site
 from reports.pipeline.stages import plan
 out, names = Path(sys.argv[1]), []
-plain = site._build
-site._build = lambda section, *rest: names.append(section.id) or plain(section, *rest)
+plain = site._build_all
+site._build_all = lambda sections, *rest: names.extend(s.id for s in sections) or plain(sections, *rest)
 site.build(out, "index.html", plan(True, []), [], True)
 print(*names)
 """

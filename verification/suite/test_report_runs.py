@@ -458,7 +458,7 @@ def test_the_report_runs_every_test_that_its_page_names():
     missing = lambda ran: [test for test in claimed if not {test, test.partition("::")[0]} & ran]
     assert len(claimed) > 50 and missing(ran) == []
     quick = {word.removeprefix("{root}/verification/") for words, _ in plans["1"] for word in words}
-    assert 0 < len(missing(quick)) < 10
+    assert 0 < len(missing(quick)) <= 10
     serving = [words for arguments, better in plans["1"] for words in (arguments, *better)]
     assert all(words in serving for words, _ in plans["0"])
 
