@@ -234,7 +234,8 @@ def test_where_little_is_damped_all_are_returned():
     response = response_of(0.3, 0.1, cells=30)
     period = response.linearised_period(100, RADAU)
     every = np.linalg.eigvals(period.apply(np.eye(period.size)))
-    assert np.array_equal(np.sort_complex(leading_eigenvalues(period)), np.sort_complex(every))
+    leading = leading_eigenvalues(period)
+    assert leading.size == every.size and abs(leading[:, None] - every).min(axis=0).max() <= ARNOLDI
 
 
 # ---------------------------------------------------------------- the time steps themselves
