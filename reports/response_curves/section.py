@@ -46,7 +46,8 @@ def _curves(cases, inputs) -> Group:
              f"{row['curve']['end']}" for case in cases for row in case["curves"]
              if row["curve"]["status"] != "SUCCESS"]  # fmt: skip
     text = (
-        "Greatest and least tension in the period over the frequency; dotted: unstable; markers: special points "
+        "Greatest and least tension in the period over the frequency; dotted: unstable, in the plane of the line or "
+        "across it; markers: special points in the plane "
         f"({special} in all). {plural(unresolved, 'further one')} of the series alone are left out: there a line is "
         "nearly slack and the multipliers of the time steps, or the error by the harmonics, say that the motion itself "
         "has none."

@@ -182,7 +182,8 @@ class CurveTrace:
         response = solve_periodic(self.family.build(begin), harmonics=Nh, samples=Nt, symmetry=False, start=self.first,
                                   subharmonic=self.family.subharmonic, throw=False)  # fmt: skip
         if not response.success:
-            raise CorrectionError(response.status.value)
+            has_no_more = response.status is Status.NO_PERIODIC_RESPONSE  # to say than the status of the curve itself
+            raise CorrectionError("solve_periodic has none" if has_no_more else response.status.value)
         try:
             return self.tracer.start(self.tracer.pack(response.z), begin, np.sign(stop - begin))
         except CorrectionError as reason:
