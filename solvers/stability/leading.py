@@ -55,7 +55,7 @@ def _block_arnoldi(period):
         H[m : m + BLOCK, last] = R
         if m < look and m < most:
             continue
-        look = m + BLOCK if m < EVERY_BLOCK else LATER * m
+        look = m + BLOCK if m < EVERY_BLOCK else int(LATER * m)
         values, vectors = np.linalg.eig(H[:m, :m])
         residual = np.linalg.norm(R @ vectors[last], axis=0)
         order = np.argsort(-abs(values), kind="stable")

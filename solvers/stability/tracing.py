@@ -153,7 +153,8 @@ class CurveTrace:
             raise _SingularStartError
         point, error = self._accurate(point, True)
         response = self._checked(point)
-        self._add(point, self._record(point, response, error, *self._all_multipliers(response), ()), step)
+        multipliers, sideways = self._all_multipliers(response)
+        self._add(point, self._record(point, response, error, multipliers, sideways, ()), step)
 
     def _start_at_first(self):
         """Return the start where the response that was given is one already, else None: a solve might leave it."""
