@@ -59,7 +59,11 @@ def _point_beside(curve, special, side):
     best, clearest = None, LEAST_CLEAR
     for i in range(first, first + side * FARTHEST, side):
         is_past_another = i != first and min(i, i - side) in others
-        if not 0 <= i < curve.values.size or is_past_another or curve.stable[i] != curve.stable[first]:
+        if (
+            not 0 <= i < curve.values.size
+            or is_past_another
+            or curve.stable_in_plane[i] != curve.stable_in_plane[first]
+        ):
             break
         distance = abs(math.log(abs(_critical(curve.multipliers[i], special.kind))))
         if distance > clearest:
@@ -93,7 +97,7 @@ def _disturb(curve, i, kind, others) -> dict:
         outcome = "returned"
     if outcome == "undecided" and _meets_undisturbed(response, state, history):
         outcome, lands = "returned", "itself"
-    agrees = None if outcome == "undecided" else (outcome == "returned") == bool(curve.stable[i])
+    agrees = None if outcome == "undecided" else (outcome == "returned") == bool(curve.stable_in_plane[i])
     measured, periods = _rate(distances, predicted), history.y.shape[-1] - 1
     return about | {"multiplier": float(predicted), "measured": measured, "periods": periods, "outcome": outcome,
                     "agrees": agrees, "lands": lands}  # fmt: skip

@@ -7,7 +7,7 @@ import time
 import numpy as np
 
 from solvers import ConvergenceError
-from solvers.stability import floquet, response_curve, switch_branch
+from solvers.stability import response_curve, switch_branch
 from solvers.stability.special_points import BRANCH_POINT, PERIOD_DOUBLING
 
 from .confirm import confirm
@@ -16,8 +16,6 @@ from .systems import CurveCase
 MOST_POINTS, QUICK_POINTS, BRANCH_POINTS, BRANCHES = 100, 40, 50, 2
 STEP = 0.02
 LEADING = 6  # multipliers of a point that are kept
-EVERY = 4  # points between two whose sideways multipliers are taken
-NEAR_SLACK = 0.1  # of the tension at rest, below which a line counts as nearly slack
 
 
 def measure_case(case: CurveCase, quick: bool):
@@ -27,23 +25,13 @@ def measure_case(case: CurveCase, quick: bool):
         start = time.process_time()
         curve = follow(case, amplitude, QUICK_POINTS if quick else MOST_POINTS)
         seconds = time.process_time() - start
-        resolved = [point for point in curve.special if _is_resolved(curve, point)]
-        branches = [] if quick else list(follow_branches(case, amplitude, curve, resolved))
-        confirmed = [row | {"resolved": _is_resolved(curve, curve.special[row["special"]])}
-                     for row in confirm(curve, branches)] if resolved else []  # fmt: skip
+        branches = [] if quick else list(follow_branches(case, amplitude, curve))
         rows.append({"amplitude": amplitude, "seconds": seconds, "curve": describe(curve),
-                     "unresolved": len(curve.special) - len(resolved),
+                     "unresolved": [{"kind": point.kind, "value": point.value, "doubt": point.doubt}
+                                    for point in curve.unresolved],
                      "branches": [{"name": name} | describe(branch) for name, branch in branches],
-                     "confirmed": [row for row in confirmed if row["resolved"]]})  # fmt: skip
+                     "confirmed": confirm(curve, branches)})  # fmt: skip
     return {"name": case.name, "title": case.title, "curves": rows}
-
-
-RESOLVED = 0.02  # error of a point by its harmonics, over the largest response, up to which it is looked at in time
-
-
-def _is_resolved(curve, point) -> bool:
-    """Return whether the harmonics of a curve resolve a special point."""
-    return bool(curve.errors[point.after : point.after + 2].max() <= RESOLVED)
 
 
 def tension(response):
@@ -64,9 +52,9 @@ def follow(case: CurveCase, amplitude, most):
                           stability=True, output=tension, throw=False)  # fmt: skip
 
 
-def follow_branches(case, amplitude, curve, resolved):
+def follow_branches(case, amplitude, curve):
     """Yield (name, curve) of the first branches that leave a curve."""
-    for point in [each for each in resolved if each.kind in (BRANCH_POINT, PERIOD_DOUBLING)][:BRANCHES]:
+    for point in [each for each in curve.special if each.kind in (BRANCH_POINT, PERIOD_DOUBLING)][:BRANCHES]:
         name = "doubled branch" if point.kind == PERIOD_DOUBLING else "sideways branch"
         for step in (0.02, -0.02, 0.005):
             try:
@@ -87,11 +75,7 @@ def follow_branches(case, amplitude, curve, resolved):
 
 def describe(curve) -> dict:
     """Return what the page shows of a curve: a list for each number of its points, and its special points."""
-    sideways = [None] * curve.values.size
-    if curve.points and len(curve.response(0).system.fields) == 2:
-        for i in range(0, curve.values.size, EVERY):
-            result = floquet(curve.response(i), method="monodromy")
-            sideways[i] = float(abs(result.sideways).max()) if result.sideways is not None else None
+    sideways = None if curve.sideways is None else [float(abs(each).max()) for each in curve.sideways]
     special = [{"kind": point.kind, "value": point.value, "after": point.after,
                 "tension": float(curve.greatest[point.after, 0]),
                 "multipliers": _leading(point.multipliers)} for point in curve.special]  # fmt: skip

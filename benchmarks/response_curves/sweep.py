@@ -17,7 +17,7 @@ import numpy as np
 from solvers import ConvergenceError, InputError, Motion, Scene, mooring_system
 from solvers.common.body_motion import BodyMotion
 from solvers.io.curve_file import load_curve, save_curve
-from solvers.stability import floquet, response_curve
+from solvers.stability import response_curve
 
 from ..run import console, results
 from ..scenes.network_files import line_names
@@ -154,16 +154,15 @@ def _rest_tensions(system) -> np.ndarray:
 
 def _rows(curve, way) -> dict:
     """Return the points of a curve, and whether they are stable, sideways too."""
-    is_plane = len(curve.family.build(float(curve.values[0])).fields) == 2
-    sideways = [float(abs(floquet(curve.response(i), method="monodromy").sideways).max()) if is_plane else None
-                for i in range(curve.values.size)]  # fmt: skip
-    stable = [bool(inside) and (across is None or across < 1)
-              for inside, across in zip(curve.stable, sideways, strict=True)]  # fmt: skip
+    across = [None] * curve.values.size if curve.sideways is None else curve.sideways
+    sideways = [None if each is None else float(abs(each).max()) for each in across]
     special = [{"kind": each.kind, "value": each.value,
                 "tension": float(curve.greatest[each.after].max()), "error": float(curve.errors[each.after])}
                for each in curve.special]  # fmt: skip
+    unresolved = [{"kind": each.kind, "value": each.value, "doubt": each.doubt} for each in curve.unresolved]
     return {"way": way, "frequency": curve.values, "greatest": curve.greatest.T, "least": curve.least.T,
-            "stable": stable, "sideways": sideways, "errors": curve.errors, "special": special,
+            "stable": curve.stable, "sideways": sideways, "errors": curve.errors, "special": special,
+            "unresolved": unresolved,
             "status": curve.status.name, "advice": curve.status.value, "end": curve.end}  # fmt: skip
 
 
@@ -194,8 +193,7 @@ def _largest(file) -> str:
 
 
 def _jumps(curves) -> str:
-    folds = sorted(each["value"] for curve in curves for each in curve["special"]
-                   if each["kind"] == "fold" and each["error"] <= LARGE_ERROR)  # fmt: skip
+    folds = sorted(each["value"] for curve in curves for each in curve["special"] if each["kind"] == "fold")
     if not folds:
         return "No jumps: no frequency of the curve has a second response beside it."
     places = ", ".join(f"{value:.4g}" for value in folds)
@@ -247,7 +245,14 @@ def _gaps(curves, reached, low, high):
 
 
 def _doubts(curves):
-    """Yield sentences on slack and on harmonics that are too few."""
+    """Yield sentences on special points of the series alone, on slack and on harmonics that are too few."""
+    turns = [each["value"] for curve in curves for each in curve["unresolved"]]
+    if turns:
+        places = f"{min(turns):.4g}" if min(turns) == max(turns) else f"{min(turns):.4g} to {max(turns):.4g}"
+        yield (
+            f"At {places} Hz the series of {HARMONICS} harmonics turns back where the motion does not: no jump of the "
+            "line, but the end of what this curve resolves."
+        )
     pairs = [(f, least, error) for curve in curves
              for f, least, error in zip(curve["frequency"], np.asarray(curve["least"]).min(axis=0), curve["errors"],
                                         strict=True)]  # fmt: skip

@@ -82,6 +82,6 @@ CASES = (
     CurveCase("oc3_heave", "OC3 line in heave", oc3_heave, (0.5, 1.0, 2.0), 0.01, 0.3, 9),
     CurveCase("taut", "Taut cable in air, its end moved up and down", taut, (0.03,), 1.9 * FIRST_SIDEWAYS,
               2.3 * FIRST_SIDEWAYS, 5),
-    CurveCase("shallow", "Shallow chain over its seabed in surge", shallow, (1.0,), 0.02, 0.25, 7),
-    CurveCase("bridle", "Bridle in surge", bridle, (1.0,), 0.02, 0.15, 5, 0.2),
+    CurveCase("shallow", "Shallow chain over its seabed in surge", shallow, (0.5, 1.0), 0.02, 0.25, 7),
+    CurveCase("bridle", "Bridle in surge", bridle, (0.5, 1.0, 2.0), 0.02, 0.15, 5, 0.2),
 )  # fmt: skip

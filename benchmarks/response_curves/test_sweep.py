@@ -71,12 +71,14 @@ def test_amplitude_scales_the_motion_of_the_file(case):
 
 
 def test_jumps_and_instability_are_named():
-    """Folds that the harmonics resolve are jumps, others are not; unstable points have their band and their kind."""
-    curve = {"special": [{"kind": "fold", "value": 0.1, "error": 1e-4}, {"kind": "fold", "value": 0.2, "error": 0.5},
-                         {"kind": "period doubling", "value": 0.15, "error": 1e-4}],
+    """Folds of the motion are jumps, those of the series are not; unstable points have their band and their kind."""
+    curve = {"special": [{"kind": "fold", "value": 0.1}, {"kind": "period doubling", "value": 0.15}],
+             "unresolved": [{"kind": "fold", "value": 0.2, "doubt": "no multiplier near one"}],
+             "errors": [0.0, 0.0, 0.0], "least": [[1.0, 1.0, 1.0]],
              "frequency": [0.1, 0.15, 0.2], "stable": [True, False, True], "sideways": [0.5, 1.2, 0.5]}  # fmt: skip
     jumps, unstable = sweep._jumps([curve]), sweep._instability([curve])
     assert "Jumps at 0.1 Hz" in jumps and "0.2" not in jumps
+    assert next(iter(sweep._doubts([curve]))).startswith("At 0.2 Hz the series of 7 harmonics turns back")
     assert "Unstable at 0.15 Hz (period doubling, growth across the plane of the line)" in unstable
 
 

@@ -41,13 +41,16 @@ def _rows(cases) -> list[dict]:
 
 def _curves(cases, inputs) -> Group:
     special = sum(len(row["curve"]["special"]) for case in cases for row in case["curves"])
-    unresolved = sum(row["unresolved"] for case in cases for row in case["curves"])
+    unresolved = sum(len(row["unresolved"]) for case in cases for row in case["curves"])
     ended = [f"{case['title']}, {row['amplitude']:g} m, ends at {number(row['curve']['frequency'][-1])} Hz: "
              f"{row['curve']['end']}" for case in cases for row in case["curves"]
              if row["curve"]["status"] != "SUCCESS"]  # fmt: skip
     text = (
-        "Greatest and least tension in the period over the frequency; dotted: unstable; markers: special points "
-        f"({special} in all, {unresolved} where a line nearly slack needs more harmonics than the curve has)."
+        "Greatest and least tension in the period over the frequency; dotted: unstable, in the plane of the line or "
+        "across it; markers: special points in the plane "
+        f"({special} in all). {plural(unresolved, 'further one')} of the series alone are left out: there a line is "
+        "nearly slack and the multipliers of the time steps, or the error by the harmonics, say that the motion itself "
+        "has none."
     )
     return Group(f"{text} {'; '.join(ended)}{'.' if ended else ''}",
                  [figures.curve_figure(case, inputs.figures) for case in cases])  # fmt: skip

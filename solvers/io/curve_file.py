@@ -13,8 +13,9 @@ from ..stability.family import HarmonicFamily, build_family
 from ..stability.special_points import SpecialPoint
 from ..stability.tracing import CurvePoint, TraceState
 
-FORMAT = 1  # of the file; another number is refused
+FORMAT = 2  # of the file; another number is refused
 _ARRAYS = "z", "greatest", "least"
+_MULTIPLIERS = "multipliers", "sideways"
 _NUMBERS = "value", "omega", "tangent", "error", "iterations", "residual_norm"
 
 
@@ -36,14 +37,17 @@ def save_curve(curve, path) -> None:
         for j, special in enumerate(point.special):
             place = f"{i}.special{j}"
             content |= {f"{place}.kind": special.kind, f"{place}.value": special.value, f"{place}.z": special.z}
-            content |= {f"{place}.after": special.after} | _with_multipliers(place, special)
+            content |= {f"{place}.after": special.after, f"{place}.doubt": special.doubt}
+            content |= _with_multipliers(place, special)
     if curve.state is not None:
         content |= {f"state.{name}": value for name, value in curve.state._asdict().items()}
     np.savez(Path(path), **content)
 
 
 def _with_multipliers(place, point):
-    return {} if point.multipliers is None else {f"{place}.multipliers": point.multipliers}
+    """Return the multipliers of a point or special point under the names that they have in the file."""
+    named = {name: getattr(point, name, None) for name in _MULTIPLIERS}
+    return {f"{place}.{name}": values for name, values in named.items() if values is not None}
 
 
 def load_curve(path, system=None, parameter="frequency") -> ResponseCurve:
@@ -82,10 +86,11 @@ def _point(content, i):
     """Return the CurvePoint of a number."""
     special: list[SpecialPoint] = []
     while (place := f"{i}.special{len(special)}") + ".z" in content:
-        kind, value, z, after = (content[f"{place}.{name}"] for name in ("kind", "value", "z", "after"))
+        kind, value, z, after, doubt = (content[f"{place}.{name}"] for name in ("kind", "value", "z", "after", "doubt"))
         multipliers = content.get(f"{place}.multipliers")
-        special.append(SpecialPoint(str(kind), float(value), z, multipliers, int(after)))
+        special.append(SpecialPoint(str(kind), float(value), z, multipliers, int(after), str(doubt)))
     values: dict[str, Any] = {name: content[f"{i}.{name}"] for name in _ARRAYS}
     values |= {name: float(content[f"{i}.{name}"]) for name in _NUMBERS}
-    values |= {"iterations": int(values["iterations"]), "multipliers": content.get(f"{i}.multipliers")}
+    values |= {"iterations": int(values["iterations"])}
+    values |= {name: content.get(f"{i}.{name}") for name in _MULTIPLIERS}
     return CurvePoint(**values, special=tuple(special))

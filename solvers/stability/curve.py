@@ -28,7 +28,9 @@ class ResponseCurve(Outcome):
     as those of PeriodicResponse, zeros beyond the ``harmonics`` (P,) of a point; greatest, least (P, m): of the m
     outputs over the period; tangents (P,): share of the parameter in the unit tangent, whose sign tells which way the
     curve leads; errors (P,): the change that a third more harmonics would make, over the largest response so far.
-    special: SpecialPoints in their order; multipliers: an array for each point, largest first, or None.
+    special: SpecialPoints of the motion in their order; unresolved: those of the truncated series, their ``doubt`` says
+    why. multipliers: an array for each point, largest first, or None; sideways: the same of disturbances across the
+    plane of a line whose motion lies in it, whose passages of the unit circle are not among the special points.
     iterations: Newton steps in total; residual_norm: largest coefficient of the rows at the last point.
     end: what ended a curve that does not reach the stop of its range, or "". Its last point is the last good one.
     state: what the next point depends on.
@@ -44,7 +46,9 @@ class ResponseCurve(Outcome):
     harmonics: np.ndarray = field(repr=False)
     errors: np.ndarray = field(repr=False)
     special: tuple[SpecialPoint, ...] = field(repr=False)
+    unresolved: tuple[SpecialPoint, ...] = field(repr=False)
     multipliers: tuple[np.ndarray, ...] | None = field(repr=False)
+    sideways: tuple[np.ndarray, ...] | None = field(repr=False)
     status: Status
     iterations: int
     residual_norm: float
@@ -60,16 +64,23 @@ class ResponseCurve(Outcome):
 
     @property
     def stable(self) -> np.ndarray | None:
-        """Whether each response is stable, (P,): all multipliers are below one in size; None without multipliers."""
-        if self.multipliers is None:
-            return None
-        return np.array([abs(each).max(initial=0.0) < 1.0 for each in self.multipliers], dtype=bool)
+        """Whether each response is stable, (P,), sideways too: all multipliers are below one; None without them."""
+        if self.multipliers is None or self.sideways is None:
+            return self.stable_in_plane
+        return self.stable_in_plane & _are_inside(self.sideways)
+
+    @property
+    def stable_in_plane(self) -> np.ndarray | None:
+        """Whether ``multipliers`` alone, of the fields of the system, say that each response is stable, (P,)."""
+        return None if self.multipliers is None else _are_inside(self.multipliers)
 
     def describe(self):
         """Yield the range of the parameter that was followed, the folds and the outputs."""
         unit = UNITS.get(self.parameter, "")
         first, last = self.values[[0, -1]]
         yield f"{self.values.size} points from {first:.6g} to {last:.6g} {unit}, {len(self.folds)} folds"
+        if self.unresolved:
+            yield f"{len(self.unresolved)} special points of the series alone: more harmonics, or time integration"
         yield f"outputs from {self.least.min():.6g} to {self.greatest.max():.6g}"
 
     def harmonic(self, k, component=0, node=-1) -> np.ndarray:
@@ -186,6 +197,11 @@ def _points_to_resume(curve, name, start, stability):
     return list(curve.points), curve.state
 
 
+def _are_inside(multipliers):
+    """Return whether all multipliers of each point are inside the unit circle, (P,)."""
+    return np.array([abs(each).max(initial=0.0) < 1.0 for each in multipliers], dtype=bool)
+
+
 def _fields(response):
     """Return the greatest and least of each field over the nodes, (2 n_f, S)."""
     y = response.at(instants_of(response))
@@ -197,11 +213,16 @@ def assemble_curve(family, name, points, state, status, end) -> ResponseCurve:
     column = lambda name: np.array([getattr(point, name) for point in points])
     harmonics = np.array([point.z.shape[-1] // 2 for point in points], dtype=int)
     z = np.array([resize_harmonics(point.z, harmonics.max()) for point in points])
-    special = tuple(each for point in points for each in point.special)
-    has_multipliers = bool(points) and points[0].multipliers is not None
-    multipliers = tuple(point.multipliers for point in points) if has_multipliers else None
+    every = [each for point in points for each in point.special]
+    special = tuple(each for each in every if not each.doubt), tuple(each for each in every if each.doubt)
+    multipliers = _of_all(points, "multipliers"), _of_all(points, "sideways")
     norm = points[-1].residual_norm if points else np.nan
     steps = sum(point.iterations for point in points)
     return ResponseCurve(
         name, column("value"), column("omega"), z, column("greatest"), column("least"), column("tangent"), harmonics,
-        column("error"), special, multipliers, status, steps, norm, end, family, state, tuple(points))  # fmt: skip
+        column("error"), *special, *multipliers, status, steps, norm, end, family, state, tuple(points))  # fmt: skip
+
+
+def _of_all(points, name):
+    """Return an array for each of some points, None where they have none."""
+    return tuple(getattr(point, name) for point in points) if points and getattr(points[0], name) is not None else None

@@ -33,6 +33,8 @@ def build_family(system, parameter) -> Callable:
         return lambda value: as_system(parameter(value))
     one_of("parameter", parameter, tuple(UNITS))
     system = as_system(system)
+    if hasattr(system, "with_motion"):
+        system.rest_state()  # once: each system of the family takes it over, and a network's takes longer than its rows
     if parameter == "amplitude":
         return system.scaled
     tune = _tunable(system.motion)

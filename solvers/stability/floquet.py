@@ -66,7 +66,13 @@ class FloquetResult:
 
 
 def floquet(
-    response, *, method: str = "both", steps: int = 200, scheme: str = "radau", out_of_plane: bool = True
+    response,
+    *,
+    method: str = "both",
+    steps: int = 200,
+    scheme: str = "radau",
+    out_of_plane: bool = True,
+    has_step_errors: bool = True,
 ) -> FloquetResult:
     """Return the Floquet multipliers of a PeriodicResponse, and whether it is stable.
 
@@ -74,8 +80,9 @@ def floquet(
     motion that they repeat, which the others do, too, where a cell goes slack in the response. steps: of the time
     integration in the period. scheme: "radau" damps waves that the steps do not resolve, "gauss", of lines alone, does
     not: then all of a long line's waves are returned. out_of_plane: of a line in its vertical plane the sideways
-    multipliers as well. Hill's problem takes the harmonics of the response. Of a chain both work with dense matrices,
-    for up to ``MAX_UNKNOWNS`` unknowns.
+    multipliers as well. has_step_errors: of a line, whether to take half as many steps, too, for ``step_errors``.
+    Hill's problem takes the harmonics of the response. Of a chain both work with dense matrices, for up to
+    ``MAX_UNKNOWNS`` unknowns.
     Raises InputError for bad options, and for a chain that is too long.
     """
     steps = whole_number("steps", steps, 1, MAX_STEPS)
@@ -83,16 +90,16 @@ def floquet(
         problem = f"{type(response).__name__} is no PeriodicResponse: give what solve_periodic returns of it"
         raise InputError(problem, field="response", value=response)
     one_of("scheme", scheme, tuple(SCHEMES))
-    flags(out_of_plane=out_of_plane)
+    flags(out_of_plane=out_of_plane, has_step_errors=has_step_errors)
     if hasattr(response, "linearised_period"):
         one_of("method", method, ("both", "monodromy", "hill", "steps"))
-        return _of_line(response, method, steps, SCHEMES[scheme], out_of_plane)
+        return _of_line(response, method, steps, SCHEMES[scheme], out_of_plane, has_step_errors)
     one_of("method", method, ("both", "monodromy", "hill"))
     return _of_chain(response, method, steps)
 
 
 # ---------------------------------------------------------------- lines of nodes and elements
-def _of_line(response, method, steps, scheme, out_of_plane):
+def _of_line(response, method, steps, scheme, out_of_plane, has_step_errors):
     """Return the FloquetResult of a response of lines of nodes and elements."""
     (_, period), omega = response.last_period, response.basis.omega
     if method == "hill":
@@ -109,8 +116,10 @@ def _of_line(response, method, steps, scheme, out_of_plane):
         warnings = (NOT_PERIODIC,)
     multipliers = leading_eigenvalues(linearised)
     del linearised  # its factors
-    coarser = leading_eigenvalues(response.linearised_period(max(1, steps // 2), scheme))
-    step_errors = _distances(multipliers, coarser)
+    step_errors = None
+    if has_step_errors:
+        coarser = leading_eigenvalues(response.linearised_period(max(1, steps // 2), scheme))
+        step_errors = _distances(multipliers, coarser)
     sideways = leading_eigenvalues(response.linearised_period(steps, scheme, sideways=True)) if is_plane else None
     by_hill = line_multipliers(response.hill_problem(), omega) if method == "both" and not warnings else np.empty(0)
     hill = by_hill if by_hill.size else None

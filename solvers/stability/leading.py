@@ -16,6 +16,7 @@ BLOCK = 12  # disturbances at a time: as long as they fit into the registers of 
 FLOOR = 1e-3  # eigenvalues from this size on are wanted, for smaller disturbances are gone after a period
 LEAST = 4  # so many of the largest are wanted in any case
 TOLERANCE = 1e-9  # of the residual of a wanted eigenvector of length one, of the largest eigenvalue, at least of one
+EVERY_BLOCK, LATER = 96, 1.25  # size up to which each block is looked at; beyond, what it grows by between two looks
 ZERO = 1e-14  # of the largest entry, below which nothing new is left
 
 
@@ -25,8 +26,9 @@ def leading_eigenvalues(period) -> np.ndarray:
     period: has a ``size`` and apply((size, k)) -> (size, k).
     """
     with one_blas_thread():
-        values = _block_arnoldi(period) if period.size > MAX_DENSE else None
-        return largest_first(np.linalg.eigvals(period.apply(np.eye(period.size)))) if values is None else values
+        if period.size > MAX_DENSE:
+            return _block_arnoldi(period)
+        return largest_first(np.linalg.eigvals(period.apply(np.eye(period.size))))
 
 
 def largest_first(values):
@@ -35,11 +37,12 @@ def largest_first(values):
 
 
 def _block_arnoldi(period):
-    """Return the wanted eigenvalues, or None where they need more than half of the space."""
+    """Return the wanted eigenvalues; all of them where the wanted ones need more than half of the space."""
     size = period.size
     most = size // (2 * BLOCK) * BLOCK
     V, H = np.zeros((size, most + BLOCK)), np.zeros((most + BLOCK, most))
     V[:, :BLOCK] = np.linalg.qr(np.random.default_rng(0).normal(size=(size, BLOCK)))[0]
+    look = BLOCK
     for m in range(BLOCK, most + 1, BLOCK):
         known, last = V[:, :m], slice(m - BLOCK, m)
         new = period.apply(np.ascontiguousarray(V[:, last]))
@@ -50,6 +53,9 @@ def _block_arnoldi(period):
         Q, R = np.linalg.qr(new)
         V[:, m : m + BLOCK] = np.linalg.qr(Q - known @ (known.T @ Q))[0]
         H[m : m + BLOCK, last] = R
+        if m < look and m < most:
+            continue
+        look = m + BLOCK if m < EVERY_BLOCK else int(LATER * m)
         values, vectors = np.linalg.eig(H[:m, :m])
         residual = np.linalg.norm(R @ vectors[last], axis=0)
         order = np.argsort(-abs(values), kind="stable")
@@ -57,4 +63,12 @@ def _block_arnoldi(period):
         scale = max(1.0, abs(values).max())
         if (residual[wanted] <= TOLERANCE * scale).all() or abs(R).max() <= ZERO * abs(H).max():
             return values[wanted]
-    return None
+    return _all_eigenvalues(period, V, H)
+
+
+def _all_eigenvalues(period, V, H):
+    """Return all eigenvalues, of which disturbances V and their images V H are known: the others are taken as well."""
+    m = H.shape[1]
+    basis = np.hstack([V[:, :m], np.linalg.qr(V[:, :m], mode="complete")[0][:, m:]])
+    images = np.hstack([V @ H, period.apply(np.ascontiguousarray(basis[:, m:]))])
+    return largest_first(np.linalg.eigvals(basis.T @ images))

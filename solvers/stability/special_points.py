@@ -33,6 +33,8 @@ JUMPS = 0.3  # share of the change of a multiplier over a step that a 64th of it
 BISECTIONS = 6  # of a step in which a multiplier passes the circle, before its kind is looked at
 NEIGHBOURHOOD = 1.0  # of what is left after them, beyond which the secant method looks no further
 MAX_SECANT = 20
+RESOLVED = 0.05  # error of the points beside a special one, by their harmonics, up to which it is one of the motion
+FOLD_MULTIPLIER = 0.25  # from one, of the nearest multiplier at a fold: that of a motion is one, blurred by the series
 NODES = np.array([-3.0, -2.0, -1.0, 1.0, 2.0, 3.0])  # of the interpolation over a branch point, clear of it
 
 
@@ -41,7 +43,7 @@ class SpecialPoint(NamedTuple):
 
     kind: "fold", "branch point", "period doubling", "Neimark-Sacker", or "jump" where multipliers jump over the circle:
     a contact begins, a cell goes slack, or time steps are too few for such a kink. multipliers: there, largest first,
-    or None.
+    or None. doubt: why the point may be one of the truncated series alone and not of the motion, or "".
     """
 
     kind: str
@@ -49,6 +51,20 @@ class SpecialPoint(NamedTuple):
     z: np.ndarray
     multipliers: np.ndarray | None
     after: int
+    doubt: str = ""
+
+
+def explain_doubt(kind, multipliers, error) -> str:
+    """Return why a special point may be one of the truncated series alone, or "".
+
+    At a fold of the motion a multiplier is one. Over slack cells a series of few harmonics rings and turns back where
+    the motion goes on: its multipliers, which are those of the time steps, know nothing of such a fold.
+    """
+    if error > RESOLVED:
+        return f"more harmonics would change the responses beside it by {error:.2g} of the largest"
+    if kind == FOLD and multipliers is not None and abs(multipliers - 1).min(initial=np.inf) > FOLD_MULTIPLIER:
+        return "no multiplier of the motion is near one there"
+    return ""
 
 
 class CurveSegment:

@@ -26,7 +26,7 @@ from .continuation import (
     next_step,
 )
 from .floquet import floquet
-from .special_points import FOLD, CurveSegment, SpecialPoint, locate_special_points
+from .special_points import FOLD, CurveSegment, SpecialPoint, explain_doubt, locate_special_points
 
 INSTANTS_PER_SAMPLE = 4  # instants for each sample at which outputs are taken and a state must be valid
 AT_STOP = 1e-8  # of the range: a fold so near the stop is taken to lie there
@@ -57,6 +57,7 @@ class CurvePoint(NamedTuple):
     tangent: float
     error: float
     multipliers: np.ndarray | None
+    sideways: np.ndarray | None
     special: tuple[SpecialPoint, ...]
     iterations: int
     residual_norm: float
@@ -152,7 +153,8 @@ class CurveTrace:
             raise _SingularStartError
         point, error = self._accurate(point, True)
         response = self._checked(point)
-        self._add(point, self._record(point, response, error, self._multipliers(response), ()), step)
+        multipliers, sideways = self._all_multipliers(response)
+        self._add(point, self._record(point, response, error, multipliers, sideways, ()), step)
 
     def _start_at_first(self):
         """Return the start where the response that was given is one already, else None: a solve might leave it."""
@@ -181,7 +183,8 @@ class CurveTrace:
         response = solve_periodic(self.family.build(begin), harmonics=Nh, samples=Nt, symmetry=False, start=self.first,
                                   subharmonic=self.family.subharmonic, throw=False)  # fmt: skip
         if not response.success:
-            raise CorrectionError(response.status.value)
+            has_no_more = response.status is Status.NO_PERIODIC_RESPONSE  # to say than the status of the curve itself
+            raise CorrectionError("solve_periodic has none" if has_no_more else response.status.value)
         try:
             return self.tracer.start(self.tracer.pack(response.z), begin, np.sign(stop - begin))
         except CorrectionError as reason:
@@ -197,13 +200,13 @@ class CurveTrace:
             raise CorrectionError("the curve turns too sharply")
         coarse, (new, error) = self.tracer, self._accurate(new, status is not None)
         response = self._checked(new)
-        multipliers = self._multipliers(response)
+        multipliers, sideways = self._all_multipliers(response)
         special = self._special_points(self.tracer.resized(point) if coarse is not self.tracer else point, new,
-                                       multipliers)  # fmt: skip
+                                       multipliers, error)  # fmt: skip
         for each in special:
             if each.kind == FOLD and abs(each.value - self.ends[1]) <= AT_STOP * self.span:
                 return None, Status.CURVE_FOLD_AT_STOP, each.value
-        return new, status, self._record(new, response, error, multipliers, special)
+        return new, status, self._record(new, response, error, multipliers, sideways, special)
 
     def _predicted(self, point, step):
         """Return the next point and, where it is the last one, the status of the curve."""
@@ -241,28 +244,35 @@ class CurveTrace:
 
     def _multipliers(self, response):
         """Return the multipliers of a response, largest first, or None where they are not wanted."""
-        if not self.has_stability:
-            return None
-        return floquet(response, method="monodromy", out_of_plane=False).multipliers
+        return self._all_multipliers(response, out_of_plane=False)[0]
 
-    def _special_points(self, point, new, multipliers):
-        """Return the SpecialPoints between two points."""
+    def _all_multipliers(self, response, out_of_plane=True):
+        """Return the multipliers of a response and those sideways of a planar one, each None where there are none."""
+        if not self.has_stability:
+            return None, None
+        result = floquet(response, method="monodromy", out_of_plane=out_of_plane, has_step_errors=False)
+        return result.multipliers, result.sideways
+
+    def _special_points(self, point, new, multipliers, error):
+        """Return the SpecialPoints between two points; error: of the new one by its harmonics."""
         tracer, unpack = self.tracer, self.tracer.unpack
         of_point = lambda p: self._multipliers(as_response(tracer.family, p.value, unpack(p.x)))
         segment = CurveSegment(tracer, point, new, of_point)
         if self.has_stability:
             segment.set_multipliers(self.points[-1].multipliers, multipliers)
-        result = []
+        result, error = [], max(error, self.points[-1].error)
         for kind, _, at in locate_special_points(segment, self.has_stability):
-            result.append(SpecialPoint(kind, at.value, unpack(at.x), of_point(at), len(self.points) - 1))
+            there = of_point(at)
+            doubt = explain_doubt(kind, there, error)
+            result.append(SpecialPoint(kind, at.value, unpack(at.x), there, len(self.points) - 1, doubt))
         return tuple(result)
 
-    def _record(self, point, response, error, multipliers, special):
+    def _record(self, point, response, error, multipliers, sideways, special):
         """Return the CurvePoint of a point."""
         outputs = np.atleast_2d(self.output(response))
         extremes = outputs.max(axis=1), outputs.min(axis=1)
         return CurvePoint(point.value, response.basis.omega, response.z, *extremes, point.u / self.span, error,
-                          multipliers, special, point.iterations, response.residual_norm)  # fmt: skip
+                          multipliers, sideways, special, point.iterations, response.residual_norm)  # fmt: skip
 
     def _add(self, point, record, step):
         """Add a point, and keep what the next one depends on."""

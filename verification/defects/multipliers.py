@@ -14,7 +14,6 @@ _THRESHOLD = _LINES + "test_sideways_threshold_is_that_of_mathieu"
 _STEPS = _LINES + "test_steps_are_of_their_order"
 _HILL_LINE = _LINES + "test_hill_and_monodromy_agree_on_a_line_in_small_motion"
 _SHORT = _LINES + "test_series_that_are_too_short_do_not_count"
-_BRIDLE = _LINES + "test_hill_and_monodromy_agree_on_a_bridle"
 _LEADING = _LINES + "test_leading_eigenvalues_are_those_of_the_whole_matrix"
 _MAP = _LINES + "test_the_linearised_steps_are_the_derivative_of_the_steps"
 _SLACK = _LINES + "test_disturbances_over_slack_cells_follow_their_multiplier_in_time"
@@ -155,7 +154,7 @@ DEFECTS: tuple[Defect, ...] = (
         "columns-for-rows", "linearised_steps", "solve_columns",
         "multiply_subtract(right[order.edge[a]], x[order.other[a]], column)",
         "multiply_subtract(left[order.edge[a]], x[order.other[a]], column)", "index",
-        "the blocks of the columns for those of the rows on the way back", _BRIDLE,
+        "the blocks of the columns for those of the rows on the way back", _MAP,
     ),
     _mooring_defect(
         "newmark-filter-turned", "linearised_newmark", "take_newmark_steps",

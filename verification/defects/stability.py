@@ -21,6 +21,10 @@ _CHANGES = "stability/test_special_points.py::test_stability_changes_where_speci
 _DOUBLED = "stability/test_special_points.py::test_a_doubled_branch_leads_to_the_next_doubling"
 _CIRCLE = "stability/test_special_points.py::test_multipliers_that_stay_on_the_circle_pass_nothing"
 _RESUMED = "stability/test_resume.py::test_an_interrupted_curve_goes_on_bit_for_bit"
+_TANGENT = "stability/test_resume.py::test_the_tangent_is_of_unit_length_in_the_weights_of_its_state"
+_SERIES = "stability/test_resume.py::test_a_fold_of_the_series_alone_is_not_a_special_point"
+_UNRESOLVED = "stability/test_resume.py::test_points_that_many_harmonics_would_change_are_unresolved"
+_ACROSS = "stability/test_resume.py::test_a_planar_response_that_grows_sideways_is_not_stable"
 _FILE = "stability/test_resume.py::test_a_curve_goes_on_from_its_file"
 _ERRORS = "stability/test_resume.py::test_errors_are_those_against_many_harmonics"
 _ACCURACY = "stability/test_resume.py::test_harmonics_follow_the_accuracy"
@@ -118,9 +122,9 @@ DEFECTS: tuple[Defect, ...] = (
         "first * test(high) < 0", "sign", "branch points taken for folds", _MIRRORED,
     ),
     _defect(
-        "branch-point-between-two-nodes", "special_points", "_locate_branch_point", "near + width * NODES",
-        "near + 20 * width * NODES", "order", "a branch point interpolated over a wide part of the curve",
-        _STEPS.format("hardening"),
+        "branch-point-between-two-nodes", "special_points", "_locate_branch_point",
+        "brentq(BarycentricInterpolator(NODES, values), NODES[2], NODES[3], xtol=PLACE)", "0.0", "order",
+        "a branch point taken for the middle of its two nodes", _STEPS.format("hardening"),
     ),
     _defect(
         "neimark-sacker-loosely", "special_points", "_locate_neimark_sacker",
@@ -160,7 +164,19 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     _defect(
         "tangent-not-normalised", "tracing", "CurveTrace._add", "tracer.normalised(point)", "point", "factor",
-        "a tangent that is of unit length in older weights alone", _FOLDS,
+        "a tangent that is of unit length in older weights alone", _TANGENT,
+    ),
+    _defect(
+        "folds-of-the-series-reported", "special_points", "explain_doubt", "kind == FOLD", "False", "regime",
+        "folds of a truncated series said to be those of the motion", _SERIES,
+    ),
+    _defect(
+        "errors-of-special-points-not-asked", "special_points", "explain_doubt", "error > RESOLVED", "False", "regime",
+        "special points that the harmonics do not resolve said to be those of the motion", _UNRESOLVED,
+    ),
+    _defect(
+        "curve-stable-in-its-plane-alone", "curve", "ResponseCurve.stable", "_are_inside(self.sideways)", "True",
+        "term", "growth across the plane of a line left out of whether it is stable", _ACROSS,
     ),
     _defect(
         "resumed-with-the-first-step", "tracing", "CurveTrace._advance", "step = self.gathered[1].step",

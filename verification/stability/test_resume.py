@@ -7,13 +7,27 @@ from functools import cache, partial
 import numpy as np
 import pytest
 
-from solvers import BodyMotion, InputError, Motion, ResponseCurve, Scene, Status, mooring_system, response_curve
+from solvers import (
+    BodyMotion,
+    Environment,
+    InputError,
+    Motion,
+    ResponseCurve,
+    Scene,
+    Status,
+    mooring_system,
+    response_curve,
+    solve_time_domain,
+)
 from solvers.common.properties import CableProperties
 from solvers.io import load_curve, save_curve
-from solvers.stability import switch_branch
+from solvers.stability import floquet, switch_branch
+from solvers.stability.continuation import Tracer
+from solvers.stability.special_points import explain_doubt
 
 from ..cases.planar_systems import forced_oscillator
 
+UNIT = 1e-12  # of the length of a tangent: round-off
 ARRAYS = "values", "omega", "z", "greatest", "least", "tangents", "harmonics", "errors"
 LINE = Scene(
     "OC3", CableProperties(EA=384.243e6, diameter=0.09, mass_per_length=77.7066, Cdn=1.6), 902.2,
@@ -173,6 +187,76 @@ def test_a_branch_of_a_curve_with_adapted_harmonics():
     doubling = curve.special[-1]
     _, response = switch_branch(curve, doubling)
     assert response.basis.harmonics == doubling.z.shape[-1] - 1 > 10
+
+
+def test_the_tangent_is_of_unit_length_in_the_weights_of_its_state():
+    """Where the response still grows, too, and its weights with it: steps are as long as they are said to be."""
+    for most in (5, 11, 20):
+        curve = RESONANCE(max_points=most)
+        state, family = curve.state, curve.family
+        tracer = Tracer(family, 0.8, 1e-10, state.value, state.norms)
+        assert tracer.product(state.t, state.u, state.t, state.u) == pytest.approx(1.0, abs=UNIT)
+
+
+# ---------------------------------------------------------------- what a line adds: slack, and a third direction
+NO_FOLD = 1e-2  # m, of motions swept up and down through a fold of the series, in 2.6 m: short waves that slack leaves
+SWEPT = np.linspace(0.2298, 0.2308, 6)  # Hz, a sweep through it
+PERIODS, STEPS = 20, 400
+
+
+@cache
+def slack_curve():
+    """The line of OC3 in 2 m of surge up to where its cells go slack."""
+    motion = Motion.harmonic(0.2, (2.0, 0.0, 0.0))
+    return response_curve(mooring_system(LINE, cells=15, motion=motion), start=0.2, stop=0.26, harmonics=9,
+                          max_points=20, stability=True, throw=False)  # fmt: skip
+
+
+def swept(frequencies):
+    """Displacements at the start of a period in m, one motion after the other from the last state."""
+    state, places = None, []
+    for frequency in frequencies:
+        system = slack_curve().family.build(frequency)
+        history = solve_time_domain(system, dt=system.period / STEPS, periods=PERIODS, every=STEPS, start=state)
+        state = history.y[..., -1], history.ydot[..., -1]
+        places.append(state[0])
+    return np.array(places)
+
+
+def test_a_fold_of_the_series_alone_is_not_a_special_point(tmp_path):
+    """Nine harmonics of a slack line turn back at 0.2304 Hz; no multiplier is near one, and time steps go on."""
+    curve = slack_curve()
+    assert not curve.special and not curve.folds and len(curve.unresolved) == 1
+    (fold,) = curve.unresolved
+    assert fold.kind == "fold" and fold.value == pytest.approx(0.23045, abs=1e-4)
+    assert "no multiplier" in fold.doubt and abs(fold.multipliers).max() < 0.6
+    assert curve.tangents[fold.after] > 0 > curve.tangents[fold.after + 1]
+    save_curve(curve, tmp_path / "curve.npz")
+    again = load_curve(tmp_path / "curve.npz", curve.family.build(0.2))
+    assert again.unresolved[0].doubt == fold.doubt
+    assert all(np.array_equal(one, two) for one, two in zip(again.sideways, curve.sideways, strict=True))
+    up, down = swept(SWEPT), swept(SWEPT[::-1])[::-1]  # a fold would keep one of them from a part of the band
+    assert abs(up - down).max() <= NO_FOLD
+
+
+def test_points_that_many_harmonics_would_change_are_unresolved():
+    """A special point whose neighbours have an error above the bound, whatever its multipliers are."""
+    ones = np.array([1.0 + 0j, 0.5])
+    assert "0.06" in explain_doubt("period doubling", ones, 0.06) and explain_doubt("fold", ones, 0.04) == ""
+    assert explain_doubt("fold", None, 0.04) == "" and "no multiplier" in explain_doubt("fold", ones / 2, 0.04)
+
+
+def test_a_planar_response_that_grows_sideways_is_not_stable():
+    """A taut cable whose end moves along it near twice its first sideways frequency, stable in its plane at least."""
+    cable = CableProperties(EA=2e7, diameter=0.08, mass_per_length=2.5, Cdn=1.25)
+    ends, along = ((0.0, 0.0, -120.0), (100.05, 0.0, -120.0)), Motion.harmonic(0.8, (0.003, 0.0, 0.0))
+    scene = Scene("taut", cable, 100.0, *ends, Environment(rho=1.225), motion=along)
+    system = mooring_system(scene, cells=6, fields="planar", mesh="uniform")
+    curve = response_curve(system, start=0.80, stop=0.92, harmonics=3, stability=True)
+    largest = np.array([abs(each).max() for each in curve.sideways])
+    assert np.array_equal(curve.stable, curve.stable_in_plane & (largest < 1)) and curve.stable[0]
+    (i, *_) = np.flatnonzero(curve.stable_in_plane & ~curve.stable)
+    assert np.array_equal(curve.sideways[i], floquet(curve.response(i), method="monodromy").sideways)
 
 
 # ---------------------------------------------------------------- frequency of a body
