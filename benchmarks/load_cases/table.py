@@ -29,7 +29,7 @@ from ..scenes.margin import margins
 from ..scenes.network_files import load
 from ..scenes.network_outputs import spectral_density
 
-BAD_INPUT = 2  # exit status
+BAD_INPUT, NO_SETTING = 2, 1  # exit status
 TOLERANCE = 0.02
 """Relative error of maximum, standard deviation and damage-equivalent load, where no setting is given."""
 OWN = "sea"
@@ -164,7 +164,7 @@ def main(argv=None) -> int:
         summary = solve(arguments)
     except (InputError, ConvergenceError) as error:
         print(error, file=sys.stderr)
-        return BAD_INPUT
+        return BAD_INPUT if isinstance(error, InputError) else NO_SETTING
     stems = [*([arguments.cases.stem] if cases else []), arguments.name or arguments.system.stem]
     results.write(arguments.out / f"load_cases_{'_'.join(stems)}.json", {"-".join(stems): summary})
     return 0

@@ -3,11 +3,13 @@
 A spectrum has the columns frequency (Hz) and density (m^2/Hz). Operators have the column frequency (Hz) or period (s),
 heading (degrees, into which the waves run; may be missing), and for each of surge, sway, heave (m/m), roll, pitch, yaw
 (rad/m, or roll_deg ...: degrees/m) an amplitude and its phase, surge_phase (rad) or surge_phase_deg (degrees), by which
-the motion leads the wave at the reference point; columns that are not there are zero.
+the motion leads the wave at the reference point; columns that are not there are zero. A phase in rad is within a turn:
+beyond it the numbers are degrees.
 """
 
 from __future__ import annotations
 
+import math
 from os import PathLike
 from pathlib import Path
 
@@ -20,6 +22,7 @@ from .csv_columns import read_numbers
 
 COORDINATES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 SPECTRA = ("jonswap", "pierson_moskowitz")
+ONE_TURN = 2 * math.pi * (1 + 1e-6)  # rad, with what rounding in a file may add
 _OPERATOR_COLUMNS = (
     *("frequency", "period", "heading", *COORDINATES),
     *(f"{name}_deg" for name in COORDINATES[3:]),
@@ -84,6 +87,9 @@ def _one_operator(columns, name, size) -> np.ndarray:
     if f"{name}_deg" in columns:
         amplitude = np.radians(columns[f"{name}_deg"])
     phase = columns.get(f"{name}_phase", np.zeros(size))
+    if (largest := float(abs(phase).max(initial=0.0))) > ONE_TURN:
+        problem = f"{largest:g} rad is more than a turn: likely in degrees; name the column {name}_phase_deg"
+        raise InputError(problem, field=f"{name}_phase", value=largest, unit="rad")
     if f"{name}_phase_deg" in columns:
         phase = np.radians(columns[f"{name}_phase_deg"])
     if (amplitude < 0).any():
