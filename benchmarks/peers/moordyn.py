@@ -87,7 +87,8 @@ class MoorDyn(Adapter):
             raise NotImplementedError("it has one transverse drag coefficient")
         weight, buoyancy = getattr(cable, "submerged_weight", None), environment.rho * math.pi * cable.diameter**2 / 4
         by_section = environment.g * (cable.mass_per_length - buoyancy)
-        if weight is not None and abs(weight - by_section) > SAME_WEIGHT * max(abs(by_section), environment.g * buoyancy):
+        size = max(abs(by_section), environment.g * buoyancy)
+        if weight is not None and abs(weight - by_section) > SAME_WEIGHT * size:
             raise NotImplementedError(f"it takes the weight from mass and diameter, {by_section:.7g} N/m")
         step = time[1] - time[0]
         velocity = np.diff(fairlead, axis=0) / step

@@ -13,6 +13,7 @@ from ..page.formatting import number, plural, slug, status_words
 from ..page.section import Content, Inputs, Section
 from ..page.tables import Table
 from . import margins, network_figures
+from .animation import animate, caption
 from .network_tables import as_text
 
 SHOWN = 40  # rows of the page, those of the greatest tensions; the CSV file has all
@@ -58,9 +59,10 @@ def _show(summary: dict, name: str, inputs: Inputs) -> dict:
     margin, output = margins.margin_table(summary["margins"], name), summary["output"]
     draw = _own_figures if summary["series"] else _figures
     spectrum = _own_spectrum(summary, name, inputs.figures) if summary["series"] else None
+    views = _views(summary) if summary.get("envelope") else None
     return {"data": summary, "sentence": _sentence(summary), "failed": _failed(summary), "table": table,
             "figure": draw(summary, name, inputs.figures), "spectrum": spectrum,
-            "margin": margin and margin.write(inputs.tables),
+            "views": views, "margin": margin and margin.write(inputs.tables),
             "margin_words": margins.describe_margin(summary["margins"]), "link": output,
             "title": f"{summary['cases']} on {summary['file']}" if summary["cases"] else f"{summary['name']} in waves",
             "python": _python_to_paste(summary)}  # fmt: skip
@@ -138,7 +140,7 @@ def _as_network(summary: dict) -> dict:
     """Return what figures of networks take of a system in its own sea."""
     lines = [line["line"] for line in summary["rows"][0]["lines"]]
     return {"name": summary["name"], "lines": lines, "period": None, "waveforms": summary["series"],
-            "reference": {"uncertainty": summary["accuracy"]["promised"]}}  # fmt: skip
+            "along": summary.get("along"), "reference": {"uncertainty": summary["accuracy"]["promised"]}}  # fmt: skip
 
 
 def _own_figures(summary: dict, name: str, folder: Path) -> Group:
@@ -149,9 +151,19 @@ def _own_figures(summary: dict, name: str, folder: Path) -> Group:
 
 
 def _own_spectrum(summary: dict, name: str, folder: Path) -> Group:
-    """Return the spectra of the tensions over a whole sea."""
-    figure = network_figures.spectrum(_as_network(summary), name, folder)
-    return Group(f"Of all {number(summary['series']['duration'])} s, averaged over overlapping parts.", [figure])
+    """Return the spectra of the tensions over a whole sea, and their extremes along the lines."""
+    drawn = (network_figures.spectrum, network_figures.along)
+    figures = [figure for draw in drawn if (figure := draw(_as_network(summary), name, folder)) is not None]
+    text = f"Of all {number(summary['series']['duration'])} s, spectra averaged over overlapping parts."
+    return Group(f"{text} Along the lines shaded from least to greatest.", figures)
+
+
+def _views(summary: dict) -> dict:
+    """Return drawings of the lines as they move about the greatest tension, and their caption."""
+    envelope, name = summary["envelope"], summary["name"]
+    factor, duration = network_figures.enlargement(envelope), envelope["duration"]
+    drawn = animate(envelope, name, duration, factor, summary["seabed"])
+    return {"drawn": drawn, "caption": caption(duration, factor, f"From t = {number(envelope['first'])} s, a stretch")}
 
 
 def _figures(summary: dict, name: str, folder: Path) -> Group | None:

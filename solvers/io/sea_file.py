@@ -22,6 +22,9 @@ from .csv_columns import read_numbers
 
 COORDINATES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 SPECTRA = ("jonswap", "pierson_moskowitz")
+LEAST_SUSPECT, STEEPEST = 0.1, 15.0
+"""Rotations per metre of wave up to these are likely: rad/m, and times the slope of the wave (resonances have 10)."""
+_GRAVITY = 9.80665  # m/s^2
 ONE_TURN = 2 * math.pi * (1 + 1e-6)  # rad, with what rounding in a file may add
 _OPERATOR_COLUMNS = (
     *("frequency", "period", "heading", *COORDINATES),
@@ -74,12 +77,28 @@ def _operators(columns) -> ResponseOperators:
     for k, name in enumerate(COORDINATES):
         at = np.searchsorted(headings, heading), np.searchsorted(frequencies, values)
         table[(*at, k)] = _one_operator(columns, name, values.size)
+        if k >= 3:
+            _require_likely_rotation(name, values, abs(table[(*at, k)]))
     if np.isnan(table).any() or values.size != headings.size * frequencies.size:
         problem = (
             f"{values.size} rows for {headings.size} headings of {frequencies.size} frequencies: each heading takes "
         )
         raise InputError(problem + "the same frequencies, each once", field="heading", unit="degrees")
     return ResponseOperators(frequencies, table, headings)
+
+
+def _require_likely_rotation(name: str, frequency, amplitude):
+    """Raise InputError where a rotation per metre of wave, rad/m, is more than any body has: likely degrees."""
+    slope = (2 * math.pi * frequency) ** 2 / _GRAVITY  # of a wave of 1 m in deep water, rad
+    too_large = amplitude > np.maximum(LEAST_SUSPECT, STEEPEST * slope)
+    if too_large.any():
+        i = int(too_large.argmax())
+        problem = (
+            f"{amplitude[i]:.3g} rad/m at {frequency[i]:.3g} Hz, {math.degrees(amplitude[i]):.3g} degrees a metre of "
+            f"wave, is {amplitude[i] / slope[i]:.2g} times the slope of the wave, as no body turns: likely in degrees; "
+            f"name the column {name}_deg"
+        )
+        raise InputError(problem, field=name, value=float(amplitude[i]), unit="rad/m")
 
 
 def _one_operator(columns, name, size) -> np.ndarray:

@@ -145,8 +145,6 @@ def solve_row(given, number: int, case, settings: RowSettings) -> CaseResult:
 def line_names(given, count: int) -> list[str]:
     """Return a name for each line: those of the nodes at its ends, or its number."""
     names = getattr(given, "node_names", ())
-    if count == 1 and len(getattr(given, "elements", (None,))) != 1:
-        return ["line"]
     if not names:
         return [f"line {i}" for i in range(1, count + 1)] if count > 1 else ["line"]
     return [f"{names[a]} - {names[b]}" for a, b in (element.ends for element in given.elements)]
