@@ -100,7 +100,8 @@ def solve(arguments) -> dict:
     summary = {
         "name": getattr(system, "name", "") or path.stem, "file": path.name, "cases": cases and cases.name,
         "output": f"{folder.name}/{output.name}", "dt": table.dt,
-        "cells": table.cells, "wohler": arguments.wohler, "accuracy": asdict(table.accuracy),
+        "cells": table.cells, "wohler": arguments.wohler,
+        "accuracy": asdict(table.accuracy) | {"is_kept": table.accuracy.is_kept},
         "rows": [_row(case, row) for case, row in zip(table.cases, rows, strict=True)],
         "hours": REFERENCE_TIME / 3600, "confidence": CONFIDENCE, "frequency": REFERENCE_FREQUENCY,
         "series": None, "margins": [], "suspected": getattr(system, "warnings", ()),

@@ -35,7 +35,8 @@ def margins_of_cases(cases, breaking_loads, factors) -> list[dict]:
     """Return for each line whose breaking load is known the margin in the load case that leaves the least.
 
     cases: CaseResult, those without results left out. The characteristic tension is the extreme of the reference time
-    where one could be fitted (basis "extreme"), else the greatest tension of the case (basis "greatest").
+    where one could be fitted and is more than the greatest tension of the case (basis "extreme"), else that tension
+    (basis "greatest").
     """
     made = []
     for k, breaking_load in enumerate(breaking_loads):
@@ -46,7 +47,7 @@ def margins_of_cases(cases, breaking_loads, factors) -> list[dict]:
 
 
 def _of_case(case, line, breaking_load, factors) -> dict:
-    greatest = line.maximum if line.extreme is None else line.extreme
-    basis = "greatest" if line.extreme is None else "extreme"
+    greatest = max(line.maximum, line.extreme or 0.0)
+    basis = "extreme" if greatest == line.extreme else "greatest"
     part = margin(line.mean, greatest, breaking_load, factors) or {"utilisation": 0.0}
     return {"line": line.line, "case": case.name, "basis": basis} | part

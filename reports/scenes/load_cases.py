@@ -18,6 +18,7 @@ from .network_tables import as_text
 
 SHOWN = 40  # rows of the page, those of the greatest tensions; the CSV file has all
 IN_TERMINAL = 20
+EVENLY_SPACED = 20  # solved cases, up to which those that are checked are evenly spaced
 FEW = 30  # cases, up to which an exceedance has no tail to see
 MARKERS = "os"  # by turns, for symmetric lines have the same tensions
 COLUMNS = {
@@ -129,10 +130,13 @@ def _sentence(summary: dict) -> str:
         f"(wanted: {100 * accuracy['tolerance']:.2g} %)."
     )
     if accuracy["sampled"]:
+        drawn = " drawn at random" if accuracy["sampled"] < solved and solved > EVENLY_SPACED else ""
         text += (
-            f" Measured with half the step and twice the cells on {plural(accuracy['sampled'], 'case')} of it: at "
-            f"most {100 * accuracy['measured']:.2g} %, within the tolerance in {accuracy['within']}."
+            f" Measured with half the step and twice the cells on {plural(accuracy['sampled'], 'case')} of it{drawn}: "
+            f"at most {100 * accuracy['measured']:.2g} %, within the tolerance in {accuracy['within']}."
         )
+        if accuracy.get("is_kept") is False:
+            text += " THE PROMISE IS NOT KEPT: fewer than 19 of 20 are within it; ask for a smaller tolerance."
     return text
 
 
@@ -209,7 +213,9 @@ def summarise(summary: dict, out: Path) -> str:
     """Return what the terminal shows of a table: the rows of the greatest tensions, the error, where all rows are."""
     table = _table(summary, "cases", IN_TERMINAL)
     kept = [key for key in table.columns if key not in ("remarks", "interval", "anchor_maximum")]
-    short = Table(table.name, table.title, {key: table.columns[key] for key in kept}, table.rows, FORMATS)
+    whole = {"extreme": "extreme {}", "damage_equivalent_load": "damage, {}"}  # without heads of groups
+    heads = {key: whole.get(key, "{}").format(table.columns[key]) for key in kept}
+    short = Table(table.name, table.title, heads, table.rows, FORMATS)
     where = f" in waves, {summary['rows'][0]['name']}" if summary["cases"] is None else ""
     text = [f"{summary['name']}{where}: tensions in kN", as_text(short), _sentence(summary), *_failed(summary)]
     text += margins.describe_margin(summary["margins"])

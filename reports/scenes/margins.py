@@ -27,7 +27,7 @@ def margin_table(rows: list[dict], name: str) -> Table | None:
     if is_of_cases:
         greatest = (
             "Of each line the load case that leaves least. T_max is the most probable largest tension of the reference "
-            "time, by a Weibull fit of the peaks (extreme), or where none could be fitted the greatest of the case."
+            "time, by a Weibull fit of the peaks (extreme), or the greatest of the case where that is more."
         )
     note = (
         f"T_d = gamma_mean T_mean + gamma_dyn (T_max - T_mean) and S_C = {number(share)} of the breaking load, the "

@@ -22,8 +22,8 @@ from .csv_columns import read_numbers
 
 COORDINATES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 SPECTRA = ("jonswap", "pierson_moskowitz")
-LEAST_SUSPECT, STEEPEST = 0.1, 15.0
-"""Rotations per metre of wave up to these are likely: rad/m, and times the slope of the wave (resonances have 10)."""
+LEAST_SUSPECT, STEEPEST = 0.1, 8.0
+"""Rotations per metre of wave up to these are likely: rad/m, and times the slope of the wave (rolling barges: 3)."""
 _GRAVITY = 9.80665  # m/s^2
 ONE_TURN = 2 * math.pi * (1 + 1e-6)  # rad, with what rounding in a file may add
 _OPERATOR_COLUMNS = (

@@ -25,7 +25,8 @@ FINER = math.sqrt(2)  # by which it goes on in one of them: half the step is kno
 FINEST = 0.005, 400
 PILOT_TIME = 600.0  # s after the ramp
 PILOTS = 4
-SAMPLE = 5  # cases of the table that are run again
+SAMPLE, LARGE_SAMPLE = 5, 20  # cases of the table that are run again; of one that has more than LARGE_SAMPLE
+SAMPLE_SEED = 1  # of numpy's default generator, which draws the cases of a large sample
 LEAST_SIZE = 0.01  # of the mean tension: a smaller deviation or range errs over that, for it matters to nobody
 SAFETY = 1.5  # the estimates are those of second order, which slack and touchdown reach late
 _ORDER_FACTOR = 4 / 3  # of a change by half a step, for the error of the whole one: 1 / (1 - 2^-2)
@@ -69,15 +70,23 @@ def choose_setting(rows, tolerance: float, run) -> tuple[float, int, Accuracy]:
 
 def measure_accuracy(rows, table, accuracy: Accuracy, run) -> Accuracy:
     """Return the Accuracy with what half the step and twice the cells change on a sample of the table."""
-    solved = [case.number for case in table.cases if case.success]
-    chosen = (
-        sorted({solved[int(i)] for i in np.linspace(0, len(solved) - 1, min(SAMPLE, len(solved)))}) if solved else []
-    )
+    chosen = draw_sample([case.number for case in table.cases if case.success])
     finer = run([(i, rows[i]) for i in chosen], table.dt / 2, 2 * table.cells)
     changes = [_ORDER_FACTOR * _error([table.cases[fine.number]], [fine]) for fine in finer]
     tolerance = accuracy.tolerance or 0.0
     within = sum(change <= tolerance for change in changes)
     return replace(accuracy, measured=max(changes, default=None), within=within, sampled=len(changes))
+
+
+def draw_sample(solved: list[int]) -> list[int]:
+    """Return the numbers of the rows to check, in order: SAMPLE evenly spaced, or of more than LARGE_SAMPLE that many.
+
+    Those are drawn at random, each row as likely as any other, and always the same of the same table: 19 of 20 within
+    the tolerance is then what is to be expected of the table.
+    """
+    if len(solved) <= LARGE_SAMPLE:
+        return sorted({solved[int(i)] for i in np.linspace(0, len(solved) - 1, min(SAMPLE, len(solved)))})
+    return sorted(np.random.default_rng(SAMPLE_SEED).choice(solved, LARGE_SAMPLE, replace=False).tolist())
 
 
 def _error(results, finer) -> float:

@@ -213,7 +213,8 @@ def stream_line(system, *, dt, count, tolerance, ramp, path, chunk, rho_inf=None
 
     ramp: time in s over which the motion grows; path (count + 1, 3, P, n): of the prescribed nodes at the ends of the
     steps, ramped; rho_inf: of ``integrate_line``. Yields (first, r, v, r''): the number of the first state, 0 for that
-    at rest, and (k, N, n) each, overwritten later; what is returned is (status, time in s and node where it failed or None, iterations).
+    at rest, and (k, N, n) each, overwritten later; what is returned is (status, time in s and node where it failed or
+    None, iterations).
     """
     moved = system.ramped(ramp) if ramp else system
     run = _Run(moved, rho_inf, tolerance, None, _initial_state(moved, None, moves_at_once=not ramp))

@@ -100,3 +100,17 @@ def test_pilots_are_the_fastest_and_the_widest():
     rows[17], rows[23] = sea_case("steep", 3.0, 1, Tp=6.0), replace(rows[23], offset=(50.0, 0.0, 0.0))
     pilots = accuracy._pilots(rows)
     assert pilots[:2] == [17, 23] and len(pilots) == accuracy.PILOTS
+
+
+def test_a_large_sample_is_drawn_at_random_and_judged_by_19_of_20():
+    """Of up to 20 rows five evenly spaced, of more 20 different ones, always the same, over the whole table."""
+    assert accuracy.draw_sample(list(range(20))) == [0, 4, 9, 14, 19]
+    solved = list(range(3, 1003))
+    drawn = accuracy.draw_sample(solved)
+    assert drawn == accuracy.draw_sample(solved) and drawn != [solved[int(i)] for i in np.linspace(0, 999, 20)]
+    assert len(set(drawn)) == accuracy.LARGE_SAMPLE and set(drawn) <= set(solved)
+    assert min(drawn) < 150 and max(drawn) > 850
+    for within, is_kept in ((20, True), (19, True), (18, False)):
+        assert Accuracy(0.02, 0.01, 0.05, within, 20).is_kept is is_kept
+    assert Accuracy(0.02, 0.01, 0.05, 4, 5).is_kept is False
+    assert Accuracy().is_kept is None and Accuracy(0.02, 0.01).is_kept is None

@@ -35,6 +35,7 @@ from solvers.common.sea_state import SeaState
 from solvers.common.spectrum import Spectrum
 from solvers.io.case_file import read_records
 from solvers.load_cases import CaseResult, integration, solve_load_cases
+from solvers.load_cases.envelope import find_envelopes
 from solvers.load_cases.fingerprint import fingerprint
 from solvers.load_cases.integration import CHUNK, integrate_case
 from verification import ROOT
@@ -132,6 +133,30 @@ def test_a_rough_seabed_sustains_no_oscillation():
     deviation = fine.lines[0].fairlead.std()
     assert abs(one.lines[0].fairlead.std() - deviation) <= ROUGH_ERROR * deviation
     assert one.iterations <= FEW * case.whole_duration / 0.09
+
+
+SAME = 1e-9  # relative, of the same numbers by another sum
+
+
+@pytest.mark.parametrize("system", [CATENARY, TWO_LINES], ids=["line", "network"])
+def test_extremes_along_the_lines_are_those_of_the_history(system):
+    """Least, mean and greatest tension of each cell, and the places of its nodes, against stored time steps."""
+    case = LoadCase("surge", BodyMotion.harmonic(0.1, (1.5, 0, 0, 0, 0, 0)), 40.0, 10.0)
+    lines = find_envelopes(system, case, **SETTING, times=[0.2, 7.4])
+    history = solve_time_domain(mooring_system(system, SETTING["cells"], mesh="touchdown", motion=case.motion),
+                                dt=0.2, duration=50.0, ramp=10.0)  # fmt: skip
+    series = integrate_case(system, case, **SETTING)
+    assert len(lines) == len(series.lines)
+    for line, element in zip(lines, history.elements if system is TWO_LINES else [history], strict=True):
+        after = element.tension[:, 51:]
+        for name, value in (("low", after.min(axis=1)), ("mean", after.mean(axis=1)), ("high", after.max(axis=1))):
+            assert getattr(line, name) == pytest.approx(value, rel=NEWTON), name
+        assert line.s.size == after.shape[0] and 0 < line.s[0] < line.s[-1] < 220.0
+        for pose, step in zip(line.poses, (52, 88), strict=True):
+            np.testing.assert_allclose(pose, element.r[..., step], rtol=0, atol=NEWTON * 220.0)
+        ends = [line.rest[:, 0], line.rest[:, -1]]
+        wanted = [system.anchor, system.fairlead] if system is CATENARY else None
+        assert wanted is None or np.allclose(ends, wanted, rtol=SAME)
 
 
 def test_a_line_of_sections_has_a_row_for_each():
