@@ -94,7 +94,7 @@ def solve(arguments) -> dict:
         with _executor(arguments.dask, arguments.jobs) as pool:
             table = solve_load_cases(
                 system, rows, **given, wohler=arguments.wohler, executor=pool, progress=bar, output=output,
-                resume=not arguments.fresh)  # fmt: skip
+                resume=not arguments.fresh, takes_best=True)  # fmt: skip
     finally:
         bar.close()
     summary = {

@@ -129,6 +129,8 @@ def _sentence(summary: dict) -> str:
         f" Maximum, standard deviation and damage are promised to {100 * accuracy['promised']:.2g} % "
         f"(wanted: {100 * accuracy['tolerance']:.2g} %)."
     )
+    if accuracy["promised"] > accuracy["tolerance"]:
+        text += " No step and mesh that was tried meets what is wanted: snap loads of slack lines converge slowly."
     if accuracy["sampled"]:
         drawn = " drawn at random" if accuracy["sampled"] < solved and solved > EVENLY_SPACED else ""
         text += (

@@ -23,6 +23,7 @@ from .results import QUANTITIES, Accuracy, CaseResult
 COARSEST = 0.4, 12  # s, cells: where the search begins
 FINER = math.sqrt(2)  # by which it goes on in one of them: half the step is known two steps of the search before
 FINEST = 0.005, 400
+PATIENCE = 6  # refinements, within which errors of first order fall to a third
 PILOT_TIME = 600.0  # s after the ramp
 PILOTS = 4
 SAMPLE, LARGE_SAMPLE = 5, 20  # cases of the table that are run again; of one that has more than LARGE_SAMPLE
@@ -34,10 +35,12 @@ LEAST_ARM = 10.0  # m
 _LOOKED_AT = 256  # times of a motion that is no sea
 
 
-def choose_setting(rows, tolerance: float, run) -> tuple[float, int, Accuracy]:
+def choose_setting(rows, tolerance: float, run, takes_best: bool = False) -> tuple[float, int, Accuracy]:
     """Return dt in s, cells and the Accuracy that they promise for a list of LoadCase.
 
-    run: (numbered cases, dt, cells) -> their CaseResult. Raises ConvergenceError where no setting meets the tolerance.
+    run: (numbered cases, dt, cells) -> their CaseResult. The search ends at the finest setting, or where PATIENCE
+    refinements have not halved what is left. Where no setting meets the tolerance: raises ConvergenceError, or with
+    takes_best returns the one of those tried that leaves least, if it solves the pilot cases.
     """
     pilots = list(enumerate(_shortened(rows[i]) for i in _pilots(rows)))
     if not pilots:
@@ -51,6 +54,7 @@ def choose_setting(rows, tolerance: float, run) -> tuple[float, int, Accuracy]:
         return known[key]
 
     step, mesh = 0, 0
+    tried: list[tuple[float, float, int]] = []  # what each setting leaves, its step and cells
     while True:
         dt, cells = COARSEST[0] / FINER**step, round(COARSEST[1] * FINER**mesh)
         by_step = _error(results(dt, cells), results(dt / 2, cells))
@@ -58,11 +62,16 @@ def choose_setting(rows, tolerance: float, run) -> tuple[float, int, Accuracy]:
         promised = SAFETY * _ORDER_FACTOR * (by_step + by_mesh)
         if promised <= tolerance:
             return dt, cells, Accuracy(tolerance, promised)
+        tried.append((promised, dt, cells))
         if by_step >= by_mesh:
             step += 1
         else:
             mesh += 1
-        if COARSEST[0] / FINER**step < FINEST[0] or COARSEST[1] * FINER**mesh > FINEST[1]:
+        is_finest = COARSEST[0] / FINER**step < FINEST[0] or COARSEST[1] * FINER**mesh > FINEST[1]
+        if is_finest or (len(tried) > PATIENCE and promised > tried[-1 - PATIENCE][0] / 2):
+            least = min(tried)
+            if takes_best and math.isfinite(least[0]):
+                return least[1], least[2], Accuracy(tolerance, least[0])
             failed = next((one.message for one in results(dt, cells) if not one.success), "")
             problem = f"no step and mesh meets a tolerance of {tolerance:g}: at dt = {dt:g} s and {cells} cells "
             raise ConvergenceError(f"{problem}{promised:.2g} is left; {failed}".rstrip("; "))

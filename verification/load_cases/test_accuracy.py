@@ -114,3 +114,21 @@ def test_a_large_sample_is_drawn_at_random_and_judged_by_19_of_20():
         assert Accuracy(0.02, 0.01, 0.05, within, 20).is_kept is is_kept
     assert Accuracy(0.02, 0.01, 0.05, 4, 5).is_kept is False
     assert Accuracy().is_kept is None and Accuracy(0.02, 0.01).is_kept is None
+
+
+FEW = 3 * 9  # runs of the pilot cases: three for each of the first seven settings, and two more
+
+
+def test_the_search_has_patience_and_no_more():
+    """An error that does not fall is left after PATIENCE refinements; the setting that leaves least can be taken."""
+    asked = []
+
+    def run(numbered, dt, cells):
+        asked.append((dt, cells))
+        return [made_of(1.0, 1, i, of_mesh=0.0, of_step=0.1 * (len(asked) % 5)) for i, _ in numbered]
+
+    dt, cells, best = accuracy.choose_setting(SEAS, 1e-9, run, takes_best=True)
+    assert len(asked) <= FEW and best.promised > best.tolerance and (dt, cells) in asked
+    failing = lambda numbered, dt, cells: [CaseResult(i, "made", "STEP_FAILED", "at t = 3 s") for i, _ in numbered]
+    with pytest.raises(ConvergenceError, match="at t = 3 s"):
+        accuracy.choose_setting(SEAS, 1e-9, failing, takes_best=True)
