@@ -12,6 +12,7 @@ import re
 import subprocess
 import sys
 import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -22,8 +23,8 @@ from solvers.common.load_case import LoadCase
 from solvers.common.sea_state import SeaMotion
 from solvers.io.case_file import load_case_of, load_system, read_load_cases
 from solvers.load_cases import solve_load_cases
-from verification import ROOT
 
+ROOT = Path(__file__).parents[2]
 FOLDER = ROOT / "reference_data" / "scenes" / "users"
 OC3_TENSION, OC4_TENSION = 911e3, 1105e3  # N at the fairlead at rest, of the definitions of both systems
 PUBLISHED = 0.01  # relative, of tensions that are published to three digits
