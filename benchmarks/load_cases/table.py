@@ -101,7 +101,7 @@ def solve(arguments) -> dict:
         "name": getattr(system, "name", "") or path.stem, "file": path.name, "cases": cases and cases.name,
         "output": f"{folder.name}/{output.name}", "dt": table.dt,
         "cells": table.cells, "wohler": arguments.wohler,
-        "accuracy": asdict(table.accuracy) | {"is_kept": table.accuracy.is_kept},
+        "accuracy": asdict(table.accuracy) | {"is_kept": table.accuracy.is_kept, "share": table.accuracy.SHARE},
         "rows": [_row(case, row) for case, row in zip(table.cases, rows, strict=True)],
         "hours": REFERENCE_TIME / 3600, "confidence": CONFIDENCE, "frequency": REFERENCE_FREQUENCY,
         "series": None, "margins": [], "suspected": getattr(system, "warnings", ()),

@@ -138,7 +138,8 @@ def _sentence(summary: dict) -> str:
             f"at most {100 * accuracy['measured']:.2g} %, within the tolerance in {accuracy['within']}."
         )
         if accuracy.get("is_kept") is False:
-            text += " THE PROMISE IS NOT KEPT: fewer than 19 of 20 are within it; ask for a smaller tolerance."
+            share = f"{accuracy['share']:.0%}"
+            text += f" THE PROMISE IS NOT KEPT: fewer than {share} of them are within it; ask for a smaller tolerance."
     return text
 
 
