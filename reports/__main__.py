@@ -219,7 +219,11 @@ def _print_lines(stages: list[Stage], results: Path):
 def _print_outcome(path: Path, ended: list[Ended]) -> int:
     """Print what failed and where the page is; return the exit status."""
     failed = [end for end in ended if end.state == "failed"]
+    said: set[tuple[str, ...]] = set()
     for end in failed:
+        if end.is_refused and end.tail in said:
+            continue  # two stages refused one file for one reason
+        said.add(end.tail)
         print(
             f"\nthe stage {end.stage.name} failed ({end.stage.command_line(path.parent / 'results')}):", file=sys.stderr
         )

@@ -19,22 +19,25 @@ from tqdm import tqdm
 from solvers import ConvergenceError, InputError
 from solvers.io.case_file import describe_columns, load_case_of, load_system, read_load_cases
 from solvers.load_cases import solve_load_cases
+from solvers.load_cases.envelope import find_envelopes
 from solvers.load_cases.integration import integrate_case
 from solvers.load_cases.solve import REFERENCE_TIME
 from solvers.load_cases.statistics import CONFIDENCE, REFERENCE_FREQUENCY
 from solvers.numerics.threads import one_blas_thread
 
 from ..run import console, results
-from ..scenes.margin import margins
+from ..scenes.margin import margins_of_cases
 from ..scenes.network_files import load
 from ..scenes.network_outputs import spectral_density
 
-BAD_INPUT = 2  # exit status
+BAD_INPUT, NO_SETTING = 2, 1  # exit status
 TOLERANCE = 0.02
 """Relative error of maximum, standard deviation and damage-equivalent load, where no setting is given."""
 OWN = "sea"
 """Name of the results of a system's own sea."""
 WINDOW = 300.0  # s of the series that is shown, about the greatest tension
+ANIMATED, POSES = 60.0, 80  # s about the greatest tension in which the lines are drawn, and at how many instants
+POINTS = 31  # of a line that is drawn, at most
 
 
 class _Bar:
@@ -91,20 +94,22 @@ def solve(arguments) -> dict:
         with _executor(arguments.dask, arguments.jobs) as pool:
             table = solve_load_cases(
                 system, rows, **given, wohler=arguments.wohler, executor=pool, progress=bar, output=output,
-                resume=not arguments.fresh)  # fmt: skip
+                resume=not arguments.fresh, takes_best=True)  # fmt: skip
     finally:
         bar.close()
     summary = {
         "name": getattr(system, "name", "") or path.stem, "file": path.name, "cases": cases and cases.name,
         "output": f"{folder.name}/{output.name}", "dt": table.dt,
-        "cells": table.cells, "wohler": arguments.wohler, "accuracy": asdict(table.accuracy),
+        "cells": table.cells, "wohler": arguments.wohler,
+        "accuracy": asdict(table.accuracy) | {"is_kept": table.accuracy.is_kept, "share": table.accuracy.SHARE},
         "rows": [_row(case, row) for case, row in zip(table.cases, rows, strict=True)],
         "hours": REFERENCE_TIME / 3600, "confidence": CONFIDENCE, "frequency": REFERENCE_FREQUENCY,
         "series": None, "margins": [], "suspected": getattr(system, "warnings", ()),
     }  # fmt: skip
     if cases is None and table.cases[0].success:
         summary["series"] = series_of(system, rows[0], table)
-        summary["margins"] = _margins(system, table.cases[0].lines)
+        summary |= envelopes_of(system, rows[0], table, summary["series"]["time_of_max"])
+    summary["margins"] = _margins(system, table.cases)
     return summary
 
 
@@ -124,13 +129,33 @@ def series_of(system, case, table) -> dict:
             "duration": case.duration, "ramp": case.ramp}  # fmt: skip
 
 
-def _margins(system, lines) -> list[dict]:
+def envelopes_of(system, case, table, times_of_max) -> dict:
+    """Return extremes of tension along the lines over a case, and where they are about the greatest tension of all.
+
+    along: of each line s in m, low, mean and high in N; envelope: rest and poses as network_outputs.envelope has them,
+    their duration in s and the time of the first.
+    """
+    centre = times_of_max[int(np.argmax([line.maximum for line in table.cases[0].lines]))]
+    length = min(ANIMATED, case.duration)
+    first = min(max(centre - length / 2, 0.0), case.duration - length)
+    times = first + length * np.arange(POSES) / POSES
+    with one_blas_thread():
+        lines = find_envelopes(system, case, dt=table.dt, cells=table.cells, times=times)
+    along = [{"s": line.s, "low": line.low, "mean": line.mean, "high": line.high} for line in lines]
+    kept = [np.unique(np.linspace(0, line.rest.shape[1] - 1, POINTS).astype(int)) for line in lines]
+    rest = [line.rest[:, points] for line, points in zip(lines, kept, strict=True)]
+    poses = [[line.poses[k][:, points] for line, points in zip(lines, kept, strict=True)] for k in range(POSES)]
+    depth = system.environment.depth
+    return {"along": along, "envelope": {"rest": rest, "poses": poses, "first": first, "duration": length},
+            "seabed": None if depth is None else -depth}  # fmt: skip
+
+
+def _margins(system, cases) -> list[dict]:
     if cable := getattr(system, "cable", None):
         breaking_loads = [cable.breaking_load]
     else:
-        breaking_loads = getattr(system, "breaking_loads", ()) or [None] * len(lines)
-    tensions = [{"line": line.line, "mean": line.mean, "max": line.maximum} for line in lines]
-    return margins(tensions, breaking_loads, getattr(system, "safety_factors", None))
+        breaking_loads = list(getattr(system, "breaking_loads", ()))
+    return margins_of_cases(cases, breaking_loads, getattr(system, "safety_factors", None))
 
 
 def _row(case, row) -> dict:
@@ -164,7 +189,7 @@ def main(argv=None) -> int:
         summary = solve(arguments)
     except (InputError, ConvergenceError) as error:
         print(error, file=sys.stderr)
-        return BAD_INPUT
+        return BAD_INPUT if isinstance(error, InputError) else NO_SETTING
     stems = [*([arguments.cases.stem] if cases else []), arguments.name or arguments.system.stem]
     results.write(arguments.out / f"load_cases_{'_'.join(stems)}.json", {"-".join(stems): summary})
     return 0

@@ -24,7 +24,7 @@ import numpy as np
 
 from verification.conformance.adapter import Adapter, CableAnswer, MovingNetworkAnswer
 
-from .moordyn_networks import describe_network, stable_step
+from .moordyn_networks import SAME_WEIGHT, describe_network, stable_step
 
 DAMPING = -0.1
 STEP = 0.5  # of the time that an axial wave takes through a segment; twice that is beyond the limit of stability
@@ -86,6 +86,11 @@ class MoorDyn(Adapter):
             raise NotImplementedError("its seabed damping also pulls a rising line down: another law")
         if cable.Cdb != cable.Cdn:
             raise NotImplementedError("it has one transverse drag coefficient")
+        weight, buoyancy = getattr(cable, "submerged_weight", None), environment.rho * math.pi * cable.diameter**2 / 4
+        by_section = environment.g * (cable.mass_per_length - buoyancy)
+        size = max(abs(by_section), environment.g * buoyancy)
+        if weight is not None and abs(weight - by_section) > SAME_WEIGHT * size:
+            raise NotImplementedError(f"it takes the weight from mass and diameter, {by_section:.7g} N/m")
         step = time[1] - time[0]
         velocity = np.diff(fairlead, axis=0) / step
         down = float(max(scene.anchor[2], fairlead[:, 2].max()) + scene.length)  # with its seabed, if it has one

@@ -29,3 +29,25 @@ def margins(rows: list[dict], breaking_loads, factors) -> list[dict]:
         if part is not None:
             made.append({"line": row["line"]} | part)
     return made
+
+
+def margins_of_cases(cases, breaking_loads, factors) -> list[dict]:
+    """Return for each line whose breaking load is known the margin in the load case that leaves the least.
+
+    cases: CaseResult, those without results left out. The characteristic tension is the extreme of the reference time
+    where one could be fitted and is more than the greatest tension of the case (basis "extreme"), else that tension
+    (basis "greatest").
+    """
+    made = []
+    for k, breaking_load in enumerate(breaking_loads):
+        rows = [_of_case(case, case.lines[k], breaking_load, factors) for case in cases if case.success]
+        if breaking_load is not None and rows:
+            made.append(max(rows, key=lambda row: row["utilisation"]))
+    return made
+
+
+def _of_case(case, line, breaking_load, factors) -> dict:
+    greatest = max(line.maximum, line.extreme or 0.0)
+    basis = "extreme" if greatest == line.extreme else "greatest"
+    part = margin(line.mean, greatest, breaking_load, factors) or {"utilisation": 0.0}
+    return {"line": line.line, "case": case.name, "basis": basis} | part

@@ -6,7 +6,10 @@ from pathlib import Path
 
 from solvers.io import load_body_motion, load_moordyn, load_network, read_map_file
 from solvers.io.network_scene import NamedNetwork
+from solvers.io.plausibility import suspect_angles
 
+KEPT = ("name", "description", "warnings", "breaking_loads", "safety_factors")
+"""What a network file says beside its nodes and elements, and a motion in place of its own leaves as it is."""
 MAP_SECTION = "LINE DICTIONARY"  # by which a MAP++ file is known: .dat is its suffix in OpenFAST and one of MoorDyn's
 
 
@@ -20,8 +23,10 @@ def load(path: Path, depth: float | None = None, series: Path | None = None):
     if series is None:
         return network, notes
     names, motion = getattr(network, "node_names", ()), load_body_motion(series)
-    moved = NamedNetwork(network.nodes, network.elements, network.environment, name=getattr(network, "name", ""),
-                         description=getattr(network, "description", ""), node_names=names, motion=motion)  # fmt: skip
+    kept = {key: getattr(network, key) for key in KEPT if hasattr(network, key)}
+    suspected = (*kept.pop("warnings", ()), *suspect_angles(motion, series.name))
+    moved = NamedNetwork(network.nodes, network.elements, network.environment, node_names=names, motion=motion,
+                         warnings=suspected, **kept)  # fmt: skip
     return moved, notes
 
 

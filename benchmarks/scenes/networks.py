@@ -84,8 +84,9 @@ def study(path: Path, network, notes, compact: bool = False):
     names = line_names(network)
     report = {"file": path.name, "name": getattr(network, "name", "") or path.stem, "compact": compact}
     report |= {"description": getattr(network, "description", ""), "tolerance": TOLERANCE}
-    report |= {"warnings": [*notes, *getattr(network, "warnings", ())], "margins": []}
-    report |= {"moves": _is_stepped(network), "lines": names}
+    suspected = list(getattr(network, "warnings", ()))
+    report |= {"warnings": [*suspected, *notes], "suspected": suspected, "margins": []}
+    report |= {"moves": _is_stepped(network), "lines": names, "current": network.environment.current}
     report |= {"coupled": _coupled_names(network)}
     total = steps(network, compact)
     try:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -123,3 +124,21 @@ def test_python_lines_of_the_page_run(tmp_path):
         assert np.isfinite(space["response"].tension_harmonics(5)).all()
         corrected = getattr(space["response"], "correction", None) is not None
         assert corrected == setting["method"].endswith("corrected")
+
+
+def test_the_default_tolerance_is_not_that_of_a_motion():
+    """1e-6 is for lines at rest: where a file has no tolerance a motion has its own; what the file says counts."""
+    scene = SCENES["heave of a chain"]
+    assert scene_dynamics.motion_tolerance(scene) == scene.tolerance == 1e-3
+    unset = replace(scene, tolerance=Scene.tolerance)
+    assert scene_dynamics.motion_tolerance(unset) == scene_dynamics.TOLERANCE
+
+
+def test_moordyn_is_given_no_weight_that_it_cannot_take():
+    """A rope whose weight is not that of its diameter and mass is outside its model, and no error of it is shown."""
+    peer = pytest.importorskip("benchmarks.peers.moordyn")
+    scene = SCENES["heave of a chain"]
+    cable = replace(scene.cable, submerged_weight=2 * scene.cable.weight_in(scene.environment))
+    times = np.array([0.0, 0.1])
+    with pytest.raises(NotImplementedError, match="the weight from mass and diameter"):
+        peer.MoorDyn().cable(replace(scene, cable=cable), times, np.array([scene.fairlead] * 2), 5)

@@ -18,6 +18,9 @@ from .ledger import Ledger, key
 from .progress import Progress
 from .stages import CORES, Stage
 
+REFUSED = 2  # exit status of a stage whose input is wrong
+OF_FILES = ("scenes", "moving_networks", "load_cases", "sweep")
+"""Groups of stages about files of a user; the first source is the file."""
 TAIL = 15  # last lines of a failing child that are shown
 ONE_THREAD = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL", "VECLIB", "BLIS")}
 
@@ -43,6 +46,11 @@ class Ended:
     tail: tuple[str, ...] = ()
     code: int = 0
 
+    @property
+    def is_refused(self) -> bool:
+        """Whether the stage refused the file that it is about."""
+        return self.state == "failed" and self.code == REFUSED and self.stage.group in OF_FILES
+
 
 def run_all(stages: list[Stage], results: Path, fresh: bool) -> list[Ended]:
     """Run what is not current; a failure does not stop the others. Raises BusyError."""
@@ -53,7 +61,9 @@ def run_all(stages: list[Stage], results: Path, fresh: bool) -> list[Ended]:
             left.unlink()  # by a run that was killed
         ended = {stage.name: Ended(stage, "reused") for stage in stages}
         with Progress({stage: ledger.expected(stage) for stage in todo}) as progress:
-            ended |= {end.stage.name: end for end in _Run(todo, ledger, progress).ended()}
+            run = _Run(todo, ledger, progress)
+            ended |= {end.stage.name: end for end in run.ended()}
+            ended |= run.dropped
     return [ended[stage.name] for stage in stages]
 
 
@@ -100,6 +110,7 @@ class _Run:
         self.ledger, self.progress = ledger, progress
         self.waiting = sorted(todo, key=lambda stage: (stage.timed, -ledger.expected(stage)))  # the longest first
         self.running: dict[str, _Child] = {}
+        self.dropped: dict[str, Ended] = {}
         self.lines: queue.Queue = queue.Queue()  # (name of the stage, line it printed or None at its end)
 
     def ended(self):
@@ -165,8 +176,17 @@ class _Run:
         child.process.stdin.close()
         del self.running[name]
         end = self._kept(child)
+        if end.is_refused:
+            self._drop_others(end)
         self.progress.finish(child.stage, end.state, time.perf_counter() - child.began)
         return end
+
+    def _drop_others(self, end: Ended):
+        """Take what would refuse the same file for the same reason from those that wait."""
+        file = end.stage.sources[0]
+        dropped = [stage for stage in self.waiting if stage.group in OF_FILES and file in stage.sources]
+        self.waiting = [stage for stage in self.waiting if stage not in dropped]
+        self.dropped |= {stage.name: Ended(stage, "failed", end.tail, end.code) for stage in dropped}
 
     def _kept(self, child: _Child) -> Ended:
         """Record the result of a child that is over; return how its stage ended."""

@@ -79,14 +79,15 @@ def _draw(rest, poses, axes, every, duration: float, levels: dict, alt: str) -> 
         f'<svg class="moving" viewBox="{LEFT:g} {LEFT:g} {WIDTH:g} {height:.0f}" role="img" aria-label="{escape(alt)}">'
     )
     svg = f"{head}{''.join(parts)}</svg>"
-    return svg, ", heights enlarged" if enlarged else ""
+    across = "heights" if axes[1] == 2 else "widths"
+    return svg, f", {across} enlarged" if enlarged else ""
 
 
-def caption(duration: float, factor: int, is_periodic: bool) -> str:
-    """Return what the drawings show and at which speed."""
+def caption(duration: float, factor: int, span: str) -> str:
+    """Return what the drawings show and at which speed; span: words for the time shown, such as "A period"."""
     shown = min(max(duration, QUICKEST), SLOWEST)
     speed = duration / shown
     pace = "in real time" if abs(speed - 1) < 0.01 else f"{number(speed, 2)} times as fast"  # fmt: skip
     pace = pace if speed >= 0.99 else f"{number(1 / speed, 2)} times as slow"
     times = f"; displacements from rest (dashed) enlarged {factor} times" if factor > 1 else "; dashed: at rest"
-    return f"{'A period' if is_periodic else 'The series'} of {number(duration)} s, {pace}{times}."
+    return f"{span} of {number(duration)} s, {pace}{times}."

@@ -58,7 +58,7 @@ def _views(scene: dict, dynamics: dict) -> dict | None:
         return None
     factor = enlargement(poses)
     drawn = animate(poses, scene["name"], dynamics["period"], factor, scene.get("seabed"))
-    return {"drawn": drawn, "caption": caption(dynamics["period"], factor, is_periodic=True)}
+    return {"drawn": drawn, "caption": caption(dynamics["period"], factor, "A period")}
 
 
 def _setting(row: dict) -> str:

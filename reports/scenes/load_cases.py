@@ -13,10 +13,12 @@ from ..page.formatting import number, plural, slug, status_words
 from ..page.section import Content, Inputs, Section
 from ..page.tables import Table
 from . import margins, network_figures
+from .animation import animate, caption
 from .network_tables import as_text
 
 SHOWN = 40  # rows of the page, those of the greatest tensions; the CSV file has all
 IN_TERMINAL = 20
+EVENLY_SPACED = 20  # solved cases, up to which those that are checked are evenly spaced
 FEW = 30  # cases, up to which an exceedance has no tail to see
 MARKERS = "os"  # by turns, for symmetric lines have the same tensions
 COLUMNS = {
@@ -58,9 +60,10 @@ def _show(summary: dict, name: str, inputs: Inputs) -> dict:
     margin, output = margins.margin_table(summary["margins"], name), summary["output"]
     draw = _own_figures if summary["series"] else _figures
     spectrum = _own_spectrum(summary, name, inputs.figures) if summary["series"] else None
+    views = _views(summary) if summary.get("envelope") else None
     return {"data": summary, "sentence": _sentence(summary), "failed": _failed(summary), "table": table,
             "figure": draw(summary, name, inputs.figures), "spectrum": spectrum,
-            "margin": margin and margin.write(inputs.tables),
+            "views": views, "margin": margin and margin.write(inputs.tables),
             "margin_words": margins.describe_margin(summary["margins"]), "link": output,
             "title": f"{summary['cases']} on {summary['file']}" if summary["cases"] else f"{summary['name']} in waves",
             "python": _python_to_paste(summary)}  # fmt: skip
@@ -126,11 +129,17 @@ def _sentence(summary: dict) -> str:
         f" Maximum, standard deviation and damage are promised to {100 * accuracy['promised']:.2g} % "
         f"(wanted: {100 * accuracy['tolerance']:.2g} %)."
     )
+    if accuracy["promised"] > accuracy["tolerance"]:
+        text += " No step and mesh that was tried meets what is wanted: snap loads of slack lines converge slowly."
     if accuracy["sampled"]:
+        drawn = " drawn at random" if accuracy["sampled"] < solved and solved > EVENLY_SPACED else ""
         text += (
-            f" Measured with half the step and twice the cells on {plural(accuracy['sampled'], 'case')} of it: at "
-            f"most {100 * accuracy['measured']:.2g} %, within the tolerance in {accuracy['within']}."
+            f" Measured with half the step and twice the cells on {plural(accuracy['sampled'], 'case')} of it{drawn}: "
+            f"at most {100 * accuracy['measured']:.2g} %, within the tolerance in {accuracy['within']}."
         )
+        if accuracy.get("is_kept") is False:
+            share = f"{accuracy['share']:.0%}"
+            text += f" THE PROMISE IS NOT KEPT: fewer than {share} of them are within it; ask for a smaller tolerance."
     return text
 
 
@@ -138,7 +147,7 @@ def _as_network(summary: dict) -> dict:
     """Return what figures of networks take of a system in its own sea."""
     lines = [line["line"] for line in summary["rows"][0]["lines"]]
     return {"name": summary["name"], "lines": lines, "period": None, "waveforms": summary["series"],
-            "reference": {"uncertainty": summary["accuracy"]["promised"]}}  # fmt: skip
+            "along": summary.get("along"), "reference": {"uncertainty": summary["accuracy"]["promised"]}}  # fmt: skip
 
 
 def _own_figures(summary: dict, name: str, folder: Path) -> Group:
@@ -149,9 +158,19 @@ def _own_figures(summary: dict, name: str, folder: Path) -> Group:
 
 
 def _own_spectrum(summary: dict, name: str, folder: Path) -> Group:
-    """Return the spectra of the tensions over a whole sea."""
-    figure = network_figures.spectrum(_as_network(summary), name, folder)
-    return Group(f"Of all {number(summary['series']['duration'])} s, averaged over overlapping parts.", [figure])
+    """Return the spectra of the tensions over a whole sea, and their extremes along the lines."""
+    drawn = (network_figures.spectrum, network_figures.along)
+    figures = [figure for draw in drawn if (figure := draw(_as_network(summary), name, folder)) is not None]
+    text = f"Of all {number(summary['series']['duration'])} s, spectra averaged over overlapping parts."
+    return Group(f"{text} Along the lines shaded from least to greatest.", figures)
+
+
+def _views(summary: dict) -> dict:
+    """Return drawings of the lines as they move about the greatest tension, and their caption."""
+    envelope, name = summary["envelope"], summary["name"]
+    factor, duration = network_figures.enlargement(envelope), envelope["duration"]
+    drawn = animate(envelope, name, duration, factor, summary["seabed"])
+    return {"drawn": drawn, "caption": caption(duration, factor, f"From t = {number(envelope['first'])} s, a stretch")}
 
 
 def _figures(summary: dict, name: str, folder: Path) -> Group | None:
@@ -197,7 +216,9 @@ def summarise(summary: dict, out: Path) -> str:
     """Return what the terminal shows of a table: the rows of the greatest tensions, the error, where all rows are."""
     table = _table(summary, "cases", IN_TERMINAL)
     kept = [key for key in table.columns if key not in ("remarks", "interval", "anchor_maximum")]
-    short = Table(table.name, table.title, {key: table.columns[key] for key in kept}, table.rows, FORMATS)
+    whole = {"extreme": "extreme {}", "damage_equivalent_load": "damage, {}"}  # without heads of groups
+    heads = {key: whole.get(key, "{}").format(table.columns[key]) for key in kept}
+    short = Table(table.name, table.title, heads, table.rows, FORMATS)
     where = f" in waves, {summary['rows'][0]['name']}" if summary["cases"] is None else ""
     text = [f"{summary['name']}{where}: tensions in kN", as_text(short), _sentence(summary), *_failed(summary)]
     text += margins.describe_margin(summary["margins"])

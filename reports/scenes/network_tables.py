@@ -62,17 +62,22 @@ def _slack(slack: dict) -> str:
 def statics(report: dict, name: str) -> Table:
     """Return the pretension of every line: exact catenaries, and on meshes."""
     meshes, exact = [m for m in report["statics"]["meshes"] if m["tension"]], report["statics"]["exact"]
-    columns = {"line": "line", "exact": "exact"} | {f"on {m['cells']}": f"{m['cells']} cells" for m in meshes}
+    in_current = any(report.get("current") or ())
+    columns = {"line": "line", "exact": "still water" if in_current else "exact"}
+    columns |= {f"on {m['cells']}": f"{m['cells']} cells" for m in meshes}
     rows = [
         {"line": line, "exact": exact[e]} | {f"on {m['cells']}": m["tension"][e] for m in meshes}
         for e, line in enumerate(report["lines"])
     ]
     groups = (("", 1), ("pretension, kN", 1 + len(meshes)))
     return Table(f"{name}_statics", "Pretension", columns, rows, dict.fromkeys(list(columns)[1:], _kn(6)), groups,
-                 note=_static_note(meshes))  # fmt: skip
+                 note=_static_note(meshes, in_current))  # fmt: skip
 
 
-def _static_note(meshes) -> str:
+def _static_note(meshes, in_current: bool) -> str:
+    if in_current:
+        still = "Still water: the catenaries of the lines, on a rigid seabed. "
+        return still + ("The meshes of the moving lines hang in the current of the file." if meshes else "")
     if not meshes:
         return "Exact: the catenaries of the lines at rest."
     errors = ", ".join(f"{number(m['error'], 2)} on {m['cells']} cells" for m in meshes)
@@ -205,12 +210,13 @@ def _range(low, high) -> str:
 
 def summarise(report: dict, stem: str) -> str:
     """Return what the terminal shows of a network: its lines, and the setting to use."""
-    text = [report["name"]]
+    suspected = report.get("suspected", ())
+    text = [report["name"], *(f"SUSPECTED: {warning}" for warning in suspected)]
     if "failed" in report:
         text.append(report["failed"])
     if "motion" in report:
         text += ["tensions in kN", as_text(lines_for_terminal(report)), sentence(report)]
     elif report.get("statics"):
         text += ["tensions in kN", as_text(statics(report, stem))]
-    text += describe_margin(report.get("margins", []))
-    return "\n".join([*text, *(f"- {warning}" for warning in report["warnings"])])
+    text += describe_margin(report.get("margins", []), is_at_rest="motion" not in report)
+    return "\n".join([*text, *(f"- {warning}" for warning in report["warnings"] if warning not in suspected)])

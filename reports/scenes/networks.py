@@ -68,7 +68,7 @@ def _views(report: dict) -> dict:
     factor, duration = figures.enlargement(report["envelope"]), report["period"] or report["duration"]
     seabed = report["picture"]["seabed"]
     drawn = animate(report["envelope"], report["name"], duration, factor, seabed)
-    return {"drawn": drawn, "caption": caption(duration, factor, is_periodic=bool(report["period"]))}
+    return {"drawn": drawn, "caption": caption(duration, factor, "A period" if report["period"] else "The series")}
 
 
 def _tables(report: dict, name: str) -> list[Table | None]:

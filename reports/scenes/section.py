@@ -35,7 +35,9 @@ def _show(scene: dict, stem: str, inputs: Inputs) -> dict:
         "tables": tables.scene_tables(scene, stem, inputs.tables),
         "suspected": scene.get("suspected", ()),
         "margin": table and table.write(inputs.tables),
-        "margin_words": margins.describe_margin(scene.get("margins", [])),
+        "margin_words": margins.describe_margin(
+            scene.get("margins", []), is_at_rest="motion" not in (scene.get("dynamics") or {})
+        ),
         "exports": margins.describe_exports(scene.get("exports")),
         "warnings": list(dict.fromkeys(text for line in scene["lines"] for text in line["warnings"])),
         "paste": _describe_python(scene),

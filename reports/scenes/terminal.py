@@ -21,9 +21,9 @@ def summarise_scene(scene: dict) -> str:
             for row in scene["lines"]]  # fmt: skip
     kn = lambda value: number(KN * value, 4)
     rest = Table("terminal", "", REST, rows, dict.fromkeys(("tension", "H", "V", "anchor", "V_anchor"), kn))
-    text = [scene["name"], "at rest, tensions in kN", as_text(rest)]
-    dynamics, warnings = scene.get("dynamics"), [*scene.get("suspected", ())]
-    warnings += [warning for row in scene["lines"] for warning in row["warnings"]]
+    suspected = [f"SUSPECTED: {warning}" for warning in scene.get("suspected", ())]
+    text = [scene["name"], *suspected, "at rest, tensions in kN", as_text(rest)]
+    dynamics, warnings = scene.get("dynamics"), [warning for row in scene["lines"] for warning in row["warnings"]]
     if dynamics and "failed" in dynamics:
         text.append(dynamics["failed"])
     elif dynamics:
@@ -31,5 +31,6 @@ def summarise_scene(scene: dict) -> str:
             text += ["in motion, tensions in kN", as_text(lines_for_terminal(dynamics))]
         text.append(describe_setting_to_use(dynamics))
         warnings += dynamics["warnings"]
-    text += describe_margin(scene.get("margins", []))
-    return "\n".join([*text, *(f"- {warning}" for warning in dict.fromkeys(warnings))])
+    text += describe_margin(scene.get("margins", []), is_at_rest="motion" not in (dynamics or {}))
+    kept = [warning for warning in dict.fromkeys(warnings) if warning not in scene.get("suspected", ())]
+    return "\n".join([*text, *(f"- {warning}" for warning in kept)])

@@ -20,6 +20,7 @@ from .types import Vector
 from .validation import one_of, positive_number, real_number, vector, whole_number
 
 MOST_LOST = 0.01  # of the energy of the waves, which may lie above the last frequency of the operators
+AT_REST = 0.01  # of the greatest operator of a coordinate: as little as MOST_LOST
 _MOST_HARMONICS = 10**6
 
 
@@ -57,6 +58,12 @@ class ResponseOperators:
         operators.flags.writeable = False
         object.__setattr__(self, "operators", operators)
 
+    @property
+    def ends_at_rest(self) -> bool:
+        """Whether the body hardly moves any more at the last frequency, so that nothing is lost beyond it."""
+        size = abs(self.operators)
+        return bool((size[:, -1].max(axis=0) <= AT_REST * size.max(axis=(0, 1))).all())
+
     def at(self, frequency, heading: float) -> np.ndarray:
         """Return the operators at frequencies (K,) in Hz and one heading in degrees, (K, 6), complex.
 
@@ -80,6 +87,8 @@ class ResponseOperators:
             if first <= turned <= last:
                 return float(turned)
         problem = f"{heading:g} degrees is outside the response amplitude operators, {first:g} to {last:g} degrees"
+        if self.heading.size == 1:
+            problem += ": give them for other headings, too, in rows with a column heading"
         raise InputError(problem, field="heading", value=heading, unit="degrees")
 
 
@@ -109,7 +118,8 @@ class SeaState:
         one_of("amplitudes", self.amplitudes, ("rayleigh", "deterministic"))
         self.operators.at([0.0], self.heading)
         total, last = self.spectrum.moment(0), self.operators.frequency[-1]
-        if (lost := self.spectrum.moment(0, lowest=last) / total) > MOST_LOST:
+        lost = self.spectrum.moment(0, lowest=last) / total
+        if lost > MOST_LOST and not self.operators.ends_at_rest:
             problem = (
                 f"{100 * lost:.2g} % of the energy of the waves lies above {last:g} Hz, where the response amplitude "
                 "operators end: give them for higher frequencies, zero where the body does not move"

@@ -206,7 +206,11 @@ def _node(row, i, environment) -> Node:
     kind = KINDS.get(row["Type"].lower())
     free, on_seabed = kind == "free", row["Z"].lower() == "depth"
     row.require(kind, f"{row['Type']!r} must be one of {', '.join(KINDS)}", "Type")
-    row.require(not on_seabed or environment.depth, "'depth' needs the argument depth of read_map_file", "Z")
+    row.require(
+        not on_seabed or environment.depth,
+        "'depth' needs the depth of the water in m: --depth, or depth= of read_map_file",
+        "Z",
+    )
     z = -environment.depth if on_seabed else row.number("Z", unknown=free)
     r = row.number("X", unknown=free), row.number("Y", unknown=free), z
     # the force that holds a fix or vessel node is an output: # or a guess of it, no load

@@ -64,7 +64,8 @@ def write_map_file(path: str | PathLike[str], network: Network) -> tuple[str, ..
         if node.CdA or node.Ca
     ]
     water = network.environment
-    notes.append(f"depth {water.depth} m, rho {water.rho:g} kg/m^3 and g {water.g:g} m/s^2 are those of its caller")
+    depth = "no seabed" if water.depth is None else f"depth {water.depth:g} m"
+    notes.append(f"{depth}, rho {water.rho:g} kg/m^3 and g {water.g:g} m/s^2 are those of its caller")
     text = _FILE.format(types="\n".join(rows), nodes="\n".join(nodes), lines="\n".join(lines))
     Path(path).write_text(text, encoding="utf-8")
     return tuple(notes)

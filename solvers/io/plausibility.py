@@ -16,7 +16,10 @@ from ..common.properties import MAX_STRAIN, CableProperties, Environment
 
 LARGEST_DIAMETER = 0.7  # m: the largest chain has 0.2 m, dynamic power cables 0.4 m
 DENSITIES = 150.0, 40_000.0  # kg/m^3 of mass over section: foam-cored ropes; studded chain of nominal diameter 28 000
+FOAM = 0.75  # of the displaced water: a line that is lighter than this is meant to float
+POLYESTER = 1380.0  # kg/m^3
 LEAST_MODULUS = 1e8  # N/m^2, EA over section: nylon 5e8, chain at a scale of 1:80 1e9; in kN chain has 1e8 and less
+LEAST_STRENGTH = 2e6  # N/m^2, breaking load over section: nylon has 2e8, chain at a scale of 1:80 6e6, in kN 5e5
 USUAL_MODULI = 5e8, 3e11  # N/m^2: nylon; above steel
 CONTRADICTION = 0.5  # of the weight in air, by which a weight may differ from mass and diameter: ropes have voids
 SAME = 0.2  # relative, within which two weights are the same in another unit
@@ -45,6 +48,9 @@ def suspect_section(cable: CableProperties, environment: Environment) -> Iterato
             f"EA = {cable.EA:g} N over the section is {modulus:.2g} N/m^2, softer than any rope: likely in {unit}, "
             f"{factor * cable.EA:g} N."
         )
+    yield from _suspect_strength(cable, diameter)
+    if diameter is not None and mass is not None and cable.submerged_weight is None:
+        yield from _suspect_buoyancy(mass, diameter, environment)
     if cable.submerged_weight is not None and mass is not None and diameter is not None:
         yield from _suspect_weight(cable.submerged_weight, mass, diameter, environment)
 
@@ -64,6 +70,25 @@ def _suspect_mass(mass: float, diameter: float) -> str:
         if _is_solid(factor * mass, diameter):
             return f"{text}: likely in {unit}, {factor * mass:.4g} kg/m."
     return f"{text}: see both mass_per_length (kg/m) and diameter (m)."
+
+
+def _suspect_strength(cable: CableProperties, diameter: float | None) -> Iterator[str]:
+    """Yield a sentence on a breaking load that is far below that of any line of the section."""
+    load = cable.breaking_load
+    if load is None or diameter is None:
+        return
+    if load / _area(diameter) < LEAST_STRENGTH:
+        yield f"breaking_load = {load:g} N is less than any line of this section has: likely in kN, {1e3 * load:g} N."
+
+
+def _suspect_buoyancy(mass: float, diameter: float, environment: Environment) -> Iterator[str]:
+    displaced = environment.rho * _area(diameter)
+    if FOAM * displaced < mass < displaced:
+        yield (
+            f"diameter = {diameter:g} m displaces {displaced:.4g} kg/m of water, more than mass_per_length = {mass:g} "
+            "kg/m: the line floats. A rope that water fills displaces less: give submerged_weight (N/m), or the "
+            f"diameter of its fibres alone (of polyester {math.sqrt(4 * mass / (math.pi * POLYESTER)):.3g} m)."
+        )
 
 
 def _suspect_weight(weight, mass, diameter, environment) -> Iterator[str]:

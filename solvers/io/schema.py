@@ -6,8 +6,8 @@ Better TOML) takes them from the first line of a file, ``#:schema ./scene.schema
 
 from __future__ import annotations
 
+import argparse
 import json
-import sys
 from os import PathLike
 from pathlib import Path
 
@@ -118,5 +118,17 @@ def write_schemas(folder: str | PathLike[str] = ".") -> list[Path]:
     return paths
 
 
+def main(argv=None) -> int:
+    """Command line."""
+    parser = argparse.ArgumentParser(prog="python -m solvers.io.schema", description=__doc__.partition("\n")[0])
+    parser.add_argument("folder", nargs="?", default=".", metavar="FOLDER", help="where to write scene.schema.json and "
+                        "network.schema.json (default: here)")  # fmt: skip
+    folder = Path(parser.parse_args(argv).folder)
+    if not folder.is_dir():
+        parser.error(f"{folder}: there is no such folder")
+    write_schemas(folder)
+    return 0
+
+
 if __name__ == "__main__":
-    write_schemas(*sys.argv[1:2])
+    main()

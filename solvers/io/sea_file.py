@@ -3,11 +3,13 @@
 A spectrum has the columns frequency (Hz) and density (m^2/Hz). Operators have the column frequency (Hz) or period (s),
 heading (degrees, into which the waves run; may be missing), and for each of surge, sway, heave (m/m), roll, pitch, yaw
 (rad/m, or roll_deg ...: degrees/m) an amplitude and its phase, surge_phase (rad) or surge_phase_deg (degrees), by which
-the motion leads the wave at the reference point; columns that are not there are zero.
+the motion leads the wave at the reference point; columns that are not there are zero. A phase in rad is within a turn:
+beyond it the numbers are degrees.
 """
 
 from __future__ import annotations
 
+import math
 from os import PathLike
 from pathlib import Path
 
@@ -20,6 +22,10 @@ from .csv_columns import read_numbers
 
 COORDINATES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 SPECTRA = ("jonswap", "pierson_moskowitz")
+LEAST_SUSPECT, STEEPEST = 0.1, 8.0
+"""Rotations per metre of wave up to these are likely: rad/m, and times the slope of the wave (rolling barges: 3)."""
+_GRAVITY = 9.80665  # m/s^2
+ONE_TURN = 2 * math.pi * (1 + 1e-6)  # rad, with what rounding in a file may add
 _OPERATOR_COLUMNS = (
     *("frequency", "period", "heading", *COORDINATES),
     *(f"{name}_deg" for name in COORDINATES[3:]),
@@ -71,6 +77,8 @@ def _operators(columns) -> ResponseOperators:
     for k, name in enumerate(COORDINATES):
         at = np.searchsorted(headings, heading), np.searchsorted(frequencies, values)
         table[(*at, k)] = _one_operator(columns, name, values.size)
+        if k >= 3:
+            _require_likely_rotation(name, values, abs(table[(*at, k)]))
     if np.isnan(table).any() or values.size != headings.size * frequencies.size:
         problem = (
             f"{values.size} rows for {headings.size} headings of {frequencies.size} frequencies: each heading takes "
@@ -79,11 +87,28 @@ def _operators(columns) -> ResponseOperators:
     return ResponseOperators(frequencies, table, headings)
 
 
+def _require_likely_rotation(name: str, frequency, amplitude):
+    """Raise InputError where a rotation per metre of wave, rad/m, is more than any body has: likely degrees."""
+    slope = (2 * math.pi * frequency) ** 2 / _GRAVITY  # of a wave of 1 m in deep water, rad
+    too_large = amplitude > np.maximum(LEAST_SUSPECT, STEEPEST * slope)
+    if too_large.any():
+        i = int(too_large.argmax())
+        problem = (
+            f"{amplitude[i]:.3g} rad/m at {frequency[i]:.3g} Hz, {math.degrees(amplitude[i]):.3g} degrees a metre of "
+            f"wave, is {amplitude[i] / slope[i]:.2g} times the slope of the wave, as no body turns: likely in degrees; "
+            f"name the column {name}_deg"
+        )
+        raise InputError(problem, field=name, value=float(amplitude[i]), unit="rad/m")
+
+
 def _one_operator(columns, name, size) -> np.ndarray:
     amplitude = columns.get(name, np.zeros(size))
     if f"{name}_deg" in columns:
         amplitude = np.radians(columns[f"{name}_deg"])
     phase = columns.get(f"{name}_phase", np.zeros(size))
+    if (largest := float(abs(phase).max(initial=0.0))) > ONE_TURN:
+        problem = f"{largest:g} rad is more than a turn: likely in degrees; name the column {name}_phase_deg"
+        raise InputError(problem, field=f"{name}_phase", value=largest, unit="rad")
     if f"{name}_phase_deg" in columns:
         phase = np.radians(columns[f"{name}_phase_deg"])
     if (amplitude < 0).any():

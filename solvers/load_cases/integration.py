@@ -29,6 +29,11 @@ LINE_TOLERANCE = 1e-2
 """Of the largest change of a tension so far, what the last Newton step of a time step may change: what is left then is
 that by the contraction of Newton's method, some hundredths, and smaller steps leave less of it, so that the error of a
 setting (see ``accuracy``) has it in. A second iteration where one is enough would cost a third of a case."""
+CONTACT_TOLERANCE = 1e-3
+"""The same over a seabed, whose stiffness and friction change within a step: steps that fail at 1e-2 cost more."""
+ROUGH = 0.3
+"""Friction of the seabed, above which the steps damp all that they do not resolve: at 0.5 and more an axial oscillation
+of a few steps' period grows otherwise (at 1 to three times the true deviation), whatever the Newton tolerance."""
 
 
 class LineSeries(NamedTuple):
@@ -51,10 +56,12 @@ class CaseSeries:
     iterations: int
 
 
-def integrate_case(given, case, *, dt, cells) -> CaseSeries:
+def integrate_case(given, case, *, dt, cells, watch=None) -> CaseSeries:
     """Return the series of a LoadCase on a Scene or Network, with steps of at most dt in s on a mesh of ``cells``.
 
-    The step divides the time after which a sea repeats, so that its waves are one transform. Raises InputError and
+    The step divides the time after which a sea repeats, so that its waves are one transform. watch: called with the
+    number of each line, the MooringSystem that it belongs to, its element there (None: all of it) and the number of
+    steps after the ramp; what it returns looks at them, ``look(r, v, a)`` of states (k, N, n). Raises InputError and
     ConvergenceError for what the case cannot be.
     """
     motion = case.motion.motion() if isinstance(case.motion, SeaState) else case.motion
@@ -72,17 +79,21 @@ def integrate_case(given, case, *, dt, cells) -> CaseSeries:
     column = np.empty(system.nodes, dtype=int)  # of a prescribed node in the path
     column[system.prescribed_nodes] = np.arange(system.prescribed_nodes.size)
     model, iterations = system.model, 0
-    lines: list[LineSeries | None] = [None] * (1 if model.is_line else len(model.segments))
+    lines: list[LineSeries | None] = [None] * len(model.segments)
     parts = [(part.system, part.nodes, part.cells) for part in system.components]
     for part, nodes, own_cells in parts or [(system, np.arange(system.nodes), np.arange(system.line.length.size))]:
         elements = [e for e, at in enumerate(system.layout.cells) if at.start in own_cells]
-        observers = [_Observer(part, None if model.is_line else e, count - first) for e in range(len(elements))]
+        own = [None] if len(lines) == 1 else range(len(elements))
+        observers = [_Observer(part, e, count - first) for e in own]
+        watching = (
+            [watch(number, part, e, count - first) for number, e in zip(elements, own, strict=True)] if watch else []
+        )
         own_path = np.ascontiguousarray(path[:, :, column[nodes[part.prescribed_nodes]]])
-        status, event, work = _run(part, dt, count, first, case.ramp, own_path, observers[: len(lines)])
+        status, event, work = _run(part, dt, count, first, case.ramp, own_path, [*observers, *watching])
         iterations += work
         if event is not None:
             return CaseSeries(dt, (), status, (event[0], part.name_node(event[1])), iterations)
-        for e, observer in zip([0] if model.is_line else elements, observers, strict=False):
+        for e, observer in zip(elements, observers, strict=True):
             lines[e] = observer.series()
     return CaseSeries(dt, tuple(lines), Status.SUCCESS, None, iterations)  # type: ignore[arg-type]
 
@@ -134,7 +145,11 @@ def _moved(r, offset) -> tuple[float, float, float]:
 
 def _run(part, dt, count, first, ramp, path, observers):
     """Take the steps of one part and let the observers look at each chunk; return status, event and iterations."""
-    steps = stream_line(part, dt=dt, count=count, tolerance=LINE_TOLERANCE, ramp=ramp, path=path, chunk=CHUNK)
+    has_seabed = part.line.seabed_stiffness.any()
+    is_rough = has_seabed and max(segment.friction for segment in part.model.segments) > ROUGH
+    tolerance = CONTACT_TOLERANCE if has_seabed else LINE_TOLERANCE
+    steps = stream_line(part, dt=dt, count=count, tolerance=tolerance, ramp=ramp, path=path, chunk=CHUNK,
+                        rho_inf=0.0 if is_rough else None)  # fmt: skip
     while True:
         try:
             at, *states = next(steps)

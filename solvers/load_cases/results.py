@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, dataclass, field
+from typing import ClassVar
 
 import numpy as np
 
@@ -77,11 +78,20 @@ class Accuracy:
     table, of which ``within`` of ``sampled`` cases are below the tolerance. None, not asked for.
     """
 
+    SHARE: ClassVar[float] = 0.95  # of the sample, 19 of 20, that a kept promise has within the tolerance
+
     tolerance: float | None = None
     promised: float | None = None
     measured: float | None = None
     within: int = 0
     sampled: int = 0
+
+    @property
+    def is_kept(self) -> bool | None:
+        """Whether enough of the sample is within the tolerance; None where none was asked for or looked at."""
+        if self.tolerance is None or not self.sampled:
+            return None
+        return self.within >= self.SHARE * self.sampled
 
 
 @dataclass(frozen=True, repr=False)

@@ -52,12 +52,14 @@ def solve_load_cases(
     output: str | PathLike[str] | None = None,
     resume: bool = True,
     check: bool = True,
+    takes_best: bool = False,
 ) -> LoadCaseTable:
     """Return the LoadCaseTable of a Scene, a Network or the path of one, in each LoadCase, or in a CSV file of them.
 
     dt in s and cells, as of ``solve_time_domain`` and ``mooring_system``; or tolerance: both are chosen from some pilot
     cases so that maximum, standard deviation and damage-equivalent load err by no more than that part of themselves,
-    and the choice is checked on a sample of the table (check=False: not).
+    and the choice is checked on a sample of the table (check=False: not). Where no setting meets it, ConvergenceError
+    is raised, or with takes_best the setting is taken that leaves least; ``accuracy.promised`` says how much.
     wohler: exponent of the Woehler curve; reference_time: s, that extremes refer to.
     executor: any of concurrent.futures, that of Dask (``client.get_executor()``) included; a function that makes one is
     asked for another where one breaks; None: a thread for each core. Results do not depend on it, to the last bit.
@@ -76,7 +78,7 @@ def solve_load_cases(
     >>> solve_load_cases(scene, [case], dt=0.1, cells=20).cases[0].status
     'SUCCESS'
     """
-    flags(resume=resume, check=check)
+    flags(resume=resume, check=check, takes_best=takes_best)
     given = load_system(system) if isinstance(system, (str, PathLike)) else system
     rows = read_load_cases(cases, given) if isinstance(cases, (str, PathLike)) else _checked(cases)
     settings = {"exponent": positive_number("wohler", wohler, "(dimensionless)"),
@@ -87,7 +89,7 @@ def solve_load_cases(
     accuracy = Accuracy()
     if tolerance is not None:
         tolerance = positive_number("tolerance", tolerance, "(dimensionless)")
-        dt, cells, accuracy = choose_setting(rows, tolerance, partial(_run_with, run, settings))
+        dt, cells, accuracy = choose_setting(rows, tolerance, partial(_run_with, run, settings), takes_best)
     row_settings = RowSettings(positive_number("dt", dt, "s"), whole_number("cells", cells, 2), **settings)
     kept = _Kept(output, given, row_settings, resume)
     done: dict[int, CaseResult] = {}
@@ -145,8 +147,6 @@ def solve_row(given, number: int, case, settings: RowSettings) -> CaseResult:
 def line_names(given, count: int) -> list[str]:
     """Return a name for each line: those of the nodes at its ends, or its number."""
     names = getattr(given, "node_names", ())
-    if count == 1 and len(getattr(given, "elements", (None,))) != 1:
-        return ["line"]
     if not names:
         return [f"line {i}" for i in range(1, count + 1)] if count > 1 else ["line"]
     return [f"{names[a]} - {names[b]}" for a, b in (element.ends for element in given.elements)]

@@ -64,6 +64,9 @@ def mooring_system(
     >>> mooring_system(scene, cells=20).fields
     ('along', 'z')
     """
+    if isinstance(scene, MooringSystem):
+        problem = "is a MooringSystem already: solve it as it is, take its with_motion(motion) for another motion, or "
+        raise InputError(problem + "give the Scene or Network that it was made of", field="scene", value=scene)
     model = build_model(scene)
     motion = getattr(scene, "motion", None) if motion is None else motion
     if motion is not None:

@@ -208,15 +208,16 @@ def balancing_acceleration(system, r, v) -> np.ndarray:
     return a
 
 
-def stream_line(system, *, dt, count, tolerance, ramp, path, chunk):
+def stream_line(system, *, dt, count, tolerance, ramp, path, chunk, rho_inf=None):
     """Generator of the states of ``count`` steps of dt in s from rest, ``chunk`` steps at a time, none of them kept.
 
     ramp: time in s over which the motion grows; path (count + 1, 3, P, n): of the prescribed nodes at the ends of the
-    steps, ramped. Yields (first, r, v, r''): the number of the first state, 0 for that at rest, and (k, N, n) each,
-    overwritten later; what is returned is (status, time in s and node where it failed or None, iterations).
+    steps, ramped; rho_inf: of ``integrate_line``. Yields (first, r, v, r''): the number of the first state, 0 for that
+    at rest, and (k, N, n) each, overwritten later; what is returned is (status, time in s and node where it failed or
+    None, iterations).
     """
     moved = system.ramped(ramp) if ramp else system
-    run = _Run(moved, None, tolerance, None, _initial_state(moved, None, moves_at_once=not ramp))
+    run = _Run(moved, rho_inf, tolerance, None, _initial_state(moved, None, moves_at_once=not ramp))
     yield 0, *(part[None].copy() for part in run.state[:3])
     record = tuple(np.empty((chunk, *run.state[0].shape)) for _ in range(3))
     for done in range(0, count, chunk):

@@ -171,3 +171,16 @@ def test_bad_seas_are_refused(make, message):
     with pytest.raises(InputError) as caught:
         make()
     assert message in str(caught.value)
+
+
+def test_operators_that_end_at_rest_lose_nothing():
+    """Where they have fallen to a hundredth waves beyond do not matter; where not, the energy lost is named."""
+    frequency, sea = [0.02, 0.1, 0.15], Spectrum.jonswap(6.0, 10.0)
+    table = np.zeros((1, 3, 6))
+    table[0, :, 0] = 1.0, 0.4, 0.009
+    assert ResponseOperators(frequency, table).ends_at_rest
+    assert SeaState(sea, ResponseOperators(frequency, table), 1, 600.0).motion().translation is not None
+    table[0, -1, 0] = 0.02
+    assert not ResponseOperators(frequency, table).ends_at_rest
+    with pytest.raises(InputError, match=r"of the energy of the waves lies above 0\.15 Hz"):
+        SeaState(sea, ResponseOperators(frequency, table), 1, 600.0)

@@ -326,6 +326,7 @@ _FILES = {
     "io.csv_columns": ("io/test_motion_file.py", "io/test_case_file.py"),
     **dict.fromkeys(
         (
+            "load_cases.envelope",
             "load_cases.integration",
             "load_cases.statistics",
             "load_cases.results",

@@ -69,6 +69,11 @@ DEFECTS = (
         "the motion that grows from rest is part of the statistics", f"{_SOLVE}a_row_is_what_time_stepping_gives",
     ),
     _defect(
+        "a pose of the step before", "load_cases.envelope", "_Watcher.look", "self.steps[here] - self.at",
+        "self.steps[here] - self.at - 1", "stale", "lines are drawn where they were a step earlier",
+        f"{_SOLVE}extremes_along_the_lines_are_those_of_the_history",
+    ),
+    _defect(
         "an offset of the anchor's side", "load_cases.integration", "_moved", "float(a + b)", "float(a - b)", "sign",
         "offsets move the coupled points the other way", f"{_SOLVE}offset_and_current_change_the_rest",
     ),

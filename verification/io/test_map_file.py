@@ -241,7 +241,7 @@ def test_a_missing_line_of_units_does_not_swallow_a_row(tmp_path):
 
 
 def test_depth_is_asked_for():
-    with pytest.raises(InputError, match=r"oc3_hywind\.map:8: Z: 'depth' needs the argument depth"):
+    with pytest.raises(InputError, match=r"oc3_hywind\.map:8: Z: 'depth' needs the depth of the water in m: --depth"):
         read_map_file(OC3)
 
 

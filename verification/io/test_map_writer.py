@@ -33,7 +33,7 @@ def test_a_network_comes_back_as_it_was_written(tmp_path):
     """Sections, nodes and loads; two frictions of one section are two types."""
     network, path = bridle(), tmp_path / "bridle.map"
     notes = write_map_file(path, network)
-    assert len(notes) == 1 and "depth 200.0 m" in notes[0]
+    assert len(notes) == 1 and "depth 200 m" in notes[0]
     back = read_map_file(path, depth=200.0)
     for mine, theirs in zip(network.elements, back.elements, strict=True):
         assert (mine.L, mine.ends, mine.friction, mine.EA) == (theirs.L, theirs.ends, theirs.friction, theirs.EA)

@@ -130,6 +130,8 @@ SUSPECTED = [
     (CHAIN, "[2.0, 0.0, 1.0]", "[2.0, 0.0, 1.0]\nphase = [0, 0, 90.0]", r"phase = 90 rad .* in degrees, 1.571 rad"),
     (CHAIN, "fairlead = [0.0, 0.0, -5.0]", "fairlead = [0.0, 0.0, 45.0]", r"fairlead is 45 m above still water"),
     (SEMI, "0.05, 0.0]", "3.0, 0.0]", r"turns the body by 3 rad, 172 degrees: likely in degrees"),
+    (SEMI, "diameter = 0.16\nmass_per_length = 160.0", "diameter = 0.2\nmass_per_length = 32.0", r"the line floats"),
+    (CHAIN, "[line]", "[line]\nbreaking_load = 7500.0", r"breaking_load = 7500 N .* likely in kN, 7\.5e\+06 N"),
     (SEMI, "diameter = 0.16", "diameter = 160", r"\[\[line_types\]\] 'chain': diameter = 160 m .* in mm"),
     (SEMI, "Cdn = 2.4", "", r"Cdn: 0"),
 ]  # fmt: skip
@@ -156,6 +158,12 @@ REFUSED = [
     (CHAIN, "diameter = 0.16", "diameter = 160.0", r"diameter = 160 m .* likely in mm, 0.16 m"),
     (CHAIN, "diameter = 0.16", "diameter = 16.0", r"diameter = 16 m .* likely in cm, 0.16 m"),
     (CHAIN, "mass_per_length = 160.0", "mass_per_length = 10.0", r"a buoyant line.* In a file: leave out depth"),
+    (
+        CHAIN,
+        "diameter = 0.16\nmass_per_length = 160.0",
+        "diameter = 0.2\nmass_per_length = 32.0\n",
+        r"displaces 32.2 kg/m of water, .* the line floats\. .* \(of polyester 0.172 m\)",
+    ),
     (CHAIN, "Cdn", "Cd", "did you mean 'Cdn'"),
     (CHAIN, "depth = 50.0", "depth = -50.0", r"depth: -50 m must be > 0: the seabed is at z = -depth, so give 50 m"),
     (CHAIN, "seabed_stiffness = 3e5\n", "", r"3e\+06 Pa/m .*MoorDyn.*here 4.8e\+05 N/m\^2; or leave out depth, which"),

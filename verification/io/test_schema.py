@@ -113,3 +113,15 @@ def test_the_usual_name_leads_to_the_key(table, key, likely):
     """Also where a key is nearer in letters: Cd is Cdn, not Cdt or Ca."""
     with pytest.raises(InputError, match=rf"unknown key '{key}' in \[{table}\]; did you mean '{likely}'\?"):
         keys.check_keys(f"[{table}]", {key: 1.0}, keys.SCENE[table])
+
+
+def test_the_command_says_what_it_does(tmp_path, capsys):
+    """--help writes nothing, a folder that is not there is named, and one that is there gets both files."""
+    with pytest.raises(SystemExit) as end:
+        schema.main(["--help"])
+    assert end.value.code == 0 and "scene.schema.json" in capsys.readouterr().out
+    with pytest.raises(SystemExit) as end:
+        schema.main([str(tmp_path / "none")])
+    assert end.value.code == 2 and "there is no such folder" in capsys.readouterr().err
+    assert schema.main([str(tmp_path)]) == 0
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["network.schema.json", "scene.schema.json"]

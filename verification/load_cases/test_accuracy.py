@@ -100,3 +100,35 @@ def test_pilots_are_the_fastest_and_the_widest():
     rows[17], rows[23] = sea_case("steep", 3.0, 1, Tp=6.0), replace(rows[23], offset=(50.0, 0.0, 0.0))
     pilots = accuracy._pilots(rows)
     assert pilots[:2] == [17, 23] and len(pilots) == accuracy.PILOTS
+
+
+def test_a_large_sample_is_drawn_at_random_and_judged_by_19_of_20():
+    """Of up to 20 rows five evenly spaced, of more 20 different ones, always the same, over the whole table."""
+    assert accuracy.draw_sample(list(range(20))) == [0, 4, 9, 14, 19]
+    solved = list(range(3, 1003))
+    drawn = accuracy.draw_sample(solved)
+    assert drawn == accuracy.draw_sample(solved) and drawn != [solved[int(i)] for i in np.linspace(0, 999, 20)]
+    assert len(set(drawn)) == accuracy.LARGE_SAMPLE and set(drawn) <= set(solved)
+    assert min(drawn) < 150 and max(drawn) > 850
+    for within, is_kept in ((20, True), (19, True), (18, False)):
+        assert Accuracy(0.02, 0.01, 0.05, within, 20).is_kept is is_kept
+    assert Accuracy(0.02, 0.01, 0.05, 4, 5).is_kept is False
+    assert Accuracy().is_kept is None and Accuracy(0.02, 0.01).is_kept is None
+
+
+FEW = 3 * 9  # runs of the pilot cases: three for each of the first seven settings, and two more
+
+
+def test_the_search_has_patience_and_no_more():
+    """An error that does not fall is left after PATIENCE refinements; the setting that leaves least can be taken."""
+    asked = []
+
+    def run(numbered, dt, cells):
+        asked.append((dt, cells))
+        return [made_of(1.0, 1, i, of_mesh=0.0, of_step=0.1 * (len(asked) % 5)) for i, _ in numbered]
+
+    dt, cells, best = accuracy.choose_setting(SEAS, 1e-9, run, takes_best=True)
+    assert len(asked) <= FEW and best.promised > best.tolerance and (dt, cells) in asked
+    failing = lambda numbered, dt, cells: [CaseResult(i, "made", "STEP_FAILED", "at t = 3 s") for i, _ in numbered]
+    with pytest.raises(ConvergenceError, match="at t = 3 s"):
+        accuracy.choose_setting(SEAS, 1e-9, failing, takes_best=True)

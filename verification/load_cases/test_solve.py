@@ -16,24 +16,39 @@ from functools import partial
 import numpy as np
 import pytest
 
-from solvers import BodyMotion, InputError, Motion, mooring_system, solve_span, solve_time_domain
+from solvers import (
+    BodyMotion,
+    CableProperties,
+    Element,
+    Environment,
+    InputError,
+    Motion,
+    Network,
+    Node,
+    Scene,
+    mooring_system,
+    solve_span,
+    solve_time_domain,
+)
 from solvers.common.load_case import LoadCase
 from solvers.common.sea_state import SeaState
 from solvers.common.spectrum import Spectrum
 from solvers.io.case_file import read_records
 from solvers.load_cases import CaseResult, integration, solve_load_cases
+from solvers.load_cases.envelope import find_envelopes
 from solvers.load_cases.fingerprint import fingerprint
 from solvers.load_cases.integration import CHUNK, integrate_case
 from verification import ROOT
 
 from ..exact.gaussian import narrow_band_load, rayleigh_extreme
-from .systems import CATENARY, SURGE, TAUT, TWO_LINES, sea_case
+from .systems import CATENARY, CHAIN, OVER_SEABED, SURGE, TAUT, TWO_LINES, sea_case
 
 LINEAR = 0.02  # relative: inertia and drag of a light rope that is moved slowly, and its second order in the motion
 ERRORS = 3.5  # standard errors of an average: once in two thousand
 ROUNDING = 1e-9  # relative: chunks of steps begin with a new factorisation, and Newton stops at 1e-4 of a change
 NEWTON = 1e-3  # of a change of tension: two iterations that each stop at 1e-4 of it, over many steps
 NEWTON_SHARE = 0.1  # of the error of a step: a tolerance of 1 leaves 0.12 to 0.22
+JOINT = 0.02  # of the tension at a joint, between the ends of two sections: weight and inertia of the node
 SETTING = {"dt": 0.2, "cells": 8}
 SEAS = [sea_case(f"sea {seed}", 0.5 + 0.2 * seed, seed) for seed in range(6)]
 
@@ -66,7 +81,8 @@ def test_a_linear_line_has_rayleigh_maxima_and_the_damage_of_a_narrow_band(recor
 @pytest.mark.parametrize("system", [CATENARY, TWO_LINES], ids=["line", "network"])
 def test_a_row_is_what_time_stepping_gives(system, monkeypatch):
     """Statistics of a regular motion are those of the history on the same mesh, though no history is kept."""
-    monkeypatch.setattr(integration, "LINE_TOLERANCE", 1e-4)  # as that of the history
+    for name in ("LINE_TOLERANCE", "CONTACT_TOLERANCE"):
+        monkeypatch.setattr(integration, name, 1e-4)  # as that of the history
     motion = BodyMotion.harmonic(0.1, (1.5, 0, 0.5, 0, 0.02, 0))
     case = LoadCase("regular", motion, duration=300.0, ramp=20.0)
     series = integrate_case(system, case, dt=0.1, cells=12)
@@ -93,12 +109,70 @@ def test_one_iteration_of_a_step_is_enough(system, monkeypatch):
     """What Newton's method leaves at the tolerance of load cases is small beside the error of the step itself."""
     case = sea_case("sea", 2.0, 3, duration=200.0)
     loose, half = (integrate_case(system, case, dt=dt, cells=12) for dt in (0.2, 0.1))
-    monkeypatch.setattr(integration, "LINE_TOLERANCE", 1e-8)
+    for name in ("LINE_TOLERANCE", "CONTACT_TOLERANCE"):
+        monkeypatch.setattr(integration, name, 1e-8)
     tight = integrate_case(system, case, dt=0.2, cells=12)
     assert loose.iterations < tight.iterations
     for a, b, c in zip(loose.lines, tight.lines, half.lines, strict=True):
         of_newton = abs(a.fairlead.std() - b.fairlead.std())
         assert of_newton <= NEWTON_SHARE * abs(b.fairlead.std() - c.fairlead.std())
+
+
+ROUGH_ERROR = 0.05  # of the deviation, by which steps of 0.09 s err; with the oscillation 0.07 and more
+FEW = 6  # iterations a step; with the oscillation 40
+
+
+def test_a_rough_seabed_sustains_no_oscillation():
+    """Chain on a seabed of friction 1, in a sea across it: the deviation of small steps, at a few iterations each."""
+    chain = CableProperties(EA=753.6e6, diameter=0.0766, mass_per_length=113.35, Cdn=1.1)
+    water = Environment(depth=200.0, seabed_stiffness=2.3e5)
+    ends = [(r * 0.5, r * 3**0.5 / 2, z) for r, z in ((837.6, -200.0), (40.868, -14.0))]
+    scene = Scene("chain of a semisubmersible", chain, 835.5, *ends, water, friction=(1.0,))
+    case = sea_case("sea", 1.0, 1, duration=200.0)
+    one, fine = (integrate_case(scene, case, dt=dt, cells=20) for dt in (0.09, 0.02))
+    deviation = fine.lines[0].fairlead.std()
+    assert abs(one.lines[0].fairlead.std() - deviation) <= ROUGH_ERROR * deviation
+    assert one.iterations <= FEW * case.whole_duration / 0.09
+
+
+SAME = 1e-9  # relative, of the same numbers by another sum
+
+
+@pytest.mark.parametrize("system", [CATENARY, TWO_LINES], ids=["line", "network"])
+def test_extremes_along_the_lines_are_those_of_the_history(system):
+    """Least, mean and greatest tension of each cell, and the places of its nodes, against stored time steps."""
+    case = LoadCase("surge", BodyMotion.harmonic(0.1, (1.5, 0, 0, 0, 0, 0)), 40.0, 10.0)
+    lines = find_envelopes(system, case, **SETTING, times=[0.2, 7.4])
+    history = solve_time_domain(mooring_system(system, SETTING["cells"], mesh="touchdown", motion=case.motion),
+                                dt=0.2, duration=50.0, ramp=10.0)  # fmt: skip
+    series = integrate_case(system, case, **SETTING)
+    assert len(lines) == len(series.lines)
+    for line, element in zip(lines, history.elements if system is TWO_LINES else [history], strict=True):
+        after = element.tension[:, 51:]
+        for name, value in (("low", after.min(axis=1)), ("mean", after.mean(axis=1)), ("high", after.max(axis=1))):
+            assert getattr(line, name) == pytest.approx(value, rel=NEWTON), name
+        assert line.s.size == after.shape[0] and 0 < line.s[0] < line.s[-1] < 220.0
+        for pose, step in zip(line.poses, (52, 88), strict=True):
+            np.testing.assert_allclose(pose, element.r[..., step], rtol=0, atol=NEWTON * 220.0)
+        ends = [line.rest[:, 0], line.rest[:, -1]]
+        wanted = [system.anchor, system.fairlead] if system is CATENARY else None
+        assert wanted is None or np.allclose(ends, wanted, rtol=SAME)
+
+
+def test_a_line_of_sections_has_a_row_for_each():
+    """Each section's own tension, and the names of its ends; the fairlead is that of the line as a whole."""
+    nodes = (
+        Node("fixed", (-205.0, 0.0, -50.0)),
+        Node("free", (-100.0, 0.0, -48.0)),
+        Node("coupled", (0.0, 0.0, -10.0)),
+    )
+    weight = CHAIN.weight_in(OVER_SEABED)
+    elements = tuple(Element(weight, CHAIN.EA, 110.0, ends, 0.0, CHAIN) for ends in ((0, 1), (1, 2)))
+    case = LoadCase("surge", BodyMotion.harmonic(0.1, (1.0, 0, 0, 0, 0, 0)), 40.0, 10.0)
+    lower, upper = solve_load_cases(Network(nodes, elements, OVER_SEABED), [case], **SETTING).cases[0].lines
+    assert (lower.line, upper.line) == ("line 1", "line 2")
+    assert lower.maximum < upper.maximum
+    assert upper.anchor_maximum == pytest.approx(lower.maximum, rel=JOINT)
 
 
 def test_offset_and_current_change_the_rest():

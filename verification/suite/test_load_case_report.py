@@ -31,6 +31,10 @@ FILES = {
 PROMISE = 0.02  # relative: the tolerance where none is asked for
 
 
+def shape_of(lines) -> list[tuple]:
+    return [np.shape(line) for line in lines]
+
+
 @pytest.mark.parametrize("kind", FILES)
 def test_a_file_in_waves_has_a_page_of_its_sea(kind, tmp_path):
     """Statistics of every line within the promise of a finer run, when each is greatest, series, spectrum, margin."""
@@ -58,7 +62,15 @@ def test_a_file_in_waves_has_a_page_of_its_sea(kind, tmp_path):
     frequency = np.array(summary["series"]["spectrum"]["frequency"])
     energy = np.trapezoid(density, frequency, axis=1)
     assert energy == pytest.approx([line["standard_deviation"] ** 2 for line in row["lines"]], rel=0.3)  # windows
-    assert [m["utilisation"] for m in summary["margins"]] == pytest.approx(np.array(greatest) / 0.95 / 6e6, rel=PROMISE)
+    characteristic = [max(line["maximum"], line["extreme"] or 0.0) for line in row["lines"]]
+    assert [m["design"] for m in summary["margins"]] == pytest.approx(characteristic, rel=1e-12)  # factors of 1
+    assert [m["basis"] for m in summary["margins"]] == [
+        "greatest" if size == line["maximum"] else "extreme"
+        for size, line in zip(characteristic, row["lines"], strict=True)
+    ]
+    for along, line in zip(summary["along"], row["lines"], strict=True):
+        assert max(along["high"]) <= line["maximum"] * (1 + PROMISE) and min(along["low"]) > 0
+    assert shape_of(summary["envelope"]["poses"][0]) == shape_of(summary["envelope"]["rest"])
     shown = (out / "scene-mine.html").read_text(encoding="utf-8")
     page = Page(shown)
     assert not broken_anchors(page) and not missing_files(page, out) and not undescribed(page)
@@ -66,6 +78,8 @@ def test_a_file_in_waves_has_a_page_of_its_sea(kind, tmp_path):
         "in waves",
         "Spectrum of the tension",
         "Tension at the fairlead end",
+        "Tension along the lines",
+        '<svg class="moving"',
         "promised to",
         "greatest at, s",
     ):

@@ -586,3 +586,32 @@ def test_every_file_that_is_used_is_one_that_the_result_depends_on(request, tmp_
     assert set(json.loads(used)) <= closure(*files)
     strange = set(json.loads(used)) - closure("benchmarks/run/machine.py")
     assert {"solvers/catenary/span.py", "solvers/numerics/lu/bordered.py"} & strange
+
+
+REFUSING = """
+import pathlib, sys
+from reports.pipeline.runner import run_all
+from reports.pipeline.stages import Stage
+folder, mine, other = (pathlib.Path(word) for word in sys.argv[1:])
+stages = [Stage(name, group, name, ("refusing_stage",), f"{name}.txt", sources=(str(file), "beside.csv"), timed=timed)
+          for name, group, file, timed in (("sea", "load_cases", mine, False), ("rest", "scenes", mine, True),
+                                           ("another", "scenes", other, True), ("tests", "tests", mine, True))]
+print(*(f"{end.stage.name} {end.tail[0]}" for end in run_all(stages, folder, False)), sep="\\n")
+"""
+
+
+def test_a_file_that_is_refused_is_not_tried_by_other_stages(tmp_path):
+    """The first stage says why, for those about the same file as well; stages about others run."""
+    (tmp_path / "refusing_stage.py").write_text(
+        f"import os, sys\nprint(os.getpid())\nopen({str(tmp_path / 'runs')!r}, 'a').write('x')\nsys.exit(2)\n"
+    )
+    folder = tmp_path / "results"
+    folder.mkdir()
+    run = subprocess.run(
+        [sys.executable, "-c", REFUSING.replace("\\\\n", "\\n"), folder, tmp_path / "mine", tmp_path / "other"],
+        cwd=ROOT, env=os.environ | {"PYTHONPATH": str(tmp_path)}, capture_output=True, text=True, timeout=LONGEST,
+        check=False)  # fmt: skip
+    assert run.returncode == 0, run.stderr
+    said = dict(line.split() for line in run.stdout.splitlines())
+    assert said["sea"] == said["rest"] and len({said["sea"], said["another"], said["tests"]}) == 3
+    assert (tmp_path / "runs").read_text() == "xxx"
