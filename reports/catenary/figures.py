@@ -172,7 +172,7 @@ MAP_COLOURS = interactive.Colours(MAP_RANGE, "error over the unavoidable roundin
 
 def _map_chart(columns: dict, slackness: list[float], name: str) -> str:
     """Return the map as a chart; columns : (row, column) of the grid -> case."""
-    stiffness = [number(row["stiffness"], 2) for (i, _), row in columns.items() if i == 0]
+    stiffness = [number(row["stiffness"], 2).replace(".0e", "e") for (i, _), row in columns.items() if i == 0]
     labels, rows = [_near_one(value, 1) for value in slackness], []
     for (i, j), row in columns.items():
         answer = row["answers"][name]

@@ -18,6 +18,7 @@ from .style import GRID, INK, PALE, THEME, WRONG
 HEIGHT = 340
 MOST_TICKS = 9  # of a logarithmic axis
 MANY = 16  # cells of a map in a row, which then stand without a gap
+PADDING = {"left": 5, "top": 5, "right": 14, "bottom": 5}  # room for half of the last label of the x axis
 LETTERS = 70  # of all labels of a map in a row, which are slanted beyond
 NARROW = 560  # CSS pixels of a chart below which its legend has one column
 SHAPES = {
@@ -303,7 +304,9 @@ def _to_json(chart, **datasets: list[dict]) -> str:
     spec = chart.properties(width="container", height=HEIGHT).to_dict(validate=False)
     spec = {key: value for key, value in spec.items() if key not in ("$schema", "config")} | {"datasets": datasets}
     text = json.dumps(
-        spec | {"autosize": {"type": "fit-x", "contains": "padding"}}, separators=(",", ":"), default=float
+        spec | {"autosize": {"type": "fit-x", "contains": "padding"}, "padding": PADDING},
+        separators=(",", ":"),
+        default=float,
     )
     for colour, variable in THEME.items():
         text = text.replace(f'"{colour}"', f'"{variable}"')
