@@ -139,7 +139,8 @@ def label_overlaps(page) -> list[str]:
         const scale = svg.getBoundingClientRect().width / (svg.viewBox.baseVal.width || 1);
         const slanted = t => { const m = t.getCTM();
             return Math.min(Math.abs(m.a), Math.abs(m.b)) > 1e-3 * Math.abs(m.a + m.b); };
-        const texts = [...svg.querySelectorAll('text')].filter(t => t.textContent.trim() && !slanted(t))
+        const texts = [...svg.querySelectorAll('text')].filter(t => t.textContent.trim() && !slanted(t)
+            && getComputedStyle(t).opacity !== '0')
             .map(t => ({t, r: t.getBoundingClientRect()})).filter(b => b.r.width > 0);
         const faults = [], s = slack * scale, name = e => (e.getAttribute('aria-label') || '').slice(0, 50) + ': ';
         texts.forEach((a, i) => texts.slice(i + 1).forEach(b => {

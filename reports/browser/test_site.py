@@ -52,8 +52,8 @@ def screens(page) -> float:
 
 
 def count_words(page) -> int:
-    """Words that the page shows, those in drawings and in closed folds left out."""
-    page.evaluate("document.querySelectorAll('svg').forEach(e => e.remove())")
+    """Words that the page shows, those in drawings, in closed folds and in lists of choices left out."""
+    page.evaluate("document.querySelectorAll('svg, select').forEach(e => e.remove())")
     return len(page.evaluate("document.body.innerText").split())
 
 

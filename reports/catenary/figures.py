@@ -9,8 +9,15 @@ import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.colors import ListedColormap
 
-from ..drawing import style
-from ..drawing.axes import GREATEST_ERROR, clip_error, draw_work_points, set_time_ticks
+from ..drawing import interactive, style
+from ..drawing.axes import (
+    GREATEST_ERROR,
+    clip_error,
+    draw_work_points,
+    list_looks,
+    list_work_rows,
+    set_time_ticks,
+)
 from ..page import analysis
 from ..page.figures import Figure, Group
 from ..page.formatting import MINUS, across, number, ratio, slug, times
@@ -52,7 +59,10 @@ def _panel(points, title: str, name: str, looks: dict, folder: Path, limits) -> 
     set_time_ticks(axes)
     labels = {p["label"] for p in points}
     alt = f"Error against run time, both logarithmic, {title}: {', '.join(sorted(labels))}."
-    return style.save(figure, folder, name, title, alt)
+    rows, axes = list_work_rows(points), ("run time of one call", "relative error of the fairlead force")
+    x = tuple(1e-6 * value for value in limits[0]) if limits[0] else None
+    chart = interactive.draw_work(rows, list_looks(points, looks), axes, (x, limits[1]))
+    return style.save(figure, folder, name, title, alt, rows, chart)
 
 
 def _work_caption(points, total, common, excluded) -> str:
@@ -148,7 +158,29 @@ def _map_panel(rows, name: str, label: str, folder: Path) -> Figure:
     bar.set_label("log10 (error / unavoidable rounding error)")
     counts = ", ".join(f"{len(points)} {verdict}" for verdict, points in marks.items())
     alt = f"Map of the error of {label} over slackness and stiffness: {counts}."
-    return style.save(figure, folder, f"error_map_{slug(name)}", label, alt, [_map_row(row, name) for row in rows])
+    chart = _map_chart(columns, slackness, name)
+    return style.save(figure, folder, f"error_map_{slug(name)}", label, alt, [_map_row(row, name) for row in rows],
+                      chart)  # fmt: skip
+
+
+MAP_LOOKS = {
+    "wrong": {"marker": "X", "size": 26, "fill": style.WRONG, "stroke": style.WRONG},
+    "refused": {"marker": "o", "size": 14, "fill": style.INK, "stroke": style.INK},
+}
+MAP_COLOURS = interactive.Colours(MAP_RANGE, "error over the unavoidable rounding error", ("right", "wrong"))
+
+
+def _map_chart(columns: dict, slackness: list[float], name: str) -> str:
+    """Return the map as a chart; columns : (row, column) of the grid -> case."""
+    stiffness = [number(row["stiffness"], 2).replace(".0e", "e") for (i, _), row in columns.items() if i == 0]
+    labels, rows = [_near_one(value, 1) for value in slackness], []
+    for (i, j), row in columns.items():
+        answer = row["answers"][name]
+        beside = {"relative error": number(answer["error"]), "message": answer["message"]}
+        rows.append({"x": stiffness[j], "y": labels[i], "verdict": answer["verdict"], "error": answer["in_limits"]}
+                    | {key: text for key, text in beside.items() if text})  # fmt: skip
+    axes = "stiffness EA/(w L)", "slackness L/chord"
+    return interactive.draw_map(rows, axes, (stiffness, labels), MAP_LOOKS, MAP_COLOURS)
 
 
 def _map_row(row: dict, name: str) -> dict:
@@ -178,12 +210,12 @@ def _map_axes(axes, slackness, stiffness, label: str):
     axes.grid(False)
 
 
-def _near_one(value: float) -> str:
-    """Return such as 1 + 2.3e-7 rather than 1.00000023."""
+def _near_one(value: float, decimals: int = 0) -> str:
+    """Return such as 1 + 2e-7 rather than 1.00000023; decimals : of what is beside 1."""
     gap = value - 1
     if gap == 0 or abs(gap) >= 0.009:
         return f"{value:.3g}"
-    return f"1 {'+' if gap > 0 else MINUS} {abs(gap):.0e}".replace("e-0", "e-")
+    return f"1 {'+' if gap > 0 else MINUS} {abs(gap):.{decimals}e}".replace("e-0", "e-")
 
 
 # --- cost ------------------------------------------------------------------------------------------------------------

@@ -107,6 +107,28 @@ def draw_work_points(axes, points, looks: dict):
     axes.figure.legend(loc="outside upper center", ncols=len(labels) if sum(map(len, labels)) < LEGEND_LETTERS else 2)
 
 
+def list_work_rows(points) -> list[dict]:
+    """Return what draw_work_points draws, a row a point, unrounded: for the CSV and the chart."""
+    good = analysis.select_answered(points)
+    front = [id(p) for p in analysis.pareto_front([p for p in good if not analysis.misses_tolerance(p)])]
+    rows = []
+    for name in analysis.sort_solvers({p["solver"] for p in good}):
+        mine = sorted((p for p in good if p["solver"] == name), key=lambda p: -(p["tolerance"] or 0))
+        rows += [
+            {"method": p["label"], "setting": f"tolerance {p['tolerance']:g}" if p["tolerance"] else "default",
+             "time_s": p["seconds"], "error": p["error"], "front": "yes" if id(p) in front else "",
+             "wrong": "yes" if analysis.misses_tolerance(p) else "", "rank": rank}
+            for rank, p in enumerate(mine)
+        ]  # fmt: skip
+    return rows
+
+
+def list_looks(points, looks: dict) -> dict[str, dict]:
+    """Return label -> look of the solvers that have points."""
+    labels = {p["solver"]: p["label"] for p in points}
+    return {labels[name]: looks[name] for name in analysis.sort_solvers(labels)}
+
+
 def clip_error(point: dict) -> float:
     """Return the error of a point, kept within the panel."""
     return min(max(point["error"], LEAST_ERROR), GREATEST_ERROR)

@@ -68,10 +68,13 @@ def add_missing_looks(known: dict, names) -> dict[str, dict]:
     }
 
 
-def save(figure, folder: Path, name: str, title: str, alt: str, rows: list[dict] | None = None) -> Figure:
+def save(
+    figure, folder: Path, name: str, title: str, alt: str, rows: list[dict] | None = None, chart: str = ""
+) -> Figure:
     """Write name.svg, name.png and name.csv to ``folder``; return the figure for the page.
 
     rows : the data where they are more than what is drawn, such as a map over numbered cells; else read off the figure.
+    chart : JSON of the same rows as an interactive chart.
     Raises ValueError where an axis does not say what it shows.
     """
     if missing := figure_data.unlabelled_axes(figure):
@@ -89,12 +92,12 @@ def save(figure, folder: Path, name: str, title: str, alt: str, rows: list[dict]
     quickly = {"pil_kwargs": {"compress_level": 1}}  # a fifth of the time of a PNG is its compression
     background.start(lambda: figure.savefig(folder / f"{name}.png", dpi=160, facecolor="white", **quickly))
     plt.close(figure)
-    return Figure(name, title, alt, _embed(drawn.getvalue(), name, alt, width), width > 6)
+    return Figure(name, title, alt, _embed(drawn.getvalue(), name, alt, width), width > 6, chart)
 
 
-def save_in_section(section: str, figure, folder: Path, name: str, title: str, alt: str) -> Figure:
-    """Save a figure under the names that all figures of a section have."""
-    return save(figure, folder, f"{section}_{slug(name)}", title, alt)
+def save_in_section(section: str, figure, folder: Path, name: str, title: str, alt: str, *more) -> Figure:
+    """Save a figure under the names that all figures of a section have; more: rows and chart."""
+    return save(figure, folder, f"{section}_{slug(name)}", title, alt, *more)
 
 
 def _add_white_background(svg: str) -> str:

@@ -8,7 +8,7 @@ from statistics import median
 from matplotlib import pyplot as plt
 
 from ..cable.cases import CASES, METHODS, motion_of, save
-from ..drawing import style
+from ..drawing import interactive, style
 from ..drawing.axes import add_legend, set_decade_ticks
 from ..page.analysis import pareto_front
 from ..page.figures import Group
@@ -39,7 +39,10 @@ def work(data: dict, folder: Path) -> Group:
         set_decade_ticks(axes)
         add_legend(figure, axes)
         alt = f"Error of the fairlead tension against run time, both logarithmic: {CASES[case]}."
-        figures.append(save(figure, folder, f"work_{case}", CASES[case], alt))
+        rows = [_row(p, front) for p in points]
+        chart = interactive.draw_work(rows, looks, ("run time", "rms error over the range"),
+                                      band=data["uncertainty"][case])  # fmt: skip
+        figures.append(save(figure, folder, f"work_{case}", CASES[case], alt, rows, chart))
         others = sum(not p["method"].startswith("harmonic") for p in front)
         shares.append(f"{motion_of(case)}: {len(front) - others} of {len(front)} points of the front")
     caption = (
@@ -50,6 +53,14 @@ def work(data: dict, folder: Path) -> Group:
         "order."
     )
     return Group(caption, figures)
+
+
+def _row(point: dict, front: list[dict]) -> dict:
+    """Return a setting for the CSV and the chart, unrounded."""
+    setting = f"{point['harmonics']} harmonics" if "harmonics" in point else f"time step {point['dt']:g} s"
+    return {"method": point["method"], "setting": f"{point['size']} nodes or cells, {setting}",
+            "time_s": point["seconds"], "error": point["rms"], "greatest error": point["error"],
+            "front": "yes" if point in front else ""}  # fmt: skip
 
 
 def ratios_at_equal_error(points: list[dict], method: str, family: str = "harmonic") -> list[float]:

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.lines import Line2D
 
-from ..drawing import style
+from ..drawing import interactive, style
 from ..drawing.axes import LOOKS, add_legend, draw_growth, panel, set_decade_ticks
 from ..page.analysis import pareto_front
 from ..page.figures import Figure, Group
@@ -49,8 +49,32 @@ def work(data: dict, folder: Path) -> Group:
         set_decade_ticks(axes)
         add_legend(figure, axes)
         alt = f"Error of the fairlead tension against run time, both logarithmic: {titles[case]}."
-        figures.append(save(figure, folder, f"work_{case}", titles[case], alt))
+        rows = list_settings(points)
+        chart = interactive.draw_work(rows, looks, ("run time", "rms error over the range"),
+                                      band=data["uncertainty"][case])  # fmt: skip
+        figures.append(save(figure, folder, f"work_{case}", titles[case], alt, rows, chart))
     return Group(_work_caption(data), figures)
+
+
+def list_settings(points: list[dict]) -> list[dict]:
+    """Return a row for each setting, unrounded; rank: its place on the front of its method, or None."""
+    rows = []
+    for method in dict.fromkeys(p["method"] for p in points):
+        mine = [p for p in points if p["method"] == method]
+        rank = {id(p): k for k, p in enumerate(pareto_front(mine, "rms"))}
+        rows += [
+            {"method": method, "setting": describe_setting(p), "time_s": p["seconds"], "error": p["rms"],
+             "greatest error": p["error"], "rank": rank.get(id(p))}
+            for p in mine
+        ]  # fmt: skip
+    return rows
+
+
+def describe_setting(point: dict) -> str:
+    """Return such as "40 cells, 12 harmonics"; of several kinds of lines "14, 1, 1 cells"."""
+    size = ", ".join(map(str, point["size"])) if isinstance(point["size"], list) else point["size"]
+    kind = "harmonics" if "harmonic balance" in point["method"] else "steps a period"
+    return f"{size} cells, {point['other']} {kind}"
 
 
 def _work_caption(data) -> str:

@@ -7,12 +7,13 @@ from statistics import median
 
 from matplotlib import pyplot as plt
 
-from ..drawing import style
+from ..drawing import interactive, style
 from ..drawing.axes import LOOKS, add_legend, panel, set_decade_ticks, set_size_ticks
 from ..page.analysis import pareto_front
 from ..page.figures import Figure, Group
 from ..page.formatting import across, number, plural, seconds, times
 from .cases import LEGEND, METHODS, save_network
+from .figures import list_settings
 
 PEER = "MoorDyn"
 
@@ -37,7 +38,9 @@ def work(data: dict, folder: Path) -> Group:
     set_decade_ticks(axes)
     add_legend(figure, axes)
     alt = f"Error of the fairlead tensions against run time, both logarithmic: {data['title']}."
-    return Group(_work_caption(data), [save_network(figure, folder, "work", title, alt)])
+    rows, labels = list_settings(points), ("run time", "largest rms error over the range")
+    chart = interactive.draw_work(rows, METHODS, labels, band=data["uncertainty"])
+    return Group(_work_caption(data), [save_network(figure, folder, "work", title, alt, rows, chart)])
 
 
 def _work_caption(data) -> str:

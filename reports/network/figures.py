@@ -8,8 +8,8 @@ import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from ..drawing import style
-from ..drawing.axes import clip_error, draw_work_points, set_time_ticks
+from ..drawing import interactive, style
+from ..drawing.axes import clip_error, draw_work_points, list_looks, list_work_rows, set_time_ticks
 from ..page import analysis
 from ..page.figures import Group
 from ..page.formatting import across, number, seconds, slug, times
@@ -36,12 +36,15 @@ def work(points: list[dict], folder: Path) -> Group | None:
     looks = style.add_missing_looks(METHOD_LOOKS, dict.fromkeys(point["solver"] for point in points))
     for case in dict.fromkeys(point["case"] for point in good):
         figure, axes = plt.subplots(figsize=TALL)
-        draw_work_points(axes, [point for point in points if point["case"] == case], looks)
+        mine = [point for point in points if point["case"] == case]
+        draw_work_points(axes, mine, looks)
         axes.set(ylabel="relative error of the end tensions", ylim=_errors(good))
         set_time_ticks(axes)
         axes.set_title(case)
         alt = f"Error against run time of the methods for networks, both logarithmic: {case}."
-        figures.append(style.save(figure, folder, f"networks_work_{slug(case)}", case, alt))
+        rows, labels = list_work_rows(mine), ("run time of one call", "relative error of the end tensions")
+        chart = interactive.draw_work(rows, list_looks(mine, looks), labels, (None, _errors(good)))
+        figures.append(style.save(figure, folder, f"networks_work_{slug(case)}", case, alt, rows, chart))
     return Group(_work_caption(points), figures) if figures else None
 
 

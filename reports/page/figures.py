@@ -9,13 +9,17 @@ from .tables import Table
 
 @dataclass
 class Figure:
-    """One drawing. svg : element to embed; alt : description for those who cannot see it; wide : over both columns."""
+    """One drawing. svg : element to embed; alt : description for those who cannot see it; wide : over both columns.
+
+    chart : JSON of the chart that stands in its place where scripts run, or "" (reports/drawing/interactive.py)
+    """
 
     name: str
     title: str
     alt: str
     svg: str
     wide: bool = False
+    chart: str = ""
 
 
 @dataclass

@@ -11,7 +11,7 @@ from ..front.answers import Answer, answer_questions
 from ..pipeline.ledger import write_atomically
 from ..pipeline.runner import Ended
 from ..pipeline.stages import Stage
-from . import analysis, formatting, search
+from . import analysis, charts, formatting, search
 from .claim_links import link_tests
 from .claims import claim_id, file_id
 from .links import link_pages
@@ -45,8 +45,11 @@ def build(out: Path, name: str, stages: list[Stage], ended: list[Ended], whole: 
     finally:
         background.finish()
     cache.write()
-    for file, text in _pages(results, sections, answers, environment).items():
+    pages = _pages(results, sections, answers, environment)
+    for file, text in pages.items():
         write_atomically(out / file, text)
+    if any(map(charts.has_charts, pages.values())):
+        charts.write_script(out)
     return out / INDEX
 
 
@@ -94,7 +97,7 @@ def _pages(results: Results, sections: list[tuple[Section, Built]], answers: lis
     """Return file -> text of every page that has a section, of the index and of what a reader can search for."""
     titles = {page: title for page, title in PAGES.items() if any(s.page == page for s, _ in sections)}
     shared = {
-        "style": (TEMPLATES / "style.css").read_text(encoding="utf-8"),
+        **_shared_by_all(),
         "search": (TEMPLATES / "search.js").read_text(encoding="utf-8"),
         "navigation": [(INDEX, "Summary"), *((f"{page}.html", title) for page, title in titles.items())],
         "failures": results.failures(),
@@ -110,6 +113,7 @@ def _pages(results: Results, sections: list[tuple[Section, Built]], answers: lis
             page=page,
             title=title,
             sections=[built.text for _, built in mine],
+            charts=charts.FILE if any(charts.has_charts(built.text) for _, built in mine) else "",
             sentences=[sentence for _, built in mine for sentence in built.sentences],
             verdicts=[verdict for _, built in mine for verdict in built.verdicts],
             contents=[(section.id, section.title) for section, _ in mine],
@@ -121,6 +125,12 @@ def _pages(results: Results, sections: list[tuple[Section, Built]], answers: lis
     return pages | {SEARCH: search.script(entries)}
 
 
+def _shared_by_all() -> dict[str, str]:
+    """Return style and script of every page, which has no charts where it does not say so."""
+    style, script = ((TEMPLATES / name).read_text(encoding="utf-8") for name in ("style.css", "page.js"))
+    return {"style": style, "page_script": script, "charts": ""}
+
+
 def _scene_page(results: Results, looks: dict, out: Path, environment: Environment) -> str:
     try:
         contents = [(section, section.build(_inputs(section, results, looks, out))) for section in SCENE_SECTIONS]
@@ -128,7 +138,7 @@ def _scene_page(results: Results, looks: dict, out: Path, environment: Environme
         background.finish()
     more = {"notes": results.notes, "whole": False}
     return environment.get_template("page/templates/scenes.html.j2").render(
-        style=(TEMPLATES / "style.css").read_text(encoding="utf-8"),
+        **_shared_by_all(),
         failures=results.failures(),
         sections=[
             _render(s, content, environment, links=dict.fromkeys(s.tests, ()), **more) for s, content in contents

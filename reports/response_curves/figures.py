@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.colors import ListedColormap
 
-from ..drawing import style
+from ..drawing import interactive, style
 from ..drawing.axes import KN, add_legend, panel
 from ..page.figures import Figure
 
@@ -30,7 +30,35 @@ def curve_figure(case: dict, folder: Path) -> Figure:
     add_legend(figure, axes, 3)
     amplitudes = ", ".join(f"{row['amplitude']:g}" for row in case["curves"])
     alt = f"{case['title']}: greatest and least tension over frequency, amplitudes {amplitudes} m."
-    return style.save(figure, folder, f"curves_{case['name']}", case["title"], alt)
+    rows, special, colours = _curve_rows(case)
+    chart = interactive.draw_curves(rows, special, colours, ("frequency, Hz", "tension at the moved end, kN"))
+    return style.save(figure, folder, f"curves_{case['name']}", case["title"], alt, rows + special, chart)
+
+
+def _curve_rows(case: dict) -> tuple[list[dict], list[dict], dict[str, str]]:
+    """Return the points of all curves of a case, its special points, and the colour of each curve."""
+    rows: list[dict] = []
+    special: list[dict] = []
+    colours = {}
+    for rank, row in enumerate(case["curves"]):
+        curves = {f"{row['amplitude']:g} m": (row["curve"], rank)}
+        curves |= {b["name"]: (b, 3 if b["name"].startswith("sideways") else 4) for b in row["branches"]}
+        for name, (curve, place) in curves.items():
+            colours[name] = style.PALETTE[place]
+            rows += _points_of(name, curve)
+            special += [{"series": name, "kind": p["kind"], "frequency_Hz": p["value"], "tension_kN": KN * p["tension"],
+                         "marker": SPECIAL[p["kind"]]} for p in curve["special"]]  # fmt: skip
+    return rows, special, colours
+
+
+def _points_of(name: str, curve: dict) -> list[dict]:
+    """Return both bounds of the tension along a curve, in its order."""
+    return [
+        {"series": name, "bound": bound, "frequency_Hz": frequency, "tension_kN": KN * tension,
+         "state": "stable" if stable else "unstable"}
+        for bound in ("greatest", "least")
+        for frequency, tension, stable in zip(curve["frequency"], curve[bound], curve["stable"], strict=True)
+    ]  # fmt: skip
 
 
 def _draw_curve(axes, curve, label, colour, drawn):

@@ -10,10 +10,14 @@ from matplotlib import pyplot as plt
 from matplotlib.colors import ListedColormap
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from ..drawing import style
+from ..drawing import interactive, style
 from ..page.figures import Figure, Group
-from ..page.formatting import MINUS, number, plural
+from ..page.formatting import MINUS, number, plural, seconds, status_words
 
+CHART_SIZES = {"warned": 18, "invalid": 50}
+"""Area of a mark on a chart in square pixels, where it is not 40."""
+CHART_SHAPES = {"invalid": "D"}
+"""Marker on a chart, where it is another one: legends show all in one size, so that rings would look like dots."""
 MARKS = {
     "warned": {"marker": ".", "c": "white", "edgecolors": style.INK, "s": 42, "linewidths": 0.6},
     "refused": {"marker": "s", "c": style.INK, "s": 26},
@@ -24,6 +28,12 @@ MARKS = {
     "crashed": {"marker": "P", "c": style.WRONG, "s": 60},
 }
 """Of every verdict but solved; where there is an answer, it has the colour of its error."""
+CHART_MARKS = {
+    verdict: {"marker": CHART_SHAPES.get(verdict, look["marker"]), "size": CHART_SIZES.get(verdict, 40),
+              "fill": look.get("c", "transparent"), "stroke": look.get("edgecolors", look.get("c"))}
+    for verdict, look in MARKS.items()
+}  # fmt: skip
+"""The same on a chart."""
 ANSWERED = ("solved", "warned")
 
 LIMITS, FORCES, TENSION = (-3, 2), (-18, -8), (-7, 1)
@@ -86,7 +96,21 @@ def _map(entry: dict, explicit: list[dict], folder: Path) -> Figure:
     alt = f"Stability map, {entry['title']}: {counts}."
     rows = [{entry[key]["label"]: entry[key]["values"][point[key]] for key in "xy"}
             | {key: point.get(key) for key in ("verdict", "status", "error")} for point in entry["points"]]  # fmt: skip
-    return style.save(figure, folder, f"stability_{entry['name']}", entry["title"], alt, rows)
+    return style.save(figure, folder, f"stability_{entry['name']}", entry["title"], alt, rows,
+                      _map_chart(entry, limit, low_high))  # fmt: skip
+
+
+def _map_chart(entry: dict, limit: tuple[str, float] | None, decades: tuple[int, int]) -> str:
+    """Return the same map as a chart: the pointer shows verdict, status, error, run time and message of a cell."""
+    ticks = [_tick(value) for value in entry["x"]["values"]], [_tick(value) for value in entry["y"]["values"]]
+    rows = [
+        {"x": ticks[0][point["x"]], "y": ticks[1][point["y"]], "verdict": point["verdict"],
+         "status": status_words(point["status"]), "error": point["error"], "run time": seconds(point.get("seconds"))}
+        | ({"message": point["message"]} if point.get("message") else {})
+        for point in entry["points"]
+    ]  # fmt: skip
+    axes, colours = (entry["x"]["label"], entry["y"]["label"]), interactive.Colours(decades, "error", ANSWERED)
+    return interactive.draw_map(rows, axes, ticks, CHART_MARKS, colours, limit)
 
 
 def _tick(value: float) -> str:

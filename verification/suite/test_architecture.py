@@ -86,6 +86,8 @@ ALSO = {
         "reports.page.section",
         "reports.pipeline.stages",
     ),  # it judges what the page says, and runs its scripts
+    "reports/drawing/interactive.py": ("altair",),
+    "reports/page/charts.py": ("vl_convert",),
     "solvers/load_cases/statistics.py": ("rainflow",),
     "solvers/numerics/compiled.py": (
         "numba",

@@ -103,8 +103,8 @@ def sentences(source: str) -> list[str]:
     return [text for text in results if isinstance(text, str) and " " in text.strip()]
 
 
-NO_PAGE = ("runner.py", "style.py", "stages.py", "__main__.py", "compare.py", "progress.py")
-"""Modules whose strings are messages of the program or markup, not sentences of the page."""
+NO_PAGE = ("runner.py", "style.py", "stages.py", "__main__.py", "compare.py", "progress.py", "interactive.py")
+"""Modules whose strings are messages of the program, markup or expressions of charts, not sentences of the page."""
 TEMPLATES = [path for path in sorted(REPORTS.rglob("*.html.j2")) if "out" not in path.relative_to(REPORTS).parts]
 
 
@@ -376,6 +376,55 @@ def test_a_figure_without_units_is_refused(tmp_path):
     )
     run = subprocess_of(code)
     assert run.returncode == 1 and "figure 'bare': axes without a label" in run.stderr and ": y" in run.stderr
+
+
+CHARTS = """
+import json
+import altair
+from jsonschema import ValidationError
+from reports.drawing import interactive
+from reports.drawing.style import INK, PALETTE
+looks = {"a": {"color": PALETTE[0], "marker": "o"}, "b": {"color": INK, "marker": "X"}}
+point = {"method": "a", "setting": "</script>", "time_s": 1e-4, "error": 0.0, "front": "yes", "wrong": "yes", "rank": 0}
+other = point | {"method": "b", "time_s": 1e-2, "error": 1e-3}
+work = interactive.draw_work([point, other], looks, ("x", "y"), band=1e-5)
+look = {"marker": "s", "size": 30, "fill": INK, "stroke": INK}
+cells = [{"x": "1", "y": "2", "verdict": "solved", "error": 1e-3},
+         {"x": "2", "y": "1", "verdict": "refused", "error": None}]
+colours = interactive.Colours((-7, 1), "error", ("solved",))
+ticks = ["1", "2"], ["1", "2"]
+drawn = interactive.draw_map(cells, ("x", "y"), ticks, {"refused": look}, colours, ("y", 0.3))
+place = {"series": "1 m", "bound": "least", "frequency_Hz": 0.1, "tension_kN": 9.0, "state": "stable"}
+rows = [place, place | {"frequency_Hz": 0.2, "state": "unstable"}, place | {"frequency_Hz": 0.3, "state": "unstable"}]
+special = [{"series": "1 m", "kind": "fold", "frequency_Hz": 0.15, "tension_kN": 9.0, "marker": "v"}]
+curves = interactive.draw_curves(rows, special, {"1 m": PALETTE[0]}, ("x", "y"))
+for text in (work, drawn, curves):
+    assert "</" not in text and INK not in text, text
+    spec = json.loads(text)
+    altair.LayerChart.from_dict(spec, validate=True)
+    try:
+        altair.LayerChart.from_dict(spec | {"layer": [{"mark": "planted"}]}, validate=True)
+    except ValidationError:
+        continue
+    raise SystemExit("a planted mark is no fault")
+pieces = json.loads(curves)["datasets"]["pieces"]
+print([(row["frequency_Hz"], row["state"], row["piece"]) for row in pieces])
+print(interactive.list_decades(1e-16, 1.0), interactive.list_decades(3.0, 60.0))
+try:
+    interactive.draw_map(cells, ("x", "y"), (["1", "1"], ["1", "2"]), {}, colours)
+except ValueError as error:
+    print(error)
+"""
+
+
+def test_charts_are_vega_lite():
+    """Every kind of chart is valid Vega-Lite in the colours of the page; lines change where stability does."""
+    run = subprocess_of(CHARTS)
+    assert run.returncode == 0, run.stderr
+    pieces, ticks, error = run.stdout.splitlines()
+    assert pieces == "[(0.1, 'stable', 0), (0.1, 'unstable', 1), (0.2, 'unstable', 1), (0.3, 'unstable', 1)]"
+    assert ticks == "[1e-16, 1e-14, 1e-12, 1e-10, 1e-08, 1e-06, 0.0001, 0.01, 1.0] [5.0, 10.0, 20.0, 50.0]"
+    assert error == "x: two cells have the same label: 1, 1"
 
 
 def subprocess_of(code: str, *arguments):
