@@ -86,6 +86,7 @@ ALSO = {
         "reports.page.section",
         "reports.pipeline.stages",
     ),  # it judges what the page says, and runs its scripts
+    "verification/suite/test_profiles.py": ("reports.page.profiles",),  # small examples by hand
     "reports/drawing/interactive.py": ("altair",),
     "reports/page/charts.py": ("vl_convert",),
     "solvers/load_cases/statistics.py": ("rainflow",),
