@@ -26,9 +26,9 @@ KINDS = {
     "drift of the fairlead": (SOLUTION, "the moving cable in time"),
     "wrong at the limits": (SOLUTION, "answers at the limits"),
     "large errors over a seabed warned of": (SOLUTION, "moving lines on a default mesh"),
-    "off the laboratory": (MEASURED, "maxima of a chain that snaps"),
-    "off OrcaFlex": (INDEPENDENT, "fairlead tension of a studless chain"),
-    "off MoorDyn, moving networks": (INDEPENDENT, "fairlead tensions of systems in motion"),
+    "difference from the laboratory": (MEASURED, "maxima of a chain that snaps"),
+    "difference from OrcaFlex": (INDEPENDENT, "fairlead tension of a studless chain"),
+    "difference from MoorDyn, moving networks": (INDEPENDENT, "fairlead tensions of systems in motion"),
 }
 """Label of a verdict -> kind of evidence, and what it is about."""
 

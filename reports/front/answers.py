@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
+from statistics import median
 from typing import Any
 
 from ..mooring.cases import CASES, OWN
@@ -18,8 +19,8 @@ QUESTIONS = {
     "verified": ("How strongly is this verified?", "evidence"),
     "method": ("Which method, at which error and cost?", "moving"),
     "breaks": ("What breaks?", "limits"),
-    "codes": ("How do other codes do?", "codes"),
-    "lines": ("What does it say of your line?", "lines"),
+    "codes": ("How do other codes do, and yours?", "codes"),
+    "lines": ("What will it say of your own line?", "lines"),
 }
 """Name of an answer -> its question, and the page that it leads to."""
 
@@ -28,6 +29,14 @@ NEAR_TAUT = 0.01
 PEER = "moorpy"
 """The code of lines at rest whose answers near taut lines are told on the first page."""
 MOVING_PEER = "MoorDyn"
+VALIDATION = ("difference from the laboratory", "difference from OrcaFlex")
+"""Labels of verdicts that compare with measurements, and with another program whose model is not the same."""
+WORDS = {
+    "in time": "integrated in time",
+    "in time, extrapolated": "integrated in time and extrapolated from two meshes",
+    "harmonic balance": "by harmonic balance",
+    "harmonic balance, extrapolated": "by harmonic balance, extrapolated from two meshes",
+}
 
 
 @dataclass(frozen=True)
@@ -75,9 +84,9 @@ def _verified(results, verdicts: list[Verdict], folder: Path) -> tuple:
     if accuracy:
         counts = analysis.summarise([row for row in accuracy["rows"] if row["set"] != "map"], analysis.OURS)
         sentences.append(
-            f"{plural(counts['cases'], 'line')} at rest, judged against 50 digits: {counts['wrong']} wrong, "
-            f"{counts['refused']} refused; median error {number(counts['median'], 2)} and greatest "
-            f"{number(counts['max'], 2)} times what rounding the input causes unavoidably."
+            f"{plural(counts['cases'], 'line')} at rest against 50 digits: {counts['wrong']} wrong, "
+            f"{counts['refused']} refused; the greatest error is {number(counts['max'], 2)} of what rounding the inputs alone must cause, "
+            f"the median {number(counts['median'], 2)}."
         )
     if defects:
         counts = defects["summary"]
@@ -85,15 +94,22 @@ def _verified(results, verdicts: list[Verdict], folder: Path) -> tuple:
             f"The checks are checked: {counts['caught']} of {plural(counts['defects'], 'mistake')} planted in the "
             "solvers are found."
         )
-    if measured := [v for v in verdicts if v.label in ("off the laboratory", "off OrcaFlex")]:
-        sentences.append("Moving lines: " + "; ".join(f"{v.value} {v.label}" for v in measured) + ".")
+    if measured := [v for v in verdicts if v.label in VALIDATION]:
+        measured = [f"{v.label} {v.value} ({v.detail.partition(', wanted')[0]})" for v in measured]
+        sentences.append(f"In motion, differences of the models included: {'; '.join(measured)}.")
     if missed:
-        sentences.append("Not reached: " + "; ".join(f"{v.label} ({v.value})" for v in missed) + ".")
+        missing = [f"{v.label}, {v.value} where {_wanted(v)} was wanted" for v in missed]
+        sentences.append(f"Not met: {'; '.join(missing)}.")
     if not bounded:
         return "", "", None, sentences, None
     value = f"{len(bounded) - len(missed)} of {len(bounded)}"
-    return (value, "bounds that were set before anything was measured are reached", not missed, sentences,
+    return (value, "bounds that were set before anything was measured are met", None if missed else True, sentences,
             figures.errors_by_regime(accuracy, folder) if accuracy else None)  # fmt: skip
+
+
+def _wanted(verdict: Verdict) -> str:
+    """Return the bound of a verdict, "at most 1 %", as its detail says it."""
+    return verdict.detail.partition("wanted ")[2].partition(";")[0].partition(",")[0]
 
 
 def _method(mooring: dict | None, folder: Path) -> tuple:
@@ -112,20 +128,23 @@ def _method(mooring: dict | None, folder: Path) -> tuple:
     typical = next(point for point in best.values() if point["method"] == method)
     title = (CASES | work["titles"])[typical["case"]]
     sentences = [
-        f"For {100 * level:g} % on a moving line take nodes and elements {method}: the cheapest in "
-        f"{methods.count(method)} of {plural(len(best), 'case')}, with {_setting(typical)} in {title.lower()}; "
-        f"{_spread(best.values())} of run time over all of them.",
+        f"For {100 * level:g} % on a moving line take nodes and elements, {WORDS[method]}: the cheapest in "
+        f"{methods.count(method)} of {plural(len(best), 'case')}. Here {_setting(typical)} do; by case it takes "
+        f"{_spread(best.values())} on one core.",
     ]
     if finest:
-        names = dict.fromkeys(point["method"] for point in finest)
-        sentences.append(f"For {100 * least:g} %: {' or '.join(names)}, {_spread(finest)}.")
+        names = dict.fromkeys(WORDS[point["method"]] for point in finest)
+        sentences.append(f"For {100 * least:g} %: {', or '.join(names)}; {_spread(finest)}.")
     ratios = [row["ratio"] for row in work["ratios"] if row["method"] == MOVING_PEER]
     if ratios:
         sentences.append(
-            f"{MOVING_PEER} takes {ratio(min(ratios))} to {ratio(max(ratios))} times as long at equal error."
+            f"{MOVING_PEER} takes {ratio(min(ratios))} to {ratio(max(ratios))} times as long for the same error."
         )
-    sentences.append("At rest, the elastic catenary is exact to rounding; no setting needs choosing.")
-    meaning = f"for {title.lower()}, from rest, with an rms error of {100 * level:g} % of the range of the tension"
+    sentences.append("At rest the elastic catenary is exact to rounding, and takes no setting.")
+    meaning = (
+        f"to {100 * level:g} %: rms error of the fairlead tension, over its range; {title.lower()}, from rest until "
+        "periodic"
+    )
     case = next(name for name, point in best.items() if point is typical)
     return seconds(typical["seconds"]), meaning, None, sentences, figures.moving_line(work, case, folder)
 
@@ -155,15 +174,20 @@ def _breaks(stability: dict | None, harmonic: dict | None, folder: Path) -> tupl
     totals = {verdict: sum(entry["counts"].get(verdict, 0) for entry in maps) for verdict in stability["verdicts"]}
     points = sum(totals.values())
     bad = totals["wrong"] + totals["crashed"]
-    others = ", ".join(f"{number(n)} {verdict}" for verdict, n in totals.items() if n and verdict not in ("wrong",))
-    sentences = [f"{plural(points, 'point')} on {plural(len(maps), 'map')}, far beyond use at sea: {others}."]
+    ended = points - bad - sum(totals.get(verdict, 0) for verdict in ("solved", "warned", "too coarse"))
+    sentences = [
+        f"{plural(points, 'input')}, most of them far beyond use at sea: {number(totals['solved'])} solved; "
+        f"{number(totals.get('warned', 0))} solved, with a warning that says what the answer lacks; "
+        f"{number(totals.get('too coarse', 0))} beyond the error that their map allows; {number(ended)} ended with a "
+        "message in place of an answer."
+    ]
     limit = (harmonic or {}).get("limit")
     if limit and limit["vanishes"]:
         sentences.append(
-            f"The tension of the OC3 line vanishes in surge of {number(limit['vanishes'], 3)} m: from there on a line "
-            "of the box scheme has no answer, one of nodes and elements goes slack and on."
+            f"The OC3 line goes slack in surge of {number(limit['vanishes'], 3)} m: there the equations of the paper "
+            "end, and those of nodes and elements go on."
         )
-    return (number(bad), "answers wrong or crashed where a solver said success", bad == 0, sentences,
+    return (number(bad), "wrong answers given as success, or crashes", bad == 0, sentences,
             figures.verdicts_by_solver(maps, stability["verdicts"], folder))  # fmt: skip
 
 
@@ -179,10 +203,13 @@ def _codes(accuracy: dict | None, mooring: dict | None, folder: Path) -> tuple:
         given = theirs["cases"] - theirs["unsupported"]
         value = f"{theirs['wrong']} of {given}"
         meaning = (
-            f"nearly taut lines (length within {100 * NEAR_TAUT:g} % of the chord) are answered wrong by {label}, by "
-            f"more than {100 * accuracy['wrong_bound']:g} % and as success; {ours['wrong']} by this project"
+            f"nearly taut lines (unstretched length within {100 * NEAR_TAUT:g} % of the chord) get a wrong answer "
+            f"from {label}, more than {100 * accuracy['wrong_bound']:g} % off, without an error raised; {ours['wrong']} from "
+            "this project"
         )
         good = theirs["wrong"] == 0
+        if errors := [row["answers"][PEER]["error"] for row in taut if row["answers"][PEER]["verdict"] == "wrong"]:
+            sentences.append(f"Half of these are off by more than {100 * median(errors):.2g} %.")
     for name in analysis.sort_solvers(accuracy["solvers"]):
         if not name.startswith(analysis.OURS):
             counts, chosen = analysis.summarise(accuracy["rows"], name), accuracy["solvers"][name]
@@ -192,8 +219,9 @@ def _codes(accuracy: dict | None, mooring: dict | None, folder: Path) -> tuple:
                 f"{number(counts['cases'])}."
             )
     sentences.append(
-        "Judge your own code: `pytest --pyargs verification.conformance --solver my_code.py` says which cases are "
-        "wrong and why."
+        "**Your own code**, in Python or a program that reads and prints JSON: `pytest --pyargs "
+        "verification.conformance --solver my_code.py` judges it at rest and in motion, and says which cases are "
+        "wrong, and why. README has an adapter to copy."
     )
     return value, meaning, good, sentences, figures.verdicts_by_code(accuracy, folder)
 
@@ -205,9 +233,9 @@ def _is_nearly_taut(row: dict) -> bool:
 def _lines(scenes: dict | None, folder: Path) -> tuple:
     """Return what a scene file gives, shown on the first one that is shipped, and how to bring one."""
     sentences = [
-        "Bring it: `python -m reports my_line.toml`, or a network, a MAP++ or MoorDyn file, or a table of load cases "
-        "(`cases.csv my_system.toml`), writes a page of its own: forces, shape, margin against breaking, and for each "
-        "setting its error and run time.",
+        "**Your own line**, in a file of ten lines that README has to copy: `python -m reports my_line.toml` writes a "
+        "page of forces, shape, margin against breaking, and the error and run time of each setting. Networks, files "
+        "of MAP++ and MoorDyn go the same way, and load cases: `python -m reports cases.csv my_system.toml`.",
     ]
     if not scenes:
         return "", "", None, sentences, None
@@ -215,9 +243,9 @@ def _lines(scenes: dict | None, folder: Path) -> tuple:
     line = scene["lines"][0]
     value = f"{number(line['tension'] / 1e3, 4)} kN"
     label = f" ({line['label']})" if line["label"] else ""
-    meaning = f"at the fairlead of {scene['name']}{label}, {number(line['grounded_length'])} m of it on the seabed"
-    sentences.append(
-        f"Its error against 50 digits is {number(line['error'], 2)}; the page says so of your line, too, and warns "
-        "where the input looks like a mistake of units."
+    meaning = (
+        f"for example, at the fairlead of {scene['name']}{label}; {number(line['grounded_length'])} m of it lie on the "
+        f"seabed; relative error against 50 digits: {number(line['error'], 2)}"
     )
+    sentences.append("An input that looks like a mistake in units is warned of.")
     return value, meaning, None, sentences, figures.shape_of(scene, folder)

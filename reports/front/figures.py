@@ -16,7 +16,7 @@ from ..page.figures import Figure
 
 SIZE = (style.PANEL[0], 2.7)
 
-SHOWN = 12
+SHOWN = 8
 """Regimes with the greatest errors, those that are drawn."""
 
 save = partial(style.save_in_section, "summary")
@@ -39,11 +39,11 @@ def errors_by_regime(accuracy: dict, folder: Path) -> Figure:
     for key, label, marker in (("median", "median", "o"), ("max", "greatest", "D")):
         axes.plot([counts[key] for _, counts in entries], places, marker, label=label,
                   color=style.PALETTE[0 if key == "median" else 1])  # fmt: skip
-    axes.axvline(1, color=style.PALE, linestyle="--", linewidth=1)
-    axes.set(xscale="log", xlabel="error over the unavoidable rounding error", ylabel="regime")
+    axes.axvline(1, color=style.PALE, linestyle="--", linewidth=1, label="unavoidable")
+    axes.set(xscale="log", xlabel="error over that of rounding the inputs", ylabel="regime")
     axes.set_yticks(places, [name for name, _ in entries], fontsize=8)
     set_decade_ticks(axes, "x")
-    figure.legend(loc="outside upper center", ncols=2)
+    figure.legend(loc="outside upper center", ncols=3)
     title = "Lines at rest against 50 digits"
     return save(figure, folder, "errors", title, f"{title}: errors by regime, logarithmic; those with the greatest.")
 

@@ -65,7 +65,7 @@ def verdicts(data: dict):
             f"most {ALIKE:.0%}; in {known} no more than meshes, steps and MoorDyn's damping explain"
         )
         good = worst <= ALIKE and known == len(rows)
-        yield Verdict(f"{100 * worst:.2g} %", "off MoorDyn, moving networks", detail, good,
+        yield Verdict(f"{100 * worst:.2g} %", "difference from MoorDyn, moving networks", detail, good,
                       "mooring-networks-agreement", "verified")  # fmt: skip
     if data.get("growth"):
         value, lines = data["growth"]["exponents"]["seconds"], data["growth"]["rows"][-1]["lines"]

@@ -39,13 +39,15 @@ def verdicts(data: dict):
         value, count = data["laboratory"]["mean_absolute"], len(data["laboratory"]["rows"])
         detail = f"mean over {count} measured maxima of a chain that snaps, wanted at most {100 * DEVIATION:g} %"
         good = value <= DEVIATION
-        yield Verdict(f"{100 * value:.1f} %", "off the laboratory", detail, good, "mooring-laboratory", "verified")
+        yield Verdict(
+            f"{100 * value:.1f} %", "difference from the laboratory", detail, good, "mooring-laboratory", "verified"
+        )
     if data.get("orcaflex"):
         value = max(next(iter(row["computed"].values()))["fairlead"]["rms"] for row in data["orcaflex"])
         count = len(data["orcaflex"])
         detail = f"rms over the range at the fairlead, worst of {count}, wanted at most {100 * ACCEPTED:g} %"
         good = value <= ACCEPTED
-        yield Verdict(f"{100 * value:.1f} %", "off OrcaFlex", detail, good, "mooring-orcaflex", "verified")
+        yield Verdict(f"{100 * value:.1f} %", "difference from OrcaFlex", detail, good, "mooring-orcaflex", "verified")
     if data.get("seabeds"):
         summary, large = data["seabeds"]["summary"], data["seabeds"]["large"]
         detail = f"errors above {100 * large:g} % of the range with a warning, of {summary['solved']} motions"

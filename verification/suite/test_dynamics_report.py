@@ -146,7 +146,7 @@ def test_report_calls_a_validation_that_is_missed_not_reached(line):
     (out / "results" / FILES[LINE]).write_text(json.dumps(planted), encoding="utf-8")
     text = words(page(out))
     assert "mean size 23.4 %, greatest 34.5 %" in text and "45.6 %, 45.6 %, 45.6 % at the fairlead" in text
-    for label in ("off the laboratory", "off OrcaFlex", "time of the box scheme"):
+    for label in ("difference from the laboratory", "difference from OrcaFlex", "time of the box scheme"):
         assert re.search(f"{label} . not reached", text), label
 
 
@@ -218,7 +218,7 @@ def test_report_shows_how_networks_grow_and_what_they_are_beside_moordyn(tmp_pat
     assert f"lines to the power {result['growth']['exponents']['seconds']:.2f} in time" in text
     assert "A spar: 1.2 %, of which refining explains up to 1.2 %; the segments matter most" in text
     assert "MoorDyn takes 8.0 times as long as this core" in text and "20 + 1 + 1" in text
-    for label in ("off MoorDyn, moving networks", "time of MoorDyn, moving network"):
+    for label in ("difference from MoorDyn, moving networks", "time of MoorDyn, moving network"):
         assert re.search(f"{label} . not reached", text), label
     assert "exponent of the growth with lines" in text and "Light damping" not in text
     assert "not periodic yet" in text
