@@ -83,10 +83,10 @@ def _verified(results, verdicts: list[Verdict], folder: Path) -> tuple:
     sentences = []
     if accuracy:
         counts = analysis.summarise([row for row in accuracy["rows"] if row["set"] != "map"], analysis.OURS)
+        rounding = f"{number(counts['max'], 2)} of what rounding the inputs alone must cause"
         sentences.append(
             f"{plural(counts['cases'], 'line')} at rest against 50 digits: {counts['wrong']} wrong, "
-            f"{counts['refused']} refused; the greatest error is {number(counts['max'], 2)} of what rounding the inputs alone must cause, "
-            f"the median {number(counts['median'], 2)}."
+            f"{counts['refused']} refused; the greatest error is {rounding}, the median {number(counts['median'], 2)}."
         )
     if defects:
         counts = defects["summary"]
@@ -204,8 +204,8 @@ def _codes(accuracy: dict | None, mooring: dict | None, folder: Path) -> tuple:
         value = f"{theirs['wrong']} of {given}"
         meaning = (
             f"nearly taut lines (unstretched length within {100 * NEAR_TAUT:g} % of the chord) get a wrong answer "
-            f"from {label}, more than {100 * accuracy['wrong_bound']:g} % off, without an error raised; {ours['wrong']} from "
-            "this project"
+            f"from {label}, more than {100 * accuracy['wrong_bound']:g} % off, without an error raised; "
+            f"{ours['wrong']} from this project"
         )
         good = theirs["wrong"] == 0
         if errors := [row["answers"][PEER]["error"] for row in taut if row["answers"][PEER]["verdict"] == "wrong"]:
