@@ -107,6 +107,10 @@ def test_every_chart_is_drawn(browser, path, width, scheme):
         found = checks.overflows(page) + checks.label_overlaps(page) + checks.clipped_labels(page)
         found += chart.evaluate("""chart => [chart.querySelector('svg')].filter(
             svg => svg.getBoundingClientRect().width > chart.clientWidth + 1).map(() => 'wider than its box')""")
+        found += chart.evaluate("""chart => [...chart.querySelectorAll('.role-axis-label')].flatMap(axis => {
+            const labels = [...axis.querySelectorAll('text')].filter(t => t.getAttribute('opacity') !== '0')
+                .map(t => t.textContent.trim()).filter(t => t);
+            return labels.filter((t, i) => labels.indexOf(t) < i).map(t => 'two ticks say ' + t); })""")
         faults += [f"{name}: {fault}" for fault in found]
     faults += checks.unreadable(page)
     page.close()

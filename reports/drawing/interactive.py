@@ -239,7 +239,7 @@ def _log_axis(title: str, domain: tuple[float, float], label: str):
     return alt.Axis(title=title, values=list_decades(*domain), format="~g", labelExpr=label)
 
 
-ERROR_LABEL = "datum.value < 1e-2 ? '1e' + round(log(datum.value) / LN10) : datum.label"
+ERROR_LABEL = "datum.value < 1e-2 ? format(datum.value, '.0e') : datum.label"
 SECONDS_LABEL = "format(datum.value, '~s') + 's'"
 """Labels of ticks: powers of ten where a plain number is long; seconds with the prefix of their size."""
 
