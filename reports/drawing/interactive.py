@@ -149,7 +149,8 @@ def draw_curves(rows: list[dict], special: list[dict], colours: dict[str, str], 
     of_series, of_state = _switch("series_shown", "series", names), _switch("states_shown", "state", states)
     near = alt.selection_point(name="near", on="pointerover", clear="pointerout", empty=False)
     place = {
-        "x": alt.X("frequency_Hz:Q", title=axes[0], scale=_linear([row["frequency_Hz"] for row in rows])),
+        "x": alt.X("frequency_Hz:Q", axis=alt.Axis(title=axes[0], tickCount=8, labelOverlap=True),
+                   scale=_linear([row["frequency_Hz"] for row in rows])),
         "y": alt.Y("tension_kN:Q", axis=alt.Axis(title=axes[1], format="~r"),
                    scale=_linear([row["tension_kN"] for row in [*rows, *special]])),
     }  # fmt: skip

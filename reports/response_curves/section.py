@@ -11,7 +11,9 @@ from . import figures
 
 MOST_SECONDS = 60.0  # CPU, of a curve of 200 points on 50 cells: the bound that this project sets itself
 WHOLE_POINTS, WHOLE_CELLS = 200, 50
-AGREE = 1e-5  # difference of the two roads on a smooth system, at its best settings
+KINDS = {"fold": "s", "branch point": "s", "period doubling": "s", "Neimark-Sacker": "", "jump": "s"}
+"""Kind of a special point -> what its plural adds."""
+AGREE = 1e-5  # difference of the two methods on a smooth system, at its best settings
 KN_COLUMNS = {"kind": "special point", "value": "frequency, Hz", "tension": "tension, kN", "error": "error"}
 SIDES = {-1: "before", 1: "after", 0: "past it"}
 
@@ -48,10 +50,13 @@ def _curves(cases, inputs) -> Group:
     text = (
         "Greatest and least tension in the period over the frequency; dotted: unstable, in the plane of the line or "
         "across it; markers: special points in the plane "
-        f"({special} in all). {plural(unresolved, 'further one')} of the series alone are left out: there a line is "
-        "nearly slack and the multipliers of the time steps, or the error by the harmonics, say that the motion itself "
-        "has none."
+        f"({special} in all)."
     )
+    if unresolved:
+        text += (
+            f" {plural(unresolved, 'special point')} of the truncated series left out: the line is nearly slack there, "
+            "and the multipliers of the time steps, or the error by the harmonics, say that the motion has none."
+        )
     return Group(f"{text} {'; '.join(ended)}{'.' if ended else ''}",
                  [figures.curve_figure(case, inputs.figures) for case in cases])  # fmt: skip
 
@@ -68,8 +73,8 @@ def _confirmed(cases, inputs) -> dict | None:
     table = Table("curves_confirmed", "Special points in time", columns, rows, formats).write(inputs.tables)
     counts = {answer: sum(row["agrees"] == answer for row in rows) for answer in ("yes", "no", "not decided")}
     text = (
-        f"Of {plural(len(rows), 'time integration')} {counts['yes']} fare as the multipliers say, {counts['no']} "
-        f"contradict them, {counts['not decided']} are not decided."
+        f"Of {plural(len(rows), 'time integration')} {counts['yes']} grow or decay as the multipliers say, "
+        f"{counts['no']} contradict them, {counts['not decided']} are not decided."
     )
     return {"table": table, "sentence": text}
 
@@ -167,7 +172,10 @@ def _sentences(cases) -> list[str]:
                 kinds[point["kind"]] = kinds.get(point["kind"], 0) + 1
     if not cases:
         return []
-    listed = ", ".join(f"{count} of kind {kind}" for kind, count in kinds.items()) or "none"
+    listed = (
+        ", ".join(f"{number(count)} {kind}{KINDS[kind] if count > 1 else ''}" for kind, count in kinds.items())
+        or "none"
+    )
     curves = sum(len(case["curves"]) for case in cases)
     return [f"Response curves: special points on {plural(curves, 'curve')} of cables: {listed}."]
 
