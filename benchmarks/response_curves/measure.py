@@ -9,15 +9,15 @@ import time
 from functools import partial
 
 from ..run import console, results
-from . import maps, roads
+from . import maps, two_methods
 from .curves import measure_case
 from .systems import CASES
 
 PARTS = {f"curve_{case.name}": partial(measure_case, case) for case in CASES}
-PARTS |= {"count": maps.count_responses, "basins": maps.basins, "parametric": maps.parametric, "roads": roads.roads,
-          "cost": roads.cost}  # fmt: skip
+PARTS |= {"count": maps.count_responses, "basins": maps.basins, "parametric": maps.parametric,
+          "methods": two_methods.compare_methods, "cost": two_methods.cost}  # fmt: skip
 NOT_IN_QUICK = ("curve_shallow", "curve_bridle", "count", "basins")
-DEEP = {"whole_curve": roads.whole_curve}
+DEEP = {"whole_curve": two_methods.whole_curve}
 
 
 def main(argv=None) -> int:

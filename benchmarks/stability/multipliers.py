@@ -1,6 +1,6 @@
 """Floquet multipliers of moving lines: their time, how each road fails, slack and the step, multipliers.json.
 
-``growth``: CPU time of the multipliers of the OC3 line by its cells. ``roads``: difference of Hill's problem and the
+``growth``: CPU time of the multipliers of the OC3 line by its cells. ``methods``: difference of Hill's problem and the
 monodromy by harmonics and by steps. ``steps``: multipliers over slack cells by time steps, beside the decay in time.
 ``tongue``: sideways growth of a taut line over frequency and amplitude. ``curve``: a response curve with stability.
 """
@@ -60,8 +60,8 @@ def growth(quick):
     return rows
 
 
-def roads(quick):
-    """Difference of the two roads in 2 mm of surge at 0.2 Hz, by harmonics and by steps, most of the other."""
+def compare_methods(quick):
+    """Difference of the two methods in 2 mm of surge at 0.2 Hz, by harmonics and by steps, most of the other."""
     rows = []
     for harmonics in HARMONICS:
         response = solve_periodic(line(0.002, 0.2, 10), harmonics=harmonics)
@@ -136,7 +136,7 @@ def curve(quick):
     return [{"points": points.values.size, "stable": sum(stable), "seconds": seconds, "end": points.end}]
 
 
-PARTS = {"growth": growth, "roads": roads, "steps": steps, "tongue": tongue, "curve": curve}
+PARTS = {"growth": growth, "methods": compare_methods, "steps": steps, "tongue": tongue, "curve": curve}
 
 
 def main(argv=None) -> int:

@@ -109,8 +109,8 @@ def road_figures(rows: list[dict], folder: Path) -> list[Figure]:
         axes.plot([row[key] for row in mine], [row["difference"] for row in mine], "o-", color=style.PALETTE[0])
         axes.set_xticks([row[key] for row in mine], [str(row[key]) for row in mine])
         axes.minorticks_off()
-        alt = f"Difference of the multipliers of both roads against {label}, {hold} {other}."
-        drawn.append(style.save(figure, folder, f"curves_roads_{key}", title, alt))
+        alt = f"Difference of the multipliers of both methods against {label}, {hold} {other}."
+        drawn.append(style.save(figure, folder, f"curves_methods_{key}", title, alt))
     return drawn
 
 

@@ -27,7 +27,7 @@ def build(inputs: Inputs) -> Content:
     shown = {
         "curves": _curves(cases, inputs) if cases else None,
         "confirmed": _confirmed(cases, inputs) if cases else None,
-        "multipliers": _multipliers(cases, data.get("roads"), inputs),
+        "multipliers": _multipliers(cases, data.get("methods"), inputs),
         "basins": _basins(data, inputs) if data.get("count") and data.get("basins") else None,
         "parametric": _parametric(data["parametric"], inputs) if data.get("parametric") else None,
         "cost": _cost(data, inputs) if data.get("cost") else None,
@@ -79,7 +79,7 @@ def _confirmed(cases, inputs) -> dict | None:
     return {"table": table, "sentence": text}
 
 
-def _multipliers(cases, roads, inputs) -> Group | None:
+def _multipliers(cases, compared, inputs) -> Group | None:
     count = lambda case: max(len(row["curve"]["special"]) for row in case["curves"])
     case = max(cases, key=count, default=None)
     drawn = [figures.multiplier_figure(case, inputs.figures)] if case and count(case) else []
@@ -88,10 +88,10 @@ def _multipliers(cases, roads, inputs) -> Group | None:
         if drawn
         else ""
     )
-    if roads:
-        drawn += figures.road_figures(roads, inputs.figures)
-        least = min(row["difference"] for row in roads if row["difference"] is not None)
-        worst = max(row["difference"] for row in roads if row["difference"] is not None)
+    if compared:
+        drawn += figures.comparison_figures(compared, inputs.figures)
+        least = min(row["difference"] for row in compared if row["difference"] is not None)
+        worst = max(row["difference"] for row in compared if row["difference"] is not None)
         text += (
             f"Hill's problem and the monodromy of the OC3 line in small surge differ by {number(least, 1)} at best, "
             f"and by {number(worst, 1)} where harmonics or steps are too few."
@@ -152,8 +152,8 @@ def verdicts(data: dict, cases: list[dict]):
         bad = sum(row["agrees"] is False for row in rows)
         text = f"of {plural(len(rows), 'time integration')} beside special points contradict the multipliers, wanted 0"
         yield Verdict(str(bad), text, "returns, or leaves", bad == 0, "response-curves")
-    if data.get("roads"):
-        least = min(row["difference"] for row in data["roads"] if row["difference"] is not None)
+    if data.get("methods"):
+        least = min(row["difference"] for row in data["methods"] if row["difference"] is not None)
         text = f"least difference of Hill's problem and the monodromy, at most {AGREE:g}"
         yield Verdict(two_digits(least), text, "OC3 line in small surge", least <= AGREE, "response-curves")
     total, is_measured = _whole_seconds(data)

@@ -1,4 +1,4 @@
-"""Local stability of a periodic response: its Floquet multipliers by two roads, and their difference.
+"""Local stability of a periodic response: its Floquet multipliers by two methods, and their difference.
 
 Of a chain of first-order rows: the dense monodromy matrix (``monodromy``) and Hill's dense problem (``hill``). Of
 lines of nodes and elements: the leading eigenvalues of the linearised period, which is a function and no matrix

@@ -6,7 +6,7 @@ from ..tools.planting import Fault
 from .defect import Defect
 
 _MEISSNER = "stability/test_floquet.py::test_meissner_in_closed_form"
-_ROADS = "stability/test_floquet.py::test_liouville_and_two_roads_on_a_nonlinear_orbit"
+_TWO_METHODS = "stability/test_floquet.py::test_liouville_and_two_methods_on_a_nonlinear_orbit"
 _TOWED = "stability/test_floquet.py::test_rows_that_prescribe_a_velocity_have_their_multiplier_taken_out"
 _LINES = "stability/test_line_multipliers.py::"
 _TONGUE = _LINES + "test_sideways_growth_is_that_of_mathieu"
@@ -39,7 +39,7 @@ DEFECTS: tuple[Defect, ...] = (
     _defect(
         "radau-node", "monodromy", "_radau", "np.array([(4 - r) / 10, (4 + r) / 10, 1.0])",
         "np.array([(4 - r) / 10, (4 + r) / 10, 0.9])", "order",
-        "the last stage before the end of the step", _ROADS,
+        "the last stage before the end of the step", _TWO_METHODS,
     ),
     _defect(
         "monodromy-product-turned", "monodromy", "monodromy",
@@ -52,7 +52,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     _defect(
         "hill-sign", "hill", "hill_exponents", "eig(J, -D)", "eig(J, D)", "sign",
-        "Hill's exponents with another sign", _ROADS,
+        "Hill's exponents with another sign", _TWO_METHODS,
     ),
     _defect(
         "hill-series-twice", "hill", "hill_exponents", "EDGE - 0.5", "EDGE - 1.0", "index",

@@ -1,4 +1,4 @@
-"""Are Floquet multipliers right? Closed forms, transition curves, Liouville's formula, two roads against each other."""
+"""Are Floquet multipliers right? Closed forms, transition curves, Liouville's formula, two methods against each other."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def test_meissner_is_of_fifth_order():
     ],
 )
 def test_mathieu_on_its_transition_curves(characteristic, order, q):
-    """Where Mathieu functions are periodic the multipliers are both 1 or both -1, by both roads."""
+    """Where Mathieu functions are periodic the multipliers are both 1 or both -1, by both methods."""
     response = response_of(cases.mathieu(characteristic(order, q), q))
     trace = 2.0 if order % 2 == 0 else -2.0
     assert np.trace(monodromy(response, 400)) == pytest.approx(trace, abs=CLOSED_FORM)
@@ -83,7 +83,7 @@ def test_mathieu_beside_a_transition_curve():
 
 
 def test_stuart_landau_in_closed_form():
-    """Along the cycle one, across it exp(-2 growth T), by both roads."""
+    """Along the cycle one, across it exp(-2 growth T), by both methods."""
     growth, omega = 0.09, 1.7
     z = np.zeros((2, 1, 31))
     z[0, 0, 2], z[1, 0, 1] = math.sqrt(growth), math.sqrt(growth)  # cosine and sine
@@ -94,8 +94,8 @@ def test_stuart_landau_in_closed_form():
 
 
 # ---------------------------------------------------------------- nonlinear chains
-def test_liouville_and_two_roads_on_a_nonlinear_orbit():
-    """The product of the multipliers is exp(-c T); both roads agree, and do not with too few harmonics."""
+def test_liouville_and_two_methods_on_a_nonlinear_orbit():
+    """The product of the multipliers is exp(-c T); both methods agree, and do not with too few harmonics."""
     system = duffing(1.2, 0.18, c=0.05, k3=0.1)
     result = floquet(solve_periodic(system, harmonics=15))
     assert np.prod(result.multipliers).real == pytest.approx(math.exp(-0.05 * system.period), abs=SMOOTH)
@@ -106,7 +106,7 @@ def test_liouville_and_two_roads_on_a_nonlinear_orbit():
 
 
 def test_a_mode_faster_than_every_harmonic_is_found():
-    """A linear oscillator driven at a fiftieth of its frequency, with three harmonics: exp(lambda T) by both roads."""
+    """A linear oscillator driven at a fiftieth of its frequency, with three harmonics: exp(lambda T) by both methods."""
     system = duffing(0.02, 0.3, c=0.01, k3=0.0)
     result = floquet(solve_periodic(system, harmonics=3), steps=8000)
     expected = np.exp(np.roots([1.0, 0.01, 1.0]) * system.period)
@@ -115,7 +115,7 @@ def test_a_mode_faster_than_every_harmonic_is_found():
 
 
 def test_too_few_steps_are_seen_in_the_difference():
-    """Ten steps in the period: the difference of the two roads is that of the time integration."""
+    """Ten steps in the period: the difference of the two methods is that of the time integration."""
     response = solve_periodic(duffing(1.2, 0.18, c=0.05, k3=0.1), harmonics=15)
     assert floquet(response, steps=10).difference > 100 * floquet(response, steps=100).difference
 

@@ -28,7 +28,7 @@ FIRST_ORDER = (
     0.005  # of the largest growth: a quarter of CHANGE is of second order; waves along the line are eleven times
 )
 # as fast as the motion, which makes 0.2 % of the tension
-ENOUGH = 1e-5  # difference of the two roads where harmonics and steps are enough
+ENOUGH = 1e-5  # difference of the two methods where harmonics and steps are enough
 LONGEST_TAIL = 1e-3  # of a multiplier whose series has a hundredth of its energy in its last two harmonics
 MAP, MAP_STEP = 1e-4, 1e-3  # of a central difference of a period of time steps, with disturbances of 1 mm
 SEABED_MAP, SEABED_STEP = 1e-5, 1e-4  # with 0.1 mm, in which no node meets the seabed at another step; measured 9e-7
@@ -186,7 +186,7 @@ def test_series_that_are_too_short_do_not_count():
 
 
 def test_hill_and_monodromy_agree_on_a_bridle():
-    """A network with a joint, in space: both roads find the same multipliers, all but those of the shortest series."""
+    """A network with a joint, in space: both methods find the same multipliers, all but those of the shortest series."""
     result = floquet(solve_periodic(bridle(), harmonics=20), steps=1600)
     distance = abs(result.hill[:, None] - result.multipliers).min(axis=1)
     assert result.sideways is None and (distance <= ENOUGH).sum() >= 12

@@ -12,7 +12,7 @@ from .test_dynamics_report import page as built_page
 from .test_dynamics_report import words
 from .test_report import ROOT, Page, broken_anchors, missing_files, report, undescribed
 
-PARTS = ("curve_taut", "roads", "parametric")
+PARTS = ("curve_taut", "methods", "parametric")
 
 
 @pytest.fixture(scope="module")
@@ -30,7 +30,7 @@ def built(tmp_path_factory):
 def test_the_section_shows_the_parts_that_were_measured(built):
     """Measured parts have their headings, others none; figures are described, every link leads somewhere."""
     out, content, page = built
-    for heading in ("Response curves and stability", "Special points in time", "Multipliers by two roads",
+    for heading in ("Response curves and stability", "Special points in time", "Multipliers by two methods",
                     "Sideways and upward instability"):  # fmt: skip
         assert heading in page.text
     for heading in ("curves-basins", "curves-cost"):
@@ -38,7 +38,7 @@ def test_the_section_shows_the_parts_that_were_measured(built):
     assert undescribed(page) == [] and missing_files(page, out) == [] and broken_anchors(page) == []
     rows = content["curve_taut"]["curves"][0]["confirmed"]
     agree = sum(row["agrees"] is True for row in rows)
-    assert f"Of {len(rows)} time integrations {agree} fare as the multipliers say, 0 contradict" in words(page)
+    assert f"Of {len(rows)} time integrations {agree} grow or decay as the multipliers say, 0 contradict" in words(page)
     assert agree >= 2 and not any(row["agrees"] is False for row in rows)
 
 

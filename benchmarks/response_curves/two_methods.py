@@ -20,8 +20,8 @@ COST = {"start": 0.03, "stop": 0.08, "harmonics": 9}
 TURNS = 1
 
 
-def roads(quick: bool) -> list[dict]:
-    """Return the difference of the two roads by harmonics, with most steps, and by steps, with most harmonics."""
+def compare_methods(quick: bool) -> list[dict]:
+    """Return the difference of the two methods by harmonics, with most steps, and by steps, with most harmonics."""
     rows = []
     amplitude, frequency = SMOOTH
     for harmonics in ROAD_HARMONICS:
