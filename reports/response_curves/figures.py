@@ -97,7 +97,7 @@ def multiplier_figure(case: dict, folder: Path) -> Figure:
     return style.save(figure, folder, f"curves_multipliers_{case['name']}", "Multipliers in the complex plane", alt)
 
 
-def road_figures(rows: list[dict], folder: Path) -> list[Figure]:
+def comparison_figures(rows: list[dict], folder: Path) -> list[Figure]:
     """Return the difference of Hill's problem and the monodromy by harmonics and by steps, logarithmic."""
     most = max(row["harmonics"] for row in rows), max(row["steps"] for row in rows)
     drawn = []

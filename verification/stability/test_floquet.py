@@ -1,4 +1,4 @@
-"""Are Floquet multipliers right? Closed forms, transition curves, Liouville's formula, two methods against each other."""
+"""Are Floquet multipliers right? Closed forms, transition curves, Liouville's formula, both methods alike."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ def test_liouville_and_two_methods_on_a_nonlinear_orbit():
 
 
 def test_a_mode_faster_than_every_harmonic_is_found():
-    """A linear oscillator driven at a fiftieth of its frequency, with three harmonics: exp(lambda T) by both methods."""
+    """A linear oscillator driven at a fiftieth of its frequency, with three harmonics: exp(lambda T), both ways."""
     system = duffing(0.02, 0.3, c=0.01, k3=0.0)
     result = floquet(solve_periodic(system, harmonics=3), steps=8000)
     expected = np.exp(np.roots([1.0, 0.01, 1.0]) * system.period)

@@ -186,7 +186,7 @@ def test_series_that_are_too_short_do_not_count():
 
 
 def test_hill_and_monodromy_agree_on_a_bridle():
-    """A network with a joint, in space: both methods find the same multipliers, all but those of the shortest series."""
+    """A network with a joint, in space: both methods find the same multipliers but for the shortest waves."""
     result = floquet(solve_periodic(bridle(), harmonics=20), steps=1600)
     distance = abs(result.hill[:, None] - result.multipliers).min(axis=1)
     assert result.sideways is None and (distance <= ENOUGH).sum() >= 12
