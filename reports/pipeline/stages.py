@@ -300,7 +300,7 @@ def sweep_stage(path: Path, band: str, amplitude: float | None = None, depth: fl
                  (program(module),), sources, seconds=20)  # fmt: skip
 
 
-SAMPLE = 122
+SAMPLE = 124
 """Seeded defects that are planted beside misprints and blind spots, one from every module: a quarter of all."""
 
 

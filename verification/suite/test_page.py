@@ -21,8 +21,8 @@ QUESTIONS = {
     "How strongly is this verified?": "evidence.html",
     "Which method, at which error and cost?": "moving.html",
     "What breaks?": "limits.html",
-    "How do other codes do?": "codes.html",
-    "What does it say of your line?": "lines.html",
+    "How do other codes do, and yours?": "codes.html",
+    "What will it say of your own line?": "lines.html",
 }
 """Question of the first page -> the page that answers it at length."""
 SCENES = ("oc3_hywind", "shallow_chain", "taut_polyester")
