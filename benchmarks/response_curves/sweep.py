@@ -79,7 +79,9 @@ def _tuned(given, is_line, frequency, amplitude):
         if amplitude is None:
             return motion, size, ()
         if size == 0:
-            raise InputError("the motion only turns the body: leave --amplitude away", field="amplitude", unit="m")
+            problem = f"{amplitude:g} m cannot scale a motion without displacement: leave --amplitude away where the "
+            problem += "body only turns, else give [motion] of the file an amplitude in m"
+            raise InputError(problem, field="amplitude", value=amplitude, unit="m")
         return motion.scaled(amplitude / size), amplitude, ()
     notes = ("The file has no harmonic motion: the moved ends go in surge",)
     notes = (f"{notes[0]} of {DEFAULT_AMPLITUDE:g} m; --amplitude takes another.",) if amplitude is None else (

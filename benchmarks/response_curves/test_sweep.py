@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 from pathlib import Path
 
 import numpy as np
@@ -68,6 +69,20 @@ def test_amplitude_scales_the_motion_of_the_file(case):
     assert sweep.prepare(LINE, BAND).amplitude == pytest.approx(5.0, rel=1e-3)
     network = sweep.prepare(NETWORK, BAND, 0.5)
     assert network.amplitude == 0.5 and len(network.lines) == 9
+
+
+@pytest.mark.parametrize(
+    ("amplitude", "message"), [(None, "motion: its amplitude is 0 m"), (1.0, "amplitude: 1 m cannot scale a motion")]
+)
+def test_a_file_whose_motion_is_zero_is_refused(amplitude, message, tmp_path, capsys):
+    """On the command line: an exit status, and the field and what to do on the standard error."""
+    text = LINE.read_text(encoding="utf-8")
+    still = tmp_path / "still.toml"
+    still.write_text(re.sub(r"(?m)^amplitude *=.*$", "amplitude = [0.0, 0.0, 0.0]", text), encoding="utf-8")
+    given = [] if amplitude is None else ["--amplitude", str(amplitude)]
+    status = sweep.main([str(still), "--band", "0.03:0.045", "--out", str(tmp_path), *given])
+    assert status == sweep.BAD_FILE and message in capsys.readouterr().err
+    assert not list(tmp_path.rglob("sweep*"))
 
 
 def test_jumps_and_instability_are_named():

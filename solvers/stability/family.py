@@ -26,13 +26,14 @@ def build_family(system, parameter) -> Callable:
     """Return a function from values of a parameter to systems.
 
     parameter: "frequency" of a Motion or BodyMotion in Hz, of a BodyMotion that of its period; "amplitude", a factor of
-    the driving as it is; or the function itself. Raises InputError for another parameter, or for the frequency of a
-    system that no such motion drives.
+    the driving as it is; or the function itself. Raises InputError for another parameter, for the frequency of a system
+    that no such motion drives, and for a motion of zero amplitude.
     """
     if callable(parameter):
         return lambda value: as_system(parameter(value))
     one_of("parameter", parameter, tuple(UNITS))
     system = as_system(system)
+    _require_displacement(getattr(system, "motion", None))
     if hasattr(system, "with_motion"):
         system.rest_state()  # once: each system of the family takes it over, and a network's takes longer than its rows
     if parameter == "amplitude":
@@ -43,6 +44,16 @@ def build_family(system, parameter) -> Callable:
         raise InputError(problem, field="parameter", value=parameter)
     move = getattr(system, "with_motion", None) or (lambda motion: system.replace(motion=motion))
     return lambda value: move(tune(value))
+
+
+def _require_displacement(motion) -> None:
+    """Raise InputError where a motion displaces nothing: each response would be the rest."""
+    parts = (motion.translation, motion.rotation) if isinstance(motion, BodyMotion) else (motion,)
+    given = [part for part in parts if part is not None]
+    if given and not any(len(part.directions()) for part in given):
+        problem = "its amplitude is 0 m in all directions, and the lines rest at each value of the parameter: "
+        problem += "give it one, such as the 1 m of Motion.harmonic(0.05, (1.0, 0.0, 0.0))"
+        raise InputError(problem, field="motion", value=motion, unit="m")
 
 
 def _tunable(motion) -> Callable | None:
