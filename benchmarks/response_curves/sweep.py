@@ -69,19 +69,19 @@ def prepare(path: Path, band, amplitude=None, depth=None) -> Case:
     """Return the Case of a file. Raises InputError naming what is wrong in it."""
     is_line = path.suffix.lower() == ".toml" and "[[elements]]" not in path.read_text(encoding="utf-8")
     given, notes = (Scene.load(path), ()) if is_line else load_any_network(path, depth)
-    motion, amplitude, more = _tuned(given, is_line, band[0], amplitude)
+    motion, amplitude, assumed = _tune_motion(given, is_line, band[0], amplitude)
     whole_system = system = mooring_system(given, CELLS, motion=motion)
     if given.environment.seabed_damping > 0:
         undamped = replace(given, environment=replace(given.environment, seabed_damping=0.0))
-        system, more = mooring_system(undamped, CELLS, motion=motion), (*more, UNDAMPED_SEABED)
+        system, assumed = mooring_system(undamped, CELLS, motion=motion), (*assumed, UNDAMPED_SEABED)
     names = ["line"] if is_line else line_names(given)
     known = (given.cable.breaking_load,) if is_line else getattr(given, "breaking_loads", ()) or ()
     breaking = [*known, *[None] * (len(names) - len(known))]
     name = getattr(given, "name", "") or path.stem
-    return Case(given, system, whole_system, name, names, breaking, amplitude, (*notes, *more))
+    return Case(given, system, whole_system, name, names, breaking, amplitude, (*notes, *assumed))
 
 
-def _tuned(given, is_line, frequency, amplitude):
+def _tune_motion(given, is_line, frequency, amplitude):
     """Return the motion at a frequency, its amplitude in m and what was assumed."""
     motion = getattr(given, "motion", None)
     if isinstance(motion, (Motion, BodyMotion)) and motion.period:
@@ -115,7 +115,7 @@ def tensions(response) -> np.ndarray:
 class Sweep:
     """The curves of a Case over a band: upwards, and from the stop down where the first one does not come so far.
 
-    kept: file for each way, in which the points are written as they come.
+    folder, key: of the file for each way, in which the points are written as they come.
     """
 
     def __init__(self, case, band, folder, key):

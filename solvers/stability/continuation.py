@@ -168,8 +168,8 @@ def _fields_of(x, count):
     return np.swapaxes(x.reshape(len(x), count, -1), 0, 1)
 
 
-def next_step(step, iterations, most) -> float:
+def next_step(step, iterations, max_step) -> float:
     """Return the length of the next step after one that took so many Newton steps."""
     if iterations <= FEW_NEWTON:
-        return min(most, LONGER * step)
+        return min(max_step, LONGER * step)
     return SHORTER * step if iterations > FEW_NEWTON + 1 else step

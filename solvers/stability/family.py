@@ -66,8 +66,8 @@ def _tunable(motion) -> Callable | None:
     if not all(isinstance(part, Motion) for part in parts.values()):
         return None
     times = {name: round(part.frequency * motion.period) for name, part in parts.items()}  # of the common period
-    at = lambda value: {name: replace(part, frequency=value * times[name]) for name, part in parts.items()}
-    return lambda value: replace(motion, **at(value))
+    retune = lambda value: {name: replace(part, frequency=value * times[name]) for name, part in parts.items()}
+    return lambda value: replace(motion, **retune(value))
 
 
 class HarmonicFamily:

@@ -222,21 +222,21 @@ def test_leading_eigenvalues_are_those_of_the_whole_matrix():
     response = response_of(3.0, cells=30)
     for sideways in (False, True):
         period = response.linearised_period(100, RADAU, sideways)
-        every = np.linalg.eigvals(period.apply(np.eye(period.size)))
+        eigenvalues = np.linalg.eigvals(period.apply(np.eye(period.size)))
         leading = leading_eigenvalues(period)
         if not sideways:
             assert MAX_DENSE < period.size and leading.size < period.size / 2
-        assert (abs(every) >= FLOOR).sum() == (abs(leading) >= FLOOR).sum() >= 4
-        assert abs(leading[:, None] - every).min(axis=1).max() <= ARNOLDI
+        assert (abs(eigenvalues) >= FLOOR).sum() == (abs(leading) >= FLOOR).sum() >= 4
+        assert abs(leading[:, None] - eigenvalues).min(axis=1).max() <= ARNOLDI
 
 
 def test_where_little_is_damped_all_are_returned():
     """In 0.3 m of surge most multipliers are above the floor: the whole matrix is taken, and none is lost."""
     response = response_of(0.3, 0.1, cells=30)
     period = response.linearised_period(100, RADAU)
-    every = np.linalg.eigvals(period.apply(np.eye(period.size)))
+    eigenvalues = np.linalg.eigvals(period.apply(np.eye(period.size)))
     leading = leading_eigenvalues(period)
-    assert leading.size == every.size and abs(leading[:, None] - every).min(axis=0).max() <= ARNOLDI
+    assert leading.size == eigenvalues.size and abs(leading[:, None] - eigenvalues).min(axis=0).max() <= ARNOLDI
 
 
 # ---------------------------------------------------------------- the time steps themselves
