@@ -9,7 +9,17 @@ from functools import cache
 import numpy as np
 import pytest
 
-from solvers import BodyMotion, ConvergenceError, InputError, Motion, Scene, Status, mooring_system, solve_periodic
+from solvers import (
+    BodyMotion,
+    ConvergenceError,
+    Environment,
+    InputError,
+    Motion,
+    Scene,
+    Status,
+    mooring_system,
+    solve_periodic,
+)
 from solvers.common.properties import CableProperties
 from solvers.harmonic_balance.residual import HarmonicResidual
 from solvers.stability import floquet, response_curve
@@ -226,6 +236,21 @@ def test_a_curve_says_where_it_ends(build, options, status, end):
     assert len(curve.values) == {Status.NO_PERIODIC_RESPONSE: 0, Status.CURVE_TOO_LONG: 7}.get(
         status, len(curve.values)
     )
+
+
+@pytest.mark.parametrize("damping", [0.0, 1e3])
+def test_a_seabed_whose_force_jumps_ends_the_curve(damping):
+    """With damping of the seabed the rows lose their zero as nodes touch down: the status names it; without, no end."""
+    chain = replace(LINE.cable, submerged_weight=698.094, damping=0.05)
+    sea = Environment(depth=60.0, seabed_stiffness=5e3, seabed_damping=damping)
+    surge = Motion.harmonic(1 / 12, (2.0, 0.0, 0.0))
+    scene = Scene("chain", chain, 665.0, (-655.2, 0.0, -60.0), (-5.2, 0.0, -10.0), sea, motion=surge)
+    curve = response_curve(mooring_system(scene, cells=12), start=0.03, stop=0.1, harmonics=5, throw=False)
+    if damping:
+        assert curve.status is Status.CURVE_STEP_TOO_SHORT and "seabed without damping" in curve.status.value
+        assert 0.03 < curve.values[-1] < 0.1
+    else:
+        assert curve.success and curve.values[-1] == 0.1
 
 
 def test_a_parameter_that_leaves_its_physical_range_ends_the_curve():
