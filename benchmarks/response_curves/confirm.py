@@ -23,7 +23,7 @@ DISTURBANCE = (
 )
 CLEAR, LEAST_CLEAR = 0.05, 2e-3  # |log| of the critical multiplier at which a response is tested: the first point that
 # is so far from the circle, or else the farthest one
-FARTHEST = 6  # points of the curve that are looked at on each side
+FARTHEST = 6  # points of the curve that are tried on each side
 DECIDED = 5.0  # growth or decay of the disturbance, as a logarithm of its prediction, that is waited for
 MOST_PERIODS, STEPS, MODE_STEPS = 3000, 400, 200
 LANDING_PERIODS = 400  # that a motion which has left is followed to another response
@@ -40,15 +40,15 @@ def confirm(curve, others=()) -> list[dict]:
     """Return two or three rows for each special point of a curve; others: curves of its branches."""
     rows: list[dict] = []
     for number, special in enumerate(curve.special):
-        about = {"special": number, "kind": special.kind, "at": special.value}
+        identity = {"special": number, "kind": special.kind, "at": special.value}
         for side in (-1, 1):
             i = _point_beside(curve, special, side)
             if i is None:
-                rows.append(about | {"side": side, "outcome": "no point clear of the threshold", "agrees": None})
+                rows.append(identity | {"side": side, "outcome": "no point clear of the threshold", "agrees": None})
             else:
-                rows.append(about | {"side": side} | _disturb(curve, i, special.kind, others))
-        if special.kind == FOLD and (row := _past(curve, special, others)) is not None:
-            rows.append(about | {"side": 0} | row)
+                rows.append(identity | {"side": side} | _disturb(curve, i, special.kind, others))
+        if special.kind == FOLD and (row := _integrate_past_fold(curve, special, others)) is not None:
+            rows.append(identity | {"side": 0} | row)
     return rows
 
 
@@ -65,7 +65,7 @@ def _point_beside(curve, special, side):
             or curve.stable_in_plane[i] != curve.stable_in_plane[first]
         ):
             break
-        distance = abs(math.log(abs(_critical(curve.multipliers[i], special.kind))))
+        distance = abs(math.log(abs(_critical_multiplier(curve.multipliers[i], special.kind))))
         if distance > clearest:
             best, clearest = i, distance
         if clearest >= CLEAR:
@@ -76,19 +76,19 @@ def _point_beside(curve, special, side):
 def _disturb(curve, i, kind, others) -> dict:
     """Return how a disturbed response of point i fares in time, beside what its multipliers say."""
     response = curve.response(i)
-    wanted = _critical(curve.multipliers[i], kind)
+    wanted = _critical_multiplier(curve.multipliers[i], kind)
     predicted, (dy, dydot) = abs(wanted), _mode(response, wanted)
     nu = response.subharmonic
     periods = min(MOST_PERIODS, math.ceil(DECIDED / abs(math.log(predicted)))) * nu
-    state, scale = _state(response), float(abs(response.z).max())
+    state, scale = _first_state(response), float(abs(response.z).max())
     start = state[0] + DISTURBANCE * scale * dy, state[1] + DISTURBANCE * scale * dydot
-    about = {"value": float(curve.values[i]), "multiplier": predicted}
+    row = {"value": float(curve.values[i]), "multiplier": predicted}
     for _ in range(LONGER):  # other multipliers may hide the largest one
         history = _integrate(response.system, start, periods)
         if history is None:
-            return about | {"outcome": "a step failed", "agrees": None}
+            return row | {"outcome": "a step failed", "agrees": None}
         distances = _distances(history, state, response) / (DISTURBANCE * scale)
-        outcome = _outcome(distances)
+        outcome = _judge_outcome(distances)
         if outcome != "undecided":
             break
         periods *= 2
@@ -98,8 +98,8 @@ def _disturb(curve, i, kind, others) -> dict:
     if outcome == "undecided" and _meets_undisturbed(response, state, history):
         outcome, lands = "returned", "itself"
     agrees = None if outcome == "undecided" else (outcome == "returned") == bool(curve.stable_in_plane[i])
-    measured, periods = _rate(distances, predicted), history.y.shape[-1] - 1
-    return about | {"multiplier": float(predicted), "measured": measured, "periods": periods, "outcome": outcome,
+    measured, periods = _measure_growth(distances, predicted), history.y.shape[-1] - 1
+    return row | {"multiplier": float(predicted), "measured": measured, "periods": periods, "outcome": outcome,
                     "agrees": agrees, "lands": lands}  # fmt: skip
 
 
@@ -112,25 +112,25 @@ def _meets_undisturbed(response, state, history) -> bool:
     other = _integrate(response.system, state, periods)
     if other is None:
         return False
-    away = abs(history.y - other.y).max(axis=(0, 1))
-    return bool(away[-1] <= RETURNED * away[0] and away.max() < LEFT * away[0])
+    offset = abs(history.y - other.y).max(axis=(0, 1))
+    return bool(offset[-1] <= RETURNED * offset[0] and offset.max() < LEFT * offset[0])
 
 
 def _distances(history, state, response):
     """Return how far the states at the starts of the periods of a response are from its own, in m; velocity / omega."""
-    w, every = response.basis.omega, response.subharmonic
-    away = np.concatenate([history.y - state[0][..., None], (history.ydot - state[1][..., None]) / w])
-    return abs(away[..., ::every]).max(axis=(0, 1))
+    w, periods = response.basis.omega, response.subharmonic
+    offset = np.concatenate([history.y - state[0][..., None], (history.ydot - state[1][..., None]) / w])
+    return abs(offset[..., ::periods]).max(axis=(0, 1))
 
 
-def _outcome(distances) -> str:
+def _judge_outcome(distances) -> str:
     start, end = distances[0], distances[-3:].max()
     if end <= RETURNED * start:
         return "returned"
     return "left" if distances.max() >= LEFT * start else "undecided"
 
 
-def _rate(distances, predicted):
+def _measure_growth(distances, predicted):
     """Return the growth of the distance in a period, over its part that is neither first nor saturated, or None."""
     limit = distances.max() / 4 if predicted > 1 else np.inf
     floor = distances.min() * 3
@@ -143,20 +143,20 @@ def _rate(distances, predicted):
     return float(np.exp(line[0])) if misfit.std() < STRAIGHT else None
 
 
-def _past(curve, special, others):
+def _integrate_past_fold(curve, special, others):
     """Return how the response of a fold fares a little past it, where the curve has none; None where that is outside.
 
     Where the curve comes from elsewhere to that value, too, it lands there or on another motion, and must leave.
     """
     k = special.after
-    away = np.sign(special.value - curve.values[k]) or 1.0
-    value = special.value + away * BEYOND * abs(curve.values[-1] - curve.values[0])
+    offset = np.sign(special.value - curve.values[k]) or 1.0
+    value = special.value + offset * BEYOND * abs(curve.values[-1] - curve.values[0])
     if not curve.values.min() < value < curve.values.max():
         return None
     response = curve.response(special)
     known = responses_at(curve, value)
     system = known[0].system
-    state, scale = _state(response), float(abs(response.z).max())
+    state, scale = _first_state(response), float(abs(response.z).max())
     history = _integrate(system, state, PERIODS_PAST)
     if history is None:
         return {"value": value, "outcome": "a step failed", "agrees": None}
@@ -185,8 +185,8 @@ def _lands_on(known, others, value, history, itself=None) -> str:
         known, names = [itself, *known], ["itself", *names]
     for name, other in others:
         if other.values.min() <= value <= other.values.max():
-            more = responses_at(other, value)
-            known, names = [*known, *more], [*names, *[name] * len(more)]
+            on_branch = responses_at(other, value)
+            known, names = [*known, *on_branch], [*names, *[name] * len(on_branch)]
     stable = [(response, name) for response, name in zip(known, names, strict=True)
               if floquet(response, method="monodromy").stable]  # fmt: skip
     if not stable:
@@ -197,21 +197,21 @@ def _lands_on(known, others, value, history, itself=None) -> str:
     return stable[number][1] if number >= 0 else "another motion"
 
 
-def _state(response):
+def _first_state(response):
     """Return (y, ydot) of a response at the start of its period."""
     t = np.zeros(1)
     return response.at(t)[..., 0], (response.z @ response.basis.functions(t)[1].T)[..., 0]
 
 
-def _critical(multipliers, kind):
+def _critical_multiplier(multipliers, kind):
     """Return the largest multiplier if it is unstable, else the largest of those that may pass at such a point."""
     largest = multipliers[abs(multipliers).argmax()]
     if abs(largest) > 1:
         return largest
     angle = abs(np.angle(multipliers))
     may_pass = {FOLD: angle <= NEAR_REAL, BRANCH_POINT: angle <= NEAR_REAL, PERIOD_DOUBLING: angle >= np.pi - NEAR_REAL}
-    some = multipliers[may_pass.get(kind, (angle > 0) & (angle < np.pi))]
-    return some[abs(some).argmax()] if some.size else largest
+    candidates = multipliers[may_pass.get(kind, (angle > 0) & (angle < np.pi))]
+    return candidates[abs(candidates).argmax()] if candidates.size else largest
 
 
 def _mode(response, multiplier):

@@ -45,10 +45,10 @@ def tension(response):
     return np.concatenate([response.fairlead_tension(response.time)[None], abs(y).max(axis=1)])
 
 
-def follow(case: CurveCase, amplitude, most):
+def follow(case: CurveCase, amplitude, max_points):
     """Return the ResponseCurve of a case, as far as it comes."""
     return response_curve(case.build(amplitude, case.start), start=case.start, stop=case.stop,
-                          harmonics=case.harmonics, step=STEP, max_step=case.max_step, max_points=most,
+                          harmonics=case.harmonics, step=STEP, max_step=case.max_step, max_points=max_points,
                           stability=True, output=tension, throw=False)  # fmt: skip
 
 
@@ -87,5 +87,5 @@ def describe(curve) -> dict:
 
 def _leading(multipliers):
     """Return (real, imaginary) of the largest multipliers, lists of two."""
-    some = multipliers[np.argsort(-abs(multipliers))][:LEADING]
-    return [[float(each.real), float(each.imag)] for each in some]
+    largest = multipliers[np.argsort(-abs(multipliers))][:LEADING]
+    return [[float(each.real), float(each.imag)] for each in largest]

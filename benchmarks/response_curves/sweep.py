@@ -9,7 +9,7 @@ import argparse
 import hashlib
 import signal
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -22,22 +22,31 @@ from solvers.stability import response_curve
 from ..run import console, results
 from ..scenes.network_files import line_names
 from ..scenes.network_files import load as load_any_network
+from .integration import KEPT_PERIODS, PERIODS, find_gap, integrate_gap, integrate_tensions
+from .meaning import find_largest_tension, write_sentences
 
 BAD_FILE = 2  # exit status
 CELLS, HARMONICS = 24, 7
 DEFAULT_AMPLITUDE = 1.0  # m, of surge, where neither the file nor the command line gives a motion
 STEP, MAX_STEP, MIN_STEP = 0.02, 0.08, 1e-4
 MOST_POINTS, CHUNK = 160, 8  # points of a curve, and between two writings of its file
-LARGE_ERROR = 0.05  # of a point by its harmonics: what it says is then a guide
 SAMPLES_OF_MOTION = 200  # instants at which the amplitude of a motion is taken
+UNDAMPED_SEABED = (
+    "The curve leaves out the damping of the seabed, whose force jumps where a node touches down: no series of a few "
+    "harmonics follows that. The time integrations have it."
+)
 
 
 @dataclass(frozen=True)
 class Case:
-    """What is swept: the line or network, its motion at the start, and names for the page. notes: what was assumed."""
+    """What is swept: the line or network, its motion at the start, and names for the page. notes: what was assumed.
+
+    system: of the curve, without damping of the seabed; whole_system: as the file has it, for time integration.
+    """
 
     given: object
     system: object
+    whole_system: object
     name: str
     lines: list[str]
     breaking: list[float | None]
@@ -60,16 +69,19 @@ def prepare(path: Path, band, amplitude=None, depth=None) -> Case:
     """Return the Case of a file. Raises InputError naming what is wrong in it."""
     is_line = path.suffix.lower() == ".toml" and "[[elements]]" not in path.read_text(encoding="utf-8")
     given, notes = (Scene.load(path), ()) if is_line else load_any_network(path, depth)
-    motion, amplitude, more = _tuned(given, is_line, band[0], amplitude)
-    system = mooring_system(given, CELLS, motion=motion)
+    motion, amplitude, assumed = _tune_motion(given, is_line, band[0], amplitude)
+    whole_system = system = mooring_system(given, CELLS, motion=motion)
+    if given.environment.seabed_damping > 0:
+        undamped = replace(given, environment=replace(given.environment, seabed_damping=0.0))
+        system, assumed = mooring_system(undamped, CELLS, motion=motion), (*assumed, UNDAMPED_SEABED)
     names = ["line"] if is_line else line_names(given)
     known = (given.cable.breaking_load,) if is_line else getattr(given, "breaking_loads", ()) or ()
     breaking = [*known, *[None] * (len(names) - len(known))]
     name = getattr(given, "name", "") or path.stem
-    return Case(given, system, name, names, breaking, amplitude, (*notes, *more))
+    return Case(given, system, whole_system, name, names, breaking, amplitude, (*notes, *assumed))
 
 
-def _tuned(given, is_line, frequency, amplitude):
+def _tune_motion(given, is_line, frequency, amplitude):
     """Return the motion at a frequency, its amplitude in m and what was assumed."""
     motion = getattr(given, "motion", None)
     if isinstance(motion, (Motion, BodyMotion)) and motion.period:
@@ -79,7 +91,9 @@ def _tuned(given, is_line, frequency, amplitude):
         if amplitude is None:
             return motion, size, ()
         if size == 0:
-            raise InputError("the motion only turns the body: leave --amplitude away", field="amplitude", unit="m")
+            problem = f"{amplitude:g} m cannot scale a motion without displacement: leave --amplitude away where the "
+            problem += "body only turns, else give [motion] of the file an amplitude in m"
+            raise InputError(problem, field="amplitude", value=amplitude, unit="m")
         return motion.scaled(amplitude / size), amplitude, ()
     notes = ("The file has no harmonic motion: the moved ends go in surge",)
     notes = (f"{notes[0]} of {DEFAULT_AMPLITUDE:g} m; --amplitude takes another.",) if amplitude is None else (
@@ -101,7 +115,7 @@ def tensions(response) -> np.ndarray:
 class Sweep:
     """The curves of a Case over a band: upwards, and from the stop down where the first one does not come so far.
 
-    kept: file for each way, in which the points are written as they come.
+    folder, key: of the file for each way, in which the points are written as they come.
     """
 
     def __init__(self, case, band, folder, key):
@@ -142,7 +156,12 @@ def report(case: Case, band, curves, path: Path) -> dict:
     file = {"file": path.name, "name": case.name, "lines": case.lines, "band": band, "amplitude": case.amplitude,
             "notes": case.notes, "rest": tensions_at_rest, "breaking": case.breaking, "curves": rows, "cells": CELLS,
             "harmonics": HARMONICS}  # fmt: skip
-    return file | {"sentences": sentences(file)}
+    gap = find_gap(rows, band)
+    largest = [find_largest_tension(rows)[2]] if rows else []
+    file |= {"gap": gap, "integrated": integrate_gap(case.whole_system, gap),
+             "integrated_at_largest": integrate_tensions(case.whole_system, largest),
+             "periods": PERIODS, "kept_periods": KEPT_PERIODS}  # fmt: skip
+    return file | {"sentences": write_sentences(file)}
 
 
 def _rest_tensions(system) -> np.ndarray:
@@ -164,104 +183,6 @@ def _rows(curve, way) -> dict:
             "stable": curve.stable, "sideways": sideways, "errors": curve.errors, "special": special,
             "unresolved": unresolved,
             "status": curve.status.name, "advice": curve.status.value, "end": curve.end}  # fmt: skip
-
-
-# ---------------------------------------------------------------- what it means
-def sentences(file: dict) -> list[str]:
-    """Return what the curves mean for the design, in sentences."""
-    curves = file["curves"]
-    low, high = file["band"]
-    if not curves:
-        return [f"No periodic response was found between {low:g} and {high:g} Hz: integrate in time there."]
-    reached = sorted(bound for curve in curves for bound in (min(curve["frequency"]), max(curve["frequency"])))
-    return [_largest(file), _jumps(curves), _instability(curves), *_gaps(curves, reached, low, high),
-            *_doubts(curves)]  # fmt: skip
-
-
-def _largest(file) -> str:
-    curve, e, i = max(((curve, e, int(np.argmax(row))) for curve in file["curves"]
-                       for e, row in enumerate(np.asarray(curve["greatest"]))),
-                      key=lambda each: np.asarray(each[0]["greatest"])[each[1], each[2]])  # fmt: skip
-    tension, frequency = float(np.asarray(curve["greatest"])[e, i]), float(curve["frequency"][i])
-    name = "" if len(file["lines"]) == 1 else f" in {file['lines'][e]}"
-    text = (
-        f"With {file['amplitude']:.3g} m of motion the largest tension over the band is {tension / 1e3:.4g} kN{name}, "
-        f"at {frequency:.4g} Hz ({1 / frequency:.3g} s), {tension / float(file['rest'][e]):.3g} times that at rest"
-    )
-    breaking = file["breaking"][e]
-    return text + (f" and {100 * tension / breaking:.3g} % of the breaking load." if breaking else ".")
-
-
-def _jumps(curves) -> str:
-    folds = sorted(each["value"] for curve in curves for each in curve["special"] if each["kind"] == "fold")
-    if not folds:
-        return "No jumps: no frequency of the curve has a second response beside it."
-    places = ", ".join(f"{value:.4g}" for value in folds)
-    return (
-        f"Jumps at {places} Hz: between two of them more than one response exists, and which one the line is in "
-        "depends on how it came there; a simulation from rest shows one of them only."
-    )
-
-
-def _instability(curves) -> str:
-    ranges = [part for curve in curves for part in _unstable_ranges(curve)]
-    if not ranges:
-        return "No instability: small disturbances, sideways too, decay at each frequency."
-    kinds = sorted({each["kind"] for curve in curves for each in curve["special"] if each["kind"] != "fold"})
-    sideways = any(across is not None and across >= 1 for curve in curves for across in curve["sideways"])
-    named = [*kinds, *(["growth across the plane of the line"] if sideways else [])]
-    why = f" ({', '.join(named)})" if named else ""
-    places = ", ".join(f"{low:.4g}" if low == high else f"{low:.4g} to {high:.4g}" for low, high in ranges)
-    return (
-        f"Unstable at {places} Hz{why}: there the line leaves this motion for another one, and its tensions come from "
-        "time integration."
-    )
-
-
-def _unstable_ranges(curve):
-    """Return (lowest, highest) frequency of each run of unstable points along a curve."""
-    runs: list[list[float]] = []
-    was_stable = True
-    for frequency, is_stable in zip(curve["frequency"], curve["stable"], strict=True):
-        if not is_stable:
-            if was_stable:
-                runs.append([])
-            runs[-1].append(float(frequency))
-        was_stable = is_stable
-    return [(min(run), max(run)) for run in runs]
-
-
-def _gaps(curves, reached, low, high):
-    """Yield a sentence where the curves do not cover the band."""
-    up = max(curves[0]["frequency"]) if curves[0]["way"] == "up" else low
-    down = min(curves[-1]["frequency"]) if curves[-1]["way"] == "down" else high
-    if curves[-1]["way"] == "up" and curves[-1]["status"] != "SUCCESS":
-        down = high
-    if down > up and curves[0]["status"] != "SUCCESS":
-        yield (
-            f"From {up:.4g} to {down:.4g} Hz no curve was found ({curves[0]['end'] or curves[0]['status']}): tensions "
-            "there come from time integration."
-        )
-
-
-def _doubts(curves):
-    """Yield sentences on special points of the series alone, on slack and on harmonics that are too few."""
-    turns = [each["value"] for curve in curves for each in curve["unresolved"]]
-    if turns:
-        places = f"{min(turns):.4g}" if min(turns) == max(turns) else f"{min(turns):.4g} to {max(turns):.4g}"
-        yield (
-            f"At {places} Hz the series of {HARMONICS} harmonics turns back where the motion does not: no jump of the "
-            "line, but the end of what this curve resolves."
-        )
-    pairs = [(f, least, error) for curve in curves
-             for f, least, error in zip(curve["frequency"], np.asarray(curve["least"]).min(axis=0), curve["errors"],
-                                        strict=True)]  # fmt: skip
-    doubtful = [f for f, _, error in pairs if error > LARGE_ERROR]
-    if doubtful:
-        yield (
-            f"Between {min(doubtful):.4g} and {max(doubtful):.4g} Hz points have errors above "
-            f"{100 * LARGE_ERROR:.0f} % by their {HARMONICS} harmonics: a line nearly slack, or a seabed that it meets."
-        )
 
 
 def main(argv=None) -> int:

@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 import argparse
+import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from solvers import InputError, solve_periodic
+from solvers import InputError, Scene, mooring_system, solve_periodic
 
-from . import sweep
+from . import meaning, sweep
 from .confirm import confirm
+from .integration import GAP_FREQUENCIES
 from .systems import CASES, oc3
 
 ROOT = Path(__file__).parents[2]
 LINE = ROOT / "reference_data" / "scenes" / "dynamics" / "hb_case_1.toml"
+MOVING = ROOT / "reference_data" / "scenes" / "networks" / "oc3_moving.toml"
 NETWORK = ROOT / "reference_data" / "scenes" / "networks" / "three_bridles_moving.toml"
 BAND = (0.03, 0.045)
+SAME_MOTION = 2e-3  # of the greatest tension: 24 cells in both, 7 harmonics against 100 steps in the period
 SAME_TENSION = 1e-6  # of a tension that two solves of the same response give
 
 
@@ -57,8 +62,38 @@ def test_the_largest_tension_is_that_of_a_direct_solve(case, tmp_path):
     tension = float(sweep.tensions(direct).max())
     assert curve.greatest[k, 0] == pytest.approx(tension, rel=SAME_TENSION)
     assert f"{tension / 1e3:.4g} kN, at {curve.values[k]:.4g} Hz" in report["sentences"][0]
+    integrated = report["integrated_at_largest"][0]["greatest"][0]
+    assert integrated == pytest.approx(tension, rel=SAME_MOTION)
+    assert f"time integration gives {integrated / 1e3:.4g} kN there" in report["sentences"][0]
     assert report["sentences"][1].startswith("No jumps") and report["sentences"][2].startswith("No instability")
     assert len(report["sentences"]) == 3
+
+
+def test_what_a_curve_leaves_out_is_integrated(case, tmp_path, monkeypatch):
+    """A curve that ends early: the gap is named, with the largest tension of the integrations at its frequencies."""
+    monkeypatch.setattr(sweep, "MOST_POINTS", 2)
+    monkeypatch.setattr(sweep, "CHUNK", 2)
+    report = sweep.report(case, BAND, followed(case, tmp_path).curves, LINE)
+    low, high = report["gap"]
+    up, down = (curve["frequency"] for curve in report["curves"])
+    assert BAND[0] < low == max(up) < high == min(down) < BAND[1]
+    rows = report["integrated"]
+    assert len(rows) == GAP_FREQUENCIES and low < rows[0]["frequency"] and rows[-1]["frequency"] == high
+    motion = Scene.load(LINE).motion.scaled(1.0 / 5.0)
+    for row in rows[::4]:
+        line = mooring_system(Scene.load(LINE), sweep.CELLS, motion=replace(motion, frequency=row["frequency"]))
+        tension = sweep.tensions(solve_periodic(line, harmonics=sweep.HARMONICS))[0]
+        assert [row["greatest"][0], row["least"][0]] == pytest.approx([tension.max(), tension.min()], rel=SAME_MOTION)
+    largest = max(row["greatest"][0] for row in rows)
+    assert f"there gives up to {largest / 1e3:.4g} kN, at" in report["sentences"][3]
+    assert "where the curve was followed" in report["sentences"][0] and "followed" in report["sentences"][1]
+
+
+def test_a_damped_seabed_is_left_to_time_integration():
+    """The rows of the curve have no damping of the seabed, the integrations that of the file, and a note says so."""
+    case = sweep.prepare(MOVING, BAND)
+    assert not case.system.line.seabed_damping.any() and case.whole_system.line.seabed_damping.all()
+    assert any("leaves out the damping of the seabed" in note for note in case.notes)
 
 
 def test_amplitude_scales_the_motion_of_the_file(case):
@@ -70,15 +105,31 @@ def test_amplitude_scales_the_motion_of_the_file(case):
     assert network.amplitude == 0.5 and len(network.lines) == 9
 
 
+@pytest.mark.parametrize(
+    ("amplitude", "message"), [(None, "motion: its amplitude is 0 m"), (1.0, "amplitude: 1 m cannot scale a motion")]
+)
+def test_a_file_whose_motion_is_zero_is_refused(amplitude, message, tmp_path, capsys):
+    """On the command line: an exit status, and the field and what to do on the standard error."""
+    text = LINE.read_text(encoding="utf-8")
+    still = tmp_path / "still.toml"
+    still.write_text(re.sub(r"(?m)^amplitude *=.*$", "amplitude = [0.0, 0.0, 0.0]", text), encoding="utf-8")
+    given = [] if amplitude is None else ["--amplitude", str(amplitude)]
+    status = sweep.main([str(still), "--band", "0.03:0.045", "--out", str(tmp_path), *given])
+    assert status == sweep.BAD_FILE and message in capsys.readouterr().err
+    assert not list(tmp_path.rglob("sweep*"))
+
+
 def test_jumps_and_instability_are_named():
     """Folds of the motion are jumps, those of the series are not; unstable points have their band and their kind."""
     curve = {"special": [{"kind": "fold", "value": 0.1}, {"kind": "period doubling", "value": 0.15}],
              "unresolved": [{"kind": "fold", "value": 0.2, "doubt": "no multiplier near one"}],
              "errors": [0.0, 0.0, 0.0], "least": [[1.0, 1.0, 1.0]],
              "frequency": [0.1, 0.15, 0.2], "stable": [True, False, True], "sideways": [0.5, 1.2, 0.5]}  # fmt: skip
-    jumps, unstable = sweep._jumps([curve]), sweep._instability([curve])
+    jumps, unstable = meaning._jumps([curve], None), meaning._instability([curve], None)
     assert "Jumps at 0.1 Hz" in jumps and "0.2" not in jumps
-    assert next(iter(sweep._doubts([curve]))).startswith("At 0.2 Hz the series of 7 harmonics turns back")
+    assert next(iter(meaning._doubts({"curves": [curve], "harmonics": 7}))).startswith(
+        "At 0.2 Hz the series of 7 harmonics turns back"
+    )
     assert "Unstable at 0.15 Hz (period doubling, growth across the plane of the line)" in unstable
 
 

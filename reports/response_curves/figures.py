@@ -186,6 +186,13 @@ def sweep_figure(report: dict, name: str, folder: Path) -> Figure:
             part = {"frequency": curve["frequency"], "greatest": curve["greatest"][e], "least": curve["least"][e],
                     "stable": curve["stable"], "special": special}  # fmt: skip
             _draw_curve(axes, part, line, style.PALETTE[e % len(style.PALETTE)], drawn)
+    label = "time integration"
+    for row in report["integrated"]:
+        for e, ends in enumerate(zip(row["greatest"], row["least"], strict=True)):
+            colour = style.PALETTE[e % len(style.PALETTE)]
+            axes.plot([row["frequency"]] * 2, KN * np.array(ends), "o", color=colour, markersize=4, fillstyle="none",
+                      label=label)  # fmt: skip
+            label = "_"
     low, high = report["band"]
     axes.set(title=f"{report['name']}: tension over the band", xlabel="frequency, Hz", ylabel="tension, kN",
              xlim=(low, high))  # fmt: skip

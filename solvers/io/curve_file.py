@@ -35,19 +35,19 @@ def save_curve(curve, path) -> None:
         content |= {f"{i}.{name}": getattr(point, name) for name in (*_ARRAYS, *_NUMBERS)}
         content |= _with_multipliers(f"{i}", point)
         for j, special in enumerate(point.special):
-            place = f"{i}.special{j}"
-            content |= {f"{place}.kind": special.kind, f"{place}.value": special.value, f"{place}.z": special.z}
-            content |= {f"{place}.after": special.after, f"{place}.doubt": special.doubt}
-            content |= _with_multipliers(place, special)
+            prefix = f"{i}.special{j}"
+            content |= {f"{prefix}.kind": special.kind, f"{prefix}.value": special.value, f"{prefix}.z": special.z}
+            content |= {f"{prefix}.after": special.after, f"{prefix}.doubt": special.doubt}
+            content |= _with_multipliers(prefix, special)
     if curve.state is not None:
         content |= {f"state.{name}": value for name, value in curve.state._asdict().items()}
     np.savez(Path(path), **content)
 
 
-def _with_multipliers(place, point):
+def _with_multipliers(prefix, point):
     """Return the multipliers of a point or special point under the names that they have in the file."""
     named = {name: getattr(point, name, None) for name in _MULTIPLIERS}
-    return {f"{place}.{name}": values for name, values in named.items() if values is not None}
+    return {f"{prefix}.{name}": values for name, values in named.items() if values is not None}
 
 
 def load_curve(path, system=None, parameter="frequency") -> ResponseCurve:
@@ -85,9 +85,11 @@ def load_curve(path, system=None, parameter="frequency") -> ResponseCurve:
 def _point(content, i):
     """Return the CurvePoint of a number."""
     special: list[SpecialPoint] = []
-    while (place := f"{i}.special{len(special)}") + ".z" in content:
-        kind, value, z, after, doubt = (content[f"{place}.{name}"] for name in ("kind", "value", "z", "after", "doubt"))
-        multipliers = content.get(f"{place}.multipliers")
+    while (prefix := f"{i}.special{len(special)}") + ".z" in content:
+        kind, value, z, after, doubt = (
+            content[f"{prefix}.{name}"] for name in ("kind", "value", "z", "after", "doubt")
+        )
+        multipliers = content.get(f"{prefix}.multipliers")
         special.append(SpecialPoint(str(kind), float(value), z, multipliers, int(after), str(doubt)))
     values: dict[str, Any] = {name: content[f"{i}.{name}"] for name in _ARRAYS}
     values |= {name: float(content[f"{i}.{name}"]) for name in _NUMBERS}

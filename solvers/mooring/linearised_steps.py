@@ -1,9 +1,10 @@
-"""Implicit Runge-Kutta steps of the linearised motion of lines, M d'' + C d' + K d = 0 about an orbit, compiled.
+"""Steps of the linearised motion of lines, M d'' + C d' + K d = 0 about an orbit, compiled.
 
-With stages i of nodes c and weights a_ij, and accelerations q_j of the stages,
+Implicit Runge-Kutta steps with stages i of nodes c and weights a_ij, and accelerations q_j of the stages, have
 d_i = d + h c_i v + h^2 sum (a^2)_ij q_j,  v_i = v + h sum a_ij q_j,  M_i q_i + C_i v_i + K_i d_i = 0,
 so the q of all stages of a step are one system in the pattern of the line's cells, with blocks of stages times axes.
-Its factors are kept, and so are C_i and K_i; many disturbances then take a step at once.
+The steps of ``linearised_newmark`` have one stage and other weights of K, C and M. Factors and right-hand sides are
+kept; many disturbances then take a step at once.
 """
 
 from __future__ import annotations
@@ -17,25 +18,26 @@ from .equations import residual, tangents
 
 
 @compiled(calls=(equations, elimination))
-def factorise_steps(line, order, orbit, kept, h, nodes, weights, factors, right_side):
-    """Set the factors and right-hand sides of S steps of h in s; return how many cells are slack at their stages.
+def factorise_steps(line, order, orbit, kept, weights, weight_of_M, right_weights, factors, right_side):
+    """Set the factors and right-hand sides of S steps; return how many cells are slack at their stages.
 
     orbit: r, v, r'' (S, s, N, m) of the m axes at the s stages of each step; kept (n,): the axes that are disturbed.
-    nodes (s,), weights (s, s): of the scheme. factors: diagonal (S, N, s n, s n), right and left (S, edges, s n, s n).
-    right_side: the same of -K_i and -C_i - h c_i K_i, (S, 2, N or C, s n, n).
+    weights (2, s, s): of K_i and C_i in the block of stages i and j, weight_of_M: of M_i in that of i and i;
+    right_weights (2, 3, s): of K_i, C_i and M_i in the products with the two disturbances that a step begins with.
+    factors: diagonal (S, N, s n, s n), right and left (S, edges, s n, s n). right_side: blocks of the nodes (S, 2, N,
+    s n, n) and of the cells' ends by each other (S, 1 or 2, C, s n, n): 1 where the second disturbance is in M alone.
     """
     steps, stages, count, axes = orbit[0].shape
     n, cells = kept.size, line.length.size
     diagonal, right, left = factors
     own, from_last, from_first = right_side
-    squared = weights @ weights
     R, T, unit = np.empty((count, axes)), np.empty(cells), np.empty((cells, axes))
     no_tension, apart = np.zeros(cells), (1.0, 1.0, 1.0)
     by_own = np.empty((3, count, axes, axes))
     by_last, by_first = np.empty((2, cells, axes, axes)), np.empty((2, cells, axes, axes))
     slack, row = 0, np.empty(stages * n)
+    right[:], left[:] = 0.0, 0.0
     for step in range(steps):
-        right[step], left[step] = 0.0, 0.0
         for i in range(stages):
             r, v, a = orbit[0][step, i], orbit[1][step, i], orbit[2][step, i]
             residual(line, r, v, a, no_tension, R, T, unit)
@@ -43,27 +45,26 @@ def factorise_steps(line, order, orbit, kept, h, nodes, weights, factors, right_
             slack += (T <= 0).sum()
             for j in range(n):
                 for k in range(n):
-                    p, q = kept[j], kept[k]
+                    p, q, row_j = kept[j], kept[k], i * n + j
                     for node in range(count):
-                        K, C = by_own[0, node, p, q], by_own[1, node, p, q]
-                        own[step, 0, node, i * n + j, k] = -K
-                        own[step, 1, node, i * n + j, k] = -C - h * nodes[i] * K
+                        K, C, M = by_own[0, node, p, q], by_own[1, node, p, q], by_own[2, node, p, q]
+                        for side in range(2):
+                            w = right_weights[side]
+                            own[step, side, node, row_j, k] = w[0, i] * K + w[1, i] * C + w[2, i] * M
                         for l in range(stages):
-                            value = h * weights[i, l] * C + h * h * squared[i, l] * K
-                            if l == i:
-                                value += by_own[2, node, p, q]
-                            diagonal[step, node, i * n + j, l * n + k] = value
+                            in_row = weights[0, i, l] * K + weights[1, i, l] * C
+                            diagonal[step, node, row_j, l * n + k] = in_row + (weight_of_M * M if l == i else 0.0)
                     for c in range(cells):
                         K, C = by_last[0, c, p, q], by_last[1, c, p, q]
-                        from_last[step, 0, c, i * n + j, k] = -K
-                        from_last[step, 1, c, i * n + j, k] = -C - h * nodes[i] * K
                         K2, C2 = by_first[0, c, p, q], by_first[1, c, p, q]
-                        from_first[step, 0, c, i * n + j, k] = -K2
-                        from_first[step, 1, c, i * n + j, k] = -C2 - h * nodes[i] * K2
+                        for side in range(from_last.shape[1]):
+                            w_K, w_C = right_weights[side, 0, i], right_weights[side, 1, i]
+                            from_last[step, side, c, row_j, k] = w_K * K + w_C * C
+                            from_first[step, side, c, row_j, k] = w_K * K2 + w_C * C2
                         for l in range(stages):
-                            by_v, by_r = h * weights[i, l], h * h * squared[i, l]
-                            right[step, c, i * n + j, l * n + k] = by_v * C + by_r * K
-                            left[step, c, i * n + j, l * n + k] = by_v * C2 + by_r * K2
+                            w_K, w_C = weights[0, i, l], weights[1, i, l]
+                            right[step, c, row_j, l * n + k] = w_K * K + w_C * C
+                            left[step, c, row_j, l * n + k] = w_K * K2 + w_C * C2
         factorise(order, diagonal[step], right[step], left[step], row)
     return slack
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .linearised_newmark import factorise_newmark, take_newmark_steps
+from .linearised_newmark import take_newmark_steps
 from .linearised_steps import factorise_steps, take_steps
 
 
@@ -34,8 +34,11 @@ class LinearisedPeriod:
         self.factors = tuple(np.empty((steps, count, block, block)) for count in (nodes, edges, edges))
         self.right_side = tuple(np.empty((steps, 2, count, block, self.n)) for count in (nodes, cells, cells))
         self.updates = scheme.last, scheme.last @ scheme.weights
-        slack = factorise_steps(self.line, self.order, orbit, kept, self.h, scheme.nodes, scheme.weights, self.factors,
-                                self.right_side)  # fmt: skip
+        A, right_weights = self.h * scheme.weights, np.zeros((2, 3, stages))
+        right_weights[0, 0] = right_weights[1, 1] = -1.0  # -K d - (C + h c K) v
+        right_weights[1, 0] = -self.h * scheme.nodes
+        slack = factorise_steps(self.line, self.order, orbit, kept, np.stack([A @ A, A]), 1.0, right_weights,
+                                self.factors, self.right_side)  # fmt: skip
         self.has_slack = slack > 0
 
     def apply(self, disturbances) -> np.ndarray:
@@ -66,10 +69,15 @@ class SteppedPeriod:
         self.order = system.order.with_rows(self.n)
         self.units = (2 * np.pi / (steps * h)) ** np.array([0.0, 1.0, 2.0, 2.0])[:, None, None, None]
         self.factors = tuple(np.empty((steps, count, *blocks)) for count in (nodes, edges, edges))
-        self.rates = tuple(np.empty((steps, *shape, *blocks)) for shape in ((2, nodes), (cells,), (cells,)))
+        self.right_side = tuple(np.empty((steps, *shape, *blocks)) for shape in ((2, nodes), (1, cells), (1, cells)))
         alpha_m, alpha_f, beta, gamma = scheme
-        weights = gamma / (beta * h), (1 - alpha_m) / (1 - alpha_f) / (beta * h * h)
-        factorise_newmark(self.line, self.order, orbit, kept, weights, self.factors, *self.rates)
+        weights = np.array([1.0, gamma / (beta * h)]).reshape(2, 1, 1)
+        weight_of_M = (1 - alpha_m) / (1 - alpha_f) / (beta * h * h)
+        right_weights = np.zeros((2, 3, 1))
+        right_weights[0, 1] = right_weights[1, 2] = -1.0  # -C v - M r''
+        orbit = tuple(part[:, None] for part in orbit)
+        factorise_steps(self.line, self.order, orbit, kept, weights, weight_of_M, right_weights, self.factors,
+                        self.right_side)  # fmt: skip
 
     def apply(self, disturbances) -> np.ndarray:
         """Return disturbances (size, k) one period later."""
@@ -77,7 +85,7 @@ class SteppedPeriod:
         state = np.zeros((4, self.order.is_prescribed.size, self.n, columns))
         state[:, self.free] = disturbances.reshape(4, self.free.size, self.n, columns)
         state *= self.units
-        take_newmark_steps(self.line, self.order, self.h, self.scheme, self.factors, *self.rates, state)
+        take_newmark_steps(self.line, self.order, self.h, self.scheme, self.factors, self.right_side, state)
         state /= self.units
         return state[:, self.free].reshape(self.size, columns)
 

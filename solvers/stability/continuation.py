@@ -70,8 +70,10 @@ class Tracer:
         return point._replace(x=of_other(point.x), t=of_other(point.t))
 
     def measure(self, x):
-        """Take the norms of the fields at x into the weights, which never grow."""
-        norms = np.sqrt((self.unpack(x) ** 2).sum(axis=(1, 2), keepdims=True))
+        """Take the norms of the fields at x into the weights, which never grow; a field of rounding errors has none."""
+        z = self.unpack(x)
+        norms = np.sqrt((z**2).sum(axis=(1, 2), keepdims=True))
+        norms[norms <= self.tolerance * np.sqrt(z[0].size)] = 0.0  # coefficients are not known to less
         self.norms = norms if self.norms is None else np.maximum(self.norms, norms)
 
     def plane(self, t, u):
@@ -166,8 +168,8 @@ def _fields_of(x, count):
     return np.swapaxes(x.reshape(len(x), count, -1), 0, 1)
 
 
-def next_step(step, iterations, most) -> float:
+def next_step(step, iterations, max_step) -> float:
     """Return the length of the next step after one that took so many Newton steps."""
     if iterations <= FEW_NEWTON:
-        return min(most, LONGER * step)
+        return min(max_step, LONGER * step)
     return SHORTER * step if iterations > FEW_NEWTON + 1 else step

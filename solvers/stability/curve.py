@@ -90,8 +90,8 @@ class ResponseCurve(Outcome):
 
     def response(self, point) -> PeriodicResponse:
         """Return the PeriodicResponse at a point, or at a SpecialPoint."""
-        of = point if isinstance(point, SpecialPoint) else self.points[point]
-        return as_response(self.family, float(of.value), of.z)
+        solution = point if isinstance(point, SpecialPoint) else self.points[point]
+        return as_response(self.family, float(solution.value), solution.z)
 
 
 def response_curve(
@@ -128,7 +128,7 @@ def response_curve(
     accuracy: the error of each point (``errors``) that harmonics are raised for, up to max_harmonics, and lowered
     again; ``harmonics`` are then those of the start.
     output: response -> (m, S) or (S,), whose greatest and least are kept; by default the fields, each over all nodes.
-    progress: called with (number of the point, value, what of the range is left, as a share) after each point.
+    progress: called with (number of the point, value, share of the range that is left) after each point.
     resume: a curve of the same system and settings that was interrupted, or has max_points: it goes on as if it had not
     ended. KeyboardInterrupt ends a curve with a status, its points kept.
     Raises InputError for bad input, ConvergenceError for a curve that ends before its stop (``throw=False``: the curve
@@ -154,15 +154,16 @@ def response_curve(
     tolerance = positive_number("tolerance", tolerance, "(mean change of a coefficient)")
     flags(stability=stability, throw=throw)
     accuracy = None if accuracy is None else positive_number("accuracy", accuracy, "(of the largest response)")
-    most = whole_number("max_harmonics", max_harmonics, Nh if accuracy is not None else 1, MAX_COUNT)
+    max_harmonics = whole_number("max_harmonics", max_harmonics, Nh if accuracy is not None else 1, MAX_COUNT)
     family = HarmonicFamily(build, Nh, Nt, nu)
     keep_freed_memory()
-    with one_blas_thread(), np.errstate(all="ignore"):  # a diverging step is found by its size
-        trace = CurveTrace(family, ends, tolerance, output or _fields, progress, first, accuracy, most, stability)
+    with one_blas_thread(), np.errstate(all="ignore"):  # a diverging step is recognised by its size
+        outputs = output or _fields
+        trace = CurveTrace(family, ends, tolerance, outputs, progress, first, accuracy, max_harmonics, stability)
         if resume is not None:
-            trace.gathered = _points_to_resume(resume, name, ends[0], stability)
+            trace.points_and_state = _points_to_resume(resume, name, ends[0], stability)
         status, end = trace.follow(lengths, limit)
-        curve = assemble_curve(family, name, *trace.gathered, status, end)
+        curve = assemble_curve(family, name, *trace.points_and_state, status, end)
     return curve.or_raise(f"{ends[0]:g} to {ends[1]:g} {unit}; {trace.describe_end(end)}") if throw else curve
 
 
@@ -213,16 +214,18 @@ def assemble_curve(family, name, points, state, status, end) -> ResponseCurve:
     column = lambda name: np.array([getattr(point, name) for point in points])
     harmonics = np.array([point.z.shape[-1] // 2 for point in points], dtype=int)
     z = np.array([resize_harmonics(point.z, harmonics.max()) for point in points])
-    every = [each for point in points for each in point.special]
-    special = tuple(each for each in every if not each.doubt), tuple(each for each in every if each.doubt)
-    multipliers = _of_all(points, "multipliers"), _of_all(points, "sideways")
+    special_points = [each for point in points for each in point.special]
+    of_motion = tuple(each for each in special_points if not each.doubt)
+    of_series = tuple(each for each in special_points if each.doubt)
+    multipliers = _arrays_of_points(points, "multipliers"), _arrays_of_points(points, "sideways")
     norm = points[-1].residual_norm if points else np.nan
     steps = sum(point.iterations for point in points)
     return ResponseCurve(
         name, column("value"), column("omega"), z, column("greatest"), column("least"), column("tangent"), harmonics,
-        column("error"), *special, *multipliers, status, steps, norm, end, family, state, tuple(points))  # fmt: skip
+        column("error"), of_motion, of_series, *multipliers, status, steps, norm, end, family, state,
+        tuple(points))  # fmt: skip
 
 
-def _of_all(points, name):
-    """Return an array for each of some points, None where they have none."""
+def _arrays_of_points(points, name):
+    """Return the arrays that points have under a name, or None where they have none."""
     return tuple(getattr(point, name) for point in points) if points and getattr(points[0], name) is not None else None

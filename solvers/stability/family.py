@@ -26,13 +26,14 @@ def build_family(system, parameter) -> Callable:
     """Return a function from values of a parameter to systems.
 
     parameter: "frequency" of a Motion or BodyMotion in Hz, of a BodyMotion that of its period; "amplitude", a factor of
-    the driving as it is; or the function itself. Raises InputError for another parameter, or for the frequency of a
-    system that no such motion drives.
+    the driving as it is; or the function itself. Raises InputError for another parameter, for the frequency of a system
+    that no such motion drives, and for a motion of zero amplitude.
     """
     if callable(parameter):
         return lambda value: as_system(parameter(value))
     one_of("parameter", parameter, tuple(UNITS))
     system = as_system(system)
+    _require_displacement(getattr(system, "motion", None))
     if hasattr(system, "with_motion"):
         system.rest_state()  # once: each system of the family takes it over, and a network's takes longer than its rows
     if parameter == "amplitude":
@@ -45,6 +46,16 @@ def build_family(system, parameter) -> Callable:
     return lambda value: move(tune(value))
 
 
+def _require_displacement(motion) -> None:
+    """Raise InputError where a motion displaces nothing: each response would be the rest."""
+    parts = (motion.translation, motion.rotation) if isinstance(motion, BodyMotion) else (motion,)
+    given = [part for part in parts if part is not None]
+    if given and not any(len(part.directions()) for part in given):
+        problem = "its amplitude is 0 m in all directions, and the lines rest at each value of the parameter: "
+        problem += "give it one, such as the 1 m of Motion.harmonic(0.05, (1.0, 0.0, 0.0))"
+        raise InputError(problem, field="motion", value=motion, unit="m")
+
+
 def _tunable(motion) -> Callable | None:
     """Return a function from a frequency in Hz to the motion at that frequency, None where it has none."""
     if isinstance(motion, Motion):
@@ -55,8 +66,8 @@ def _tunable(motion) -> Callable | None:
     if not all(isinstance(part, Motion) for part in parts.values()):
         return None
     times = {name: round(part.frequency * motion.period) for name, part in parts.items()}  # of the common period
-    at = lambda value: {name: replace(part, frequency=value * times[name]) for name, part in parts.items()}
-    return lambda value: replace(motion, **at(value))
+    retune = lambda value: {name: replace(part, frequency=value * times[name]) for name, part in parts.items()}
+    return lambda value: replace(motion, **retune(value))
 
 
 class HarmonicFamily:

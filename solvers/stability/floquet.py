@@ -127,9 +127,9 @@ def _of_line(response, method, steps, scheme, out_of_plane, has_step_errors):
     return FloquetResult(multipliers, period, 0, hill, difference, sideways, step_errors, False, warnings)
 
 
-def _distances(some, others):
-    """Return the distance of each of some multipliers from the nearest of the others."""
-    return abs(some[:, None] - others).min(axis=1)
+def _distances(values, others):
+    """Return the distance of each of several multipliers from the nearest of the others."""
+    return abs(values[:, None] - others).min(axis=1)
 
 
 # ---------------------------------------------------------------- chains of first-order rows

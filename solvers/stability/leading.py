@@ -16,7 +16,7 @@ BLOCK = 12  # disturbances at a time: as long as they fit into the registers of 
 FLOOR = 1e-3  # eigenvalues from this size on are wanted, for smaller disturbances are gone after a period
 LEAST = 4  # so many of the largest are wanted in any case
 TOLERANCE = 1e-9  # of the residual of a wanted eigenvector of length one, of the largest eigenvalue, at least of one
-EVERY_BLOCK, LATER = 96, 1.25  # size up to which each block is looked at; beyond, what it grows by between two looks
+CHECK_EACH_BLOCK, CHECK_GROWTH = 96, 1.25  # size up to which eigenvalues are taken after each block; then its growth
 ZERO = 1e-14  # of the largest entry, below which nothing new is left
 
 
@@ -39,11 +39,11 @@ def largest_first(values):
 def _block_arnoldi(period):
     """Return the wanted eigenvalues; all of them where the wanted ones need more than half of the space."""
     size = period.size
-    most = size // (2 * BLOCK) * BLOCK
-    V, H = np.zeros((size, most + BLOCK)), np.zeros((most + BLOCK, most))
+    max_size = size // (2 * BLOCK) * BLOCK
+    V, H = np.zeros((size, max_size + BLOCK)), np.zeros((max_size + BLOCK, max_size))
     V[:, :BLOCK] = np.linalg.qr(np.random.default_rng(0).normal(size=(size, BLOCK)))[0]
-    look = BLOCK
-    for m in range(BLOCK, most + 1, BLOCK):
+    next_check = BLOCK
+    for m in range(BLOCK, max_size + 1, BLOCK):
         known, last = V[:, :m], slice(m - BLOCK, m)
         new = period.apply(np.ascontiguousarray(V[:, last]))
         for _ in range(2):  # the second time takes out what rounding left
@@ -53,9 +53,9 @@ def _block_arnoldi(period):
         Q, R = np.linalg.qr(new)
         V[:, m : m + BLOCK] = np.linalg.qr(Q - known @ (known.T @ Q))[0]
         H[m : m + BLOCK, last] = R
-        if m < look and m < most:
+        if m < next_check and m < max_size:
             continue
-        look = m + BLOCK if m < EVERY_BLOCK else int(LATER * m)
+        next_check = m + BLOCK if m < CHECK_EACH_BLOCK else int(CHECK_GROWTH * m)
         values, vectors = np.linalg.eig(H[:m, :m])
         residual = np.linalg.norm(R @ vectors[last], axis=0)
         order = np.argsort(-abs(values), kind="stable")

@@ -24,14 +24,14 @@ FOLD, BRANCH_POINT = "fold", "branch point"
 PERIOD_DOUBLING, NEIMARK_SACKER = "period doubling", "Neimark-Sacker"
 JUMP = "jump"
 
-FOLD_STEP = 1e-6  # of the step over a fold, to which its place is found: its square is left in the parameter
-PLACE = 1e-9  # of the step, to which other special points are located
+FOLD_STEP = 1e-6  # of the step over a fold, to which it is located: the square of that is its error in the parameter
+LOCATION = 1e-9  # of the step, to which other special points are located
 NOISE = 1e-6  # multipliers so near the circle are on it: those of free phases, and of motions without damping
 REAL = 1e-3  # rad from 1 or -1, within which a multiplier on the circle is taken for real
 LEAST_SIZE = 1e-300  # of a multiplier whose logarithm is taken
 JUMPS = 0.3  # share of the change of a multiplier over a step that a 64th of it may have: 1/64, or 1/8 of a root
-BISECTIONS = 6  # of a step in which a multiplier passes the circle, before its kind is looked at
-NEIGHBOURHOOD = 1.0  # of what is left after them, beyond which the secant method looks no further
+BISECTIONS = 6  # of a step in which a multiplier passes the circle, before its kind is determined
+NEIGHBOURHOOD = 1.0  # of the last such part, beside it, beyond which the secant method does not go
 MAX_SECANT = 20
 RESOLVED = 0.05  # error of the points beside a special one, by their harmonics, up to which it is one of the motion
 FOLD_MULTIPLIER = 0.25  # from one, of the nearest multiplier at a fold: that of a motion is one, blurred by the series
@@ -174,7 +174,7 @@ def _passage(segment, low, high, k):
     """Return where the k-th multiplier passes the circle, or its outer edge where it comes from the circle."""
     edge = 0.0 if segment.growth_at(low, k) * segment.growth_at(high, k) < 0 else NOISE
     growth = lambda s: segment.growth_at(s, k) - edge
-    return brentq(growth, low, high, xtol=PLACE * segment.length, rtol=PLACE)
+    return brentq(growth, low, high, xtol=LOCATION * segment.length, rtol=LOCATION)
 
 
 def _locate_doubling(segment, low, high, k):
@@ -183,7 +183,7 @@ def _locate_doubling(segment, low, high, k):
     other, s = low, high
     before, value = test(other), test(s)
     for _ in range(MAX_SECANT):
-        if value == 0 or abs(s - other) <= PLACE * segment.length:
+        if value == 0 or abs(s - other) <= LOCATION * segment.length:
             return PERIOD_DOUBLING, s, segment.at(s)
         slope = (value - before) / (s - other)
         other, before = s, value
@@ -209,16 +209,16 @@ def _locate_branch_point(segment, near):
         middle = (low + high) / 2
         low, high = (middle, high) if test(middle) * first > 0 else (low, middle)
     near, width = (low + high) / 2, high - low
-    places = near + width * NODES
-    values = np.array([test(s) for s in places])
+    positions = near + width * NODES
+    values = np.array([test(s) for s in positions])
     inner, outer = values[[2, 3]], values[[0, 5]]
     if inner[0] * inner[1] > 0 or (abs(inner) > abs(outer)).any():  # no change of sign, or one at a pole
         return []
-    place = brentq(BarycentricInterpolator(NODES, values), NODES[2], NODES[3], xtol=PLACE)
-    points = [segment.at(s) for s in places]
-    between = lambda name: BarycentricInterpolator(NODES, np.array([getattr(p, name) for p in points]))(place)
-    x, value, t, u = (between(name) for name in ("x", "value", "t", "u"))
-    s = near + width * place
+    position = brentq(BarycentricInterpolator(NODES, values), NODES[2], NODES[3], xtol=LOCATION)
+    points = [segment.at(s) for s in positions]
+    interpolate = lambda name: BarycentricInterpolator(NODES, np.array([getattr(p, name) for p in points]))(position)
+    x, value, t, u = (interpolate(name) for name in ("x", "value", "t", "u"))
+    s = near + width * position
     return [(BRANCH_POINT, s, Point(x, float(value), t, float(u), 0))]
 
 
@@ -229,7 +229,7 @@ class BranchTest:
     """
 
     def __init__(self, tracer, at):
-        self.tracer, self.at, self.left, self.direction = tracer, at, None, None
+        self.tracer, self.at, self.left_vector, self.direction = tracer, at, None, None
 
     def __call__(self, s) -> float:
         """Return the test function at s, zero where A is singular."""
@@ -242,16 +242,16 @@ class BranchTest:
             raise
         dx, dp = solve(np.random.default_rng(7).normal(size=F.shape), 0.0)
         self.direction = dx, dp
-        if self.left is None:
-            self.left = dx, dp
-        return 1 / float(np.vdot(self.left[0], dx) + self.left[1] * dp)
+        if self.left_vector is None:
+            self.left_vector = dx, dp
+        return 1 / float(np.vdot(self.left_vector[0], dx) + self.left_vector[1] * dp)
 
 
 class DoublingTest:
     """The bordered test function of a period doubling: that of the odd harmonics of twice the period, as BranchTest."""
 
     def __init__(self, tracer, at):
-        self.tracer, self.at, self.left, self.direction = tracer.doubled(), at, None, None
+        self.tracer, self.at, self.left_vector, self.direction = tracer.doubled(), at, None, None
         self.unpack = tracer.unpack
 
     def __call__(self, s) -> float:
@@ -266,6 +266,6 @@ class DoublingTest:
         z = rows.unpack(solve(np.random.default_rng(7).normal(size=column.shape), 0.0)[0])
         z[..., 0::4], z[..., 3::4] = 0.0, 0.0  # the mean and the harmonics of the period itself
         self.direction = rows.pack(z), 0.0
-        if self.left is None:
-            self.left = self.direction[0]
-        return 1 / float(np.vdot(self.left, self.direction[0]))
+        if self.left_vector is None:
+            self.left_vector = self.direction[0]
+        return 1 / float(np.vdot(self.left_vector, self.direction[0]))

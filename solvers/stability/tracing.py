@@ -1,4 +1,4 @@
-"""Points of a response curve as they are gathered: steps, harmonics, multipliers and special points, and where it ends.
+"""Points of a response curve as they are traced: steps, harmonics, multipliers and special points, and where it ends.
 
 All that the next point depends on is a TraceState, kept after each point: a curve that ends early goes on from it as if
 it had not.
@@ -84,29 +84,29 @@ def instants_of(response):
 
 
 class CurveTrace:
-    """The points of one curve as they are gathered.
+    """The points of one curve as they are traced.
 
     output, progress, first: as of ``response_curve``. accuracy: None, or of the error, by as many harmonics as it takes
     up to a largest number of them; has_stability: whether multipliers are wanted.
     """
 
-    def __init__(self, family, ends, tolerance, output, progress, first, accuracy, most_harmonics, has_stability):
+    def __init__(self, family, ends, tolerance, output, progress, first, accuracy, max_harmonics, has_stability):
         self.family, self.ends, self.output, self.progress = family, ends, output, progress
         self.span, self.first = abs(ends[1] - ends[0]), first
         self.tracer = Tracer(family, self.span, tolerance, ends[0])
-        self.accuracy, self.most_harmonics, self.has_stability = accuracy, most_harmonics, has_stability
-        self.gathered: tuple[list[CurvePoint], Any] = ([], None)  # and TraceState; replaced as one: never half a point
+        self.accuracy, self.max_harmonics, self.has_stability = accuracy, max_harmonics, has_stability
+        self.points_and_state: tuple[list[CurvePoint], Any] = ([], None)  # replaced as one: never half a point
 
     @property
     def points(self) -> list[CurvePoint]:
         """The points so far."""
-        return self.gathered[0]
+        return self.points_and_state[0]
 
     # ------------------------------------------------------------ the walk
     def follow(self, lengths, limit):
         """Gather points until the range ends; return the status and what ended the curve."""
         try:
-            if self.gathered[1] is None:
+            if self.points_and_state[1] is None:
                 self._begin(lengths[1])
             return self._advance(lengths, limit)
         except CorrectionError as error:
@@ -118,22 +118,22 @@ class CurveTrace:
 
     def _advance(self, lengths, limit):
         """Add points from the last state on; return the status and what ended the curve."""
-        least, _, most = lengths
-        step = self.gathered[1].step
+        min_step, _, max_step = lengths
+        step = self.points_and_state[1].step
         while len(self.points) < limit:
-            state = self.gathered[1]
+            state = self.points_and_state[1]
             self.tracer = self._tracer_of(state)
             point = self.tracer.resized(Point(state.x, state.value, state.t, state.u, 0))
             try:
                 new, status, record = self._next(point, step)
             except CorrectionError as error:
                 step *= HALF
-                if step < least:
+                if step < min_step:
                     return _reason(error), str(error)
                 continue
             if new is None:
                 return status, f"a fold at {record:.9g}"
-            step = next_step(step, new.iterations, most)
+            step = next_step(step, new.iterations, max_step)
             self._add(new, record, step)
             if status is not None:
                 return status, "" if status is Status.SUCCESS else "it came back to its start"
@@ -225,7 +225,7 @@ class CurveTrace:
         """Return a point and its error; with an accuracy that is met, or as many harmonics as are allowed."""
         error = estimate_error(self.tracer, point)
         while self.accuracy is not None and error > self.accuracy:
-            harmonics = min(more_harmonics(self.tracer.family.settings[0]), self.most_harmonics)
+            harmonics = min(more_harmonics(self.tracer.family.settings[0]), self.max_harmonics)
             if harmonics <= self.tracer.family.settings[0]:
                 break
             self.tracer = self.tracer.with_harmonics(harmonics)
@@ -256,15 +256,15 @@ class CurveTrace:
     def _special_points(self, point, new, multipliers, error):
         """Return the SpecialPoints between two points; error: of the new one by its harmonics."""
         tracer, unpack = self.tracer, self.tracer.unpack
-        of_point = lambda p: self._multipliers(as_response(tracer.family, p.value, unpack(p.x)))
-        segment = CurveSegment(tracer, point, new, of_point)
+        multipliers_of = lambda p: self._multipliers(as_response(tracer.family, p.value, unpack(p.x)))
+        segment = CurveSegment(tracer, point, new, multipliers_of)
         if self.has_stability:
             segment.set_multipliers(self.points[-1].multipliers, multipliers)
         result, error = [], max(error, self.points[-1].error)
         for kind, _, at in locate_special_points(segment, self.has_stability):
-            there = of_point(at)
-            doubt = explain_doubt(kind, there, error)
-            result.append(SpecialPoint(kind, at.value, unpack(at.x), there, len(self.points) - 1, doubt))
+            values = multipliers_of(at)
+            doubt = explain_doubt(kind, values, error)
+            result.append(SpecialPoint(kind, at.value, unpack(at.x), values, len(self.points) - 1, doubt))
         return tuple(result)
 
     def _record(self, point, response, error, multipliers, sideways, special):
@@ -282,7 +282,7 @@ class CurveTrace:
         if self.accuracy is not None:
             harmonics = min(harmonics, max(needed_harmonics(record.z, tracer.norms, self.accuracy), 1))
         state = TraceState(point.x, point.t, point.u, point.value, tracer.norms, step, harmonics)
-        self.gathered = [*self.points, record], state
+        self.points_and_state = [*self.points, record], state
         if self.progress is not None:
             self.progress(len(self.points), point.value, abs(self.ends[1] - point.value) / self.span)
 

@@ -133,15 +133,15 @@ DEFECTS: tuple[Defect, ...] = (
         "the vertical axis for the sideways one", _THRESHOLD,
     ),
     _mooring_defect(
-        "stages-without-velocity-term", "linearised_steps", "factorise_steps",
-        "own[step, 1, node, i * n + j, k] = -C - h * nodes[i] * K",
-        "own[step, 1, node, i * n + j, k] = -C", "term",
+        "stages-without-velocity-term", "monodromy", "LinearisedPeriod.__init__",
+        "right_weights[1, 0] = -self.h * scheme.nodes",
+        "pass", "term",
         "the displacement that a stage's velocity makes left out", _TONGUE,
     ),
     _mooring_defect(
-        "stages-squared-weights", "linearised_steps", "factorise_steps",
-        "squared = weights @ weights",
-        "squared = weights * weights", "factor",
+        "stages-squared-weights", "monodromy", "LinearisedPeriod.__init__",
+        "A @ A",
+        "A * A", "factor",
         "squares of the weights for the square of their matrix", _STEPS,
     ),
     _mooring_defect(
@@ -170,7 +170,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     _mooring_defect(
         "newmark-mass-left-out", "linearised_newmark", "take_newmark_steps",
-        "multiply_subtract(by_own[step, 1, i], acceleration[i], force[i])",
+        "multiply_add(own[step, 1, i], acceleration[i], force[i])",
         "pass", "term",
         "the inertia of the known acceleration left out", _MAP,
     ),

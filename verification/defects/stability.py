@@ -123,7 +123,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     _defect(
         "branch-point-between-two-nodes", "special_points", "_locate_branch_point",
-        "brentq(BarycentricInterpolator(NODES, values), NODES[2], NODES[3], xtol=PLACE)", "0.0", "order",
+        "brentq(BarycentricInterpolator(NODES, values), NODES[2], NODES[3], xtol=LOCATION)", "0.0", "order",
         "a branch point taken for the middle of its two nodes", _STEPS.format("hardening"),
     ),
     _defect(
@@ -179,7 +179,7 @@ DEFECTS: tuple[Defect, ...] = (
         "term", "growth across the plane of a line left out of whether it is stable", _ACROSS,
     ),
     _defect(
-        "resumed-with-the-first-step", "tracing", "CurveTrace._advance", "step = self.gathered[1].step",
+        "resumed-with-the-first-step", "tracing", "CurveTrace._advance", "step = self.points_and_state[1].step",
         "step = lengths[1]", "input", "a curve that goes on with its first step", _RESUMED,
     ),
     _defect(

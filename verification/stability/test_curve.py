@@ -9,7 +9,17 @@ from functools import cache
 import numpy as np
 import pytest
 
-from solvers import ConvergenceError, InputError, Motion, Scene, Status, mooring_system, solve_periodic
+from solvers import (
+    BodyMotion,
+    ConvergenceError,
+    Environment,
+    InputError,
+    Motion,
+    Scene,
+    Status,
+    mooring_system,
+    solve_periodic,
+)
 from solvers.common.properties import CableProperties
 from solvers.harmonic_balance.residual import HarmonicResidual
 from solvers.stability import floquet, response_curve
@@ -111,9 +121,14 @@ LINE = Scene(
 MILLIMETRE = 1e-3  # m, of a line: 1e-4 of its motion, far below what a wrong frequency or amplitude would make
 
 
-@pytest.mark.parametrize(("parameter", "start", "stop"), [("frequency", 0.05, 0.04), ("amplitude", 1.0, 0.6)])
+@pytest.mark.parametrize(
+    ("parameter", "start", "stop"), [("frequency", 0.05, 0.04), ("amplitude", 1.0, 0.6), ("amplitude", 0.0, 0.6)]
+)
 def test_a_line_ends_where_it_is_solved_directly(parameter, start, stop):
-    """Frequency and amplitude of a line of nodes and elements: the last response is that of ``solve_periodic``."""
+    """Frequency and amplitude of a line of nodes and elements: the last response is that of ``solve_periodic``.
+
+    At an amplitude of zero the response is rounding errors alone, and these must not set the scale of the curve.
+    """
     line = mooring_system(LINE, cells=10)
     output = lambda response: response.fairlead_tension(response.time)
     curve = response_curve(line, parameter=parameter, start=start, stop=stop, harmonics=3, output=output)
@@ -223,6 +238,21 @@ def test_a_curve_says_where_it_ends(build, options, status, end):
     )
 
 
+@pytest.mark.parametrize("damping", [0.0, 1e3])
+def test_a_seabed_whose_force_jumps_ends_the_curve(damping):
+    """With damping of the seabed the rows lose their zero as nodes touch down: the status names it; without, no end."""
+    chain = replace(LINE.cable, submerged_weight=698.094, damping=0.05)
+    sea = Environment(depth=60.0, seabed_stiffness=5e3, seabed_damping=damping)
+    surge = Motion.harmonic(1 / 12, (2.0, 0.0, 0.0))
+    scene = Scene("chain", chain, 665.0, (-655.2, 0.0, -60.0), (-5.2, 0.0, -10.0), sea, motion=surge)
+    curve = response_curve(mooring_system(scene, cells=12), start=0.03, stop=0.1, harmonics=5, throw=False)
+    if damping:
+        assert curve.status is Status.CURVE_STEP_TOO_SHORT and "seabed without damping" in curve.status.value
+        assert 0.03 < curve.values[-1] < 0.1
+    else:
+        assert curve.success and curve.values[-1] == 0.1
+
+
 def test_a_parameter_that_leaves_its_physical_range_ends_the_curve():
     """What the system refuses is the end, with the reason of the system."""
 
@@ -260,6 +290,11 @@ def test_progress_is_told_after_each_point():
     assert calls[0][2] == 1.0 and calls[-1][2] == 0.0
 
 
+def motionless():
+    """A line whose motion displaces nothing in any of six directions."""
+    return mooring_system(LINE, cells=4, motion=BodyMotion.harmonic(0.05, (0.0,) * 6))
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
@@ -267,6 +302,8 @@ def test_progress_is_told_after_each_point():
         ({"parameter": "amplitude"}, "system: give either"),
         ({"parameter": "damping", "system": resonance(1.0)}, "parameter: 'damping' must be 'frequency' or 'amplitude'"),
         ({"parameter": "frequency", "system": resonance(1.0)}, "parameter: 'frequency' takes a system that a Motion"),
+        ({"parameter": "frequency", "system": motionless()}, "motion: its amplitude is 0 m .* give it one"),
+        ({"parameter": "amplitude", "system": motionless()}, "motion: its amplitude is 0 m .* give it one"),
         ({"stop": 0.8}, "stop: 0.8 .* must differ from start"),
         ({"stop": math.inf}, "stop: inf"),
         ({"harmonics": 0}, "harmonics: 0 must be a whole number"),

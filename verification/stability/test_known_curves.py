@@ -213,10 +213,10 @@ def test_a_start_at_a_fold_is_singular():
     """There the curve has no direction in the parameter: a status, and no point."""
     whole = response_curve(**RESONANCE, stop=1.6)
     fold = whole.folds[0]
-    beside = fold.value - 1e-10  # beyond the fold there is no response, and at it Newton's method may go there
-    basis = whole.family.basis(resonance(beside))
+    start = fold.value - 1e-10  # beyond the fold there is no response, and at it Newton's method may go there
+    basis = whole.family.basis(resonance(start))
     curve = response_curve(
-        **RESONANCE | {"start": beside, "first": replace(whole.response(fold), basis=basis)}, stop=1.6
+        **RESONANCE | {"start": start, "first": replace(whole.response(fold), basis=basis)}, stop=1.6
     )
     assert curve.status is Status.CURVE_SINGULAR_START and len(curve.values) == 0
 

