@@ -208,11 +208,14 @@ def motion_tolerance(scene: Scene) -> float:
 
 
 def _recommended(rows, reference, tolerance) -> dict | None:
-    """The cheapest setting whose error, with that of the reference, meets the tolerance; else the most accurate one."""
+    """The cheapest setting whose error, with that of the reference, meets the tolerance; else the most accurate one.
+
+    One that warns, of drift or of long steps, is taken only where all that meet the tolerance do.
+    """
     solved = [row | {"promised": row["error"] + reference["uncertainty"]} for row in rows if row["error"] is not None]
     within = [row for row in solved if row["promised"] <= tolerance]
     if within:
-        return min(within, key=lambda row: row["seconds"]) | {"meets": True}
+        return min(within, key=lambda row: (bool(row["warnings"]), row["seconds"])) | {"meets": True}
     return min(solved, key=lambda row: row["promised"]) | {"meets": False} if solved else None
 
 

@@ -105,6 +105,15 @@ def test_promised_error_holds(name, request, monkeypatch):
     assert kept(name, best)
 
 
+def test_a_setting_that_warns_is_not_recommended():
+    """The cheapest within the tolerance warns of drift: the next one is recommended, unless they all warn."""
+    rows = [
+        {"error": 1e-3, "seconds": float(k), "warnings": warnings} for k, warnings in enumerate((["drift"], [], []))
+    ]
+    assert scene_dynamics._recommended(rows, {"uncertainty": 0.0}, 1e-2)["seconds"] == 1.0
+    assert scene_dynamics._recommended(rows[:1], {"uncertainty": 0.0}, 1e-2)["meets"]
+
+
 def test_a_spoiled_reference_breaks_the_promise(monkeypatch):
     """One that is three thousandths off is noticed: nothing meets the tolerance, or the finer run shows the error."""
     best = studied(SHORT, monkeypatch, 1 + 3e-3)["recommended"]
