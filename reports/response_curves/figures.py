@@ -46,8 +46,7 @@ def _curve_rows(case: dict) -> tuple[list[dict], list[dict], dict[str, str]]:
         for name, (curve, place) in curves.items():
             colours[name] = style.PALETTE[place]
             rows += _points_of(name, curve)
-            special += [{"series": name, "kind": p["kind"], "frequency_Hz": p["value"], "tension_kN": KN * p["tension"],
-                         "marker": SPECIAL[p["kind"]]} for p in curve["special"]]  # fmt: skip
+            special += _special_points_of(name, curve)
     return rows, special, colours
 
 
@@ -59,6 +58,13 @@ def _points_of(name: str, curve: dict) -> list[dict]:
         for bound in ("greatest", "least")
         for frequency, tension, stable in zip(curve["frequency"], curve[bound], curve["stable"], strict=True)
     ]  # fmt: skip
+
+
+def _special_points_of(name: str, curve: dict) -> list[dict]:
+    """Return the special points of a curve."""
+    return [{"series": name, "kind": point["kind"], "frequency_Hz": point["value"],
+             "tension_kN": KN * point["tension"], "marker": SPECIAL[point["kind"]]}
+            for point in curve["special"]]  # fmt: skip
 
 
 def _draw_curve(axes, curve, label, colour, drawn):
@@ -180,12 +186,14 @@ def sweep_figure(report: dict, name: str, folder: Path) -> Figure:
     """Return the greatest and least tension of each line of one's own over the band, unstable parts dotted."""
     figure, axes = plt.subplots(figsize=style.WIDE)
     drawn: set[str] = set()
+    rows: list[dict] = []
     for curve in report["curves"]:
         for e, line in enumerate(report["lines"]):
             special = [] if e else curve["special"]
             part = {"frequency": curve["frequency"], "greatest": curve["greatest"][e], "least": curve["least"][e],
                     "stable": curve["stable"], "special": special}  # fmt: skip
             _draw_curve(axes, part, line, style.PALETTE[e % len(style.PALETTE)], drawn)
+            rows += _points_of(line, part) + _special_points_of(line, part)
     label = "time integration"
     for row in report["integrated"]:
         for e, ends in enumerate(zip(row["greatest"], row["least"], strict=True)):
@@ -193,9 +201,12 @@ def sweep_figure(report: dict, name: str, folder: Path) -> Figure:
             axes.plot([row["frequency"]] * 2, KN * np.array(ends), "o", color=colour, markersize=4, fillstyle="none",
                       label=label)  # fmt: skip
             label = "_"
+            rows += [{"series": report["lines"][e], "bound": bound, "frequency_Hz": row["frequency"],
+                      "tension_kN": KN * tension, "state": "time integration"}
+                     for bound, tension in zip(("greatest", "least"), ends, strict=True)]  # fmt: skip
     low, high = report["band"]
     axes.set(title=f"{report['name']}: tension over the band", xlabel="frequency, Hz", ylabel="tension, kN",
              xlim=(low, high))  # fmt: skip
     add_legend(figure, axes, 4)
     alt = f"Greatest and least tension of each line from {low:g} to {high:g} Hz."
-    return style.save(figure, folder, f"{name}_sweep", "Tension over the band", alt)
+    return style.save(figure, folder, f"{name}_sweep", "Tension over the band", alt, rows)

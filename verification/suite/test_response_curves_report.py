@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import subprocess
 import sys
@@ -73,4 +74,11 @@ def test_a_line_is_swept_on_its_page(tmp_path):
     for text in ("With 1 m of motion the largest tension over the band is", "No jumps", "No instability"):
         assert text in run.stdout and text in words(page)
     assert (tmp_path / "figures" / "sweep_hb-case-1_sweep.svg").is_file()
+    curve = json.loads((tmp_path / "results" / "sweep_hb_case_1.json").read_text(encoding="utf-8"))
+    curve = next(iter(report["curves"][0] for report in curve.values() if "curves" in report))
+    with open(tmp_path / "figures" / "sweep_hb-case-1_sweep.csv", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    for bound in ("greatest", "least"):  # each of the points, by what it is
+        tensions = [float(row["tension_kN"]) for row in rows if row["bound"] == bound and row["state"] == "stable"]
+        assert tensions == pytest.approx([1e-3 * value for value in curve[bound][0]])
     assert undescribed(page) == [] and missing_files(page, tmp_path) == []
