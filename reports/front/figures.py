@@ -99,7 +99,7 @@ def _bars(rows: dict[str, dict], verdicts, title: str, ylabel: str, name: str, f
     axes.invert_yaxis()
     axes.grid(axis="y", visible=False)
     axes.set(xlabel="share of the cases, %", ylabel=ylabel, xlim=(0, 100))
-    figure.legend(loc="outside upper center", ncols=4, fontsize=8)
+    figure.legend(loc="outside upper center", ncols=5, fontsize=7.5, columnspacing=0.8, handlelength=1.2)
     data = [{ylabel: label, "verdict": WORDS.get(v, v), "cases": rows[label][v]} for label in labels for v in verdicts]
     data = [{"x axis": "cases", "y axis": ylabel, "x": row["cases"], "y": row[ylabel], "series": row["verdict"]}
             for row in data]  # fmt: skip
