@@ -34,7 +34,6 @@ MAP, MAP_STEP = 1e-4, 1e-3  # of a central difference of a period of time steps,
 SEABED_MAP, SEABED_STEP = 1e-5, 1e-4  # with 0.1 mm, in which no node meets the seabed at another step; measured 9e-7
 WIDE = 0.25  # of an order that the drag's kinks disturb, one node after another
 SMALL = 1e-5  # m, a disturbance that grows as its multiplier says; at 1e-7 m the time steps' own error is a thousandth
-OVER_SLACK = 1e-3  # relative, of a multiplier over slack cells, whose orbit is known to some 1e-4; measured 8e-4
 DECAY = 1e-4  # of a multiplier measured in time: the disturbance is small, and others have decayed; measured 4e-5
 ARNOLDI = 100 * TOLERANCE  # of an eigenvalue, a few times the residual of its vector
 
@@ -281,7 +280,7 @@ def test_disturbances_over_slack_cells_follow_their_multiplier_in_time(amplitude
     """A motion with slack cells that settles and one that time steps leave, each at the rate of its multiplier."""
     response = response_of(amplitude, frequency)
     result = floquet(response, steps=steps)
-    assert result.by_time_steps and result.multipliers[0].real == pytest.approx(expected, rel=OVER_SLACK)
+    assert result.by_time_steps and result.multipliers[0].real == pytest.approx(expected, abs=DECAY)
     assert result.stable == (abs(expected) < 1)
     orbit = response.stepped_orbit(steps)
     period, state = orbit.linearised(), orbit.state
@@ -292,7 +291,7 @@ def test_disturbances_over_slack_cells_follow_their_multiplier_in_time(amplitude
     for _ in range(3):
         ends = [orbit.take_period(end)[0] for end in ends]
         sizes.append(left[:, first].real @ period.pack(ends[0] - ends[1]))
-    assert sizes[2] / sizes[1] == pytest.approx(expected, rel=OVER_SLACK)
+    assert sizes[2] / sizes[1] == pytest.approx(expected, abs=DECAY)
 
 
 def test_multipliers_of_a_ringing_series_are_those_of_another_motion():
@@ -302,7 +301,7 @@ def test_multipliers_of_a_ringing_series_are_those_of_another_motion():
     """
     response = solve_periodic(line(5.0, 0.093), harmonics=5, multilevel=False)
     of_series = leading_eigenvalues(response.linearised_period(200, RADAU))
-    assert abs(of_series[0]) > 4 and floquet(response).stable
+    assert abs(of_series[0]) > 5 and floquet(response).stable
 
 
 def test_a_motion_that_time_steps_do_not_repeat_is_said():
