@@ -27,7 +27,7 @@ from solvers.numerics.threads import one_blas_thread
 
 from ..run import console, results
 from ..scenes.margin import margins_of_cases
-from ..scenes.network_files import load
+from ..scenes.network_files import check_weights, load
 from ..scenes.network_outputs import spectral_density
 
 BAD_INPUT, NO_SETTING = 2, 1  # exit status
@@ -76,7 +76,12 @@ def _executor(address: str | None, jobs: int):
 
 
 def _system(path: Path):
-    return load_system(path) if path.suffix.lower() == ".toml" else load(path)[0]
+    if path.suffix.lower() != ".toml":
+        return load(path)[0]
+    system = load_system(path)
+    elements = getattr(system, "elements", (system,))
+    check_weights(system, [element.cable for element in elements], path)
+    return system
 
 
 def solve(arguments) -> dict:

@@ -196,7 +196,7 @@ def _report(study: Study, statics: dict, reference: dict, ladder: list[dict]) ->
     about = {key: value for key, value in reference.items() if key not in ("wave", "response")}
     report = {"period": study.period, "fields": study.chain(STATIC_NODES[0]).fields, "statics": statics, "ladder": rows}
     report |= {"reference": about, "recommended": best, "tolerance": tolerance, "python": _python(best)}
-    report |= {"modes": _modes(study), "driving": _driving(scene)}
+    report |= {"modes": _modes(study), "driving": _driving(scene), "in_current": any(scene.environment.current)}
     if known is not None:
         report |= _pictured(study, reference)
     return report | {"warnings": study.warnings + list(_warnings(study, report))}

@@ -20,6 +20,7 @@ from ..run import oracle_cache as truth
 from . import dynamics as scene_dynamics
 from .exports import network_of, write_exports
 from .margin import margins
+from .network_files import check_weights
 
 PROFILE_POINTS = 201
 BAD_SCENE = 2  # exit status
@@ -187,6 +188,7 @@ def main(argv=None) -> int:
     arguments = parser.parse_args(argv)
     try:
         scene = Scene.load(arguments.file)
+        check_weights(scene, [scene.cable], arguments.file)
         spans, known = scene.spans(), truth.TruthCache(arguments.out)
         total = len(spans) + (scene_dynamics.steps(scene) if _is_stepped(scene) else 0)
         done = list(console.progress(_work(scene, spans, known, not arguments.forces), total, arguments.file.stem))

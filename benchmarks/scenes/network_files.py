@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from solvers import InputError
 from solvers.io import load_body_motion, load_moordyn, load_network, read_map_file
 from solvers.io.network_scene import NamedNetwork
-from solvers.io.plausibility import suspect_angles
+from solvers.io.plausibility import is_lighter_than_any_line, suspect_angles, suspect_section
 
 KEPT = ("name", "description", "warnings", "breaking_loads", "safety_factors")
 """What a network file says beside its nodes and elements, and a motion in place of its own leaves as it is."""
@@ -20,6 +21,7 @@ def load(path: Path, depth: float | None = None, series: Path | None = None):
     body, in place of the file's own. Raises InputError naming file and place of what is wrong.
     """
     network, notes = _read_network(path, depth)
+    check_weights(network, [element.cable for element in network.elements], path)
     if series is None:
         return network, notes
     names, motion = getattr(network, "node_names", ()), load_body_motion(series)
@@ -28,6 +30,19 @@ def load(path: Path, depth: float | None = None, series: Path | None = None):
     moved = NamedNetwork(network.nodes, network.elements, network.environment, node_names=names, motion=motion,
                          warnings=suspected, **kept)  # fmt: skip
     return moved, notes
+
+
+def check_weights(system, cables, path: Path):
+    """Raise InputError with all that is suspected of a system one of whose lines is lighter than any line there is.
+
+    A unit is wrong in its file for certain, and minutes of work would go into a page of numbers without meaning.
+    """
+    light = next((cable for cable in cables if cable is not None and is_lighter_than_any_line(cable)), None)
+    if light is None:
+        return
+    suspected = getattr(system, "warnings", ()) or tuple(suspect_section(light, system.environment))
+    hint = "Nothing is computed of a line that is lighter than foam; where that is meant, give submerged_weight (N/m)."
+    raise InputError(" ".join([*suspected, hint]), field=str(path), value=light.mass_per_length, unit="kg/m")
 
 
 def _read_network(path: Path, depth: float | None):

@@ -17,6 +17,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.load_cases import table
+from benchmarks.scenes import measure, networks
 from benchmarks.scenes.network_files import load
 from solvers import InputError, Scene, mooring_system, solve_network, solve_span, solve_static
 from solvers.common.load_case import LoadCase
@@ -32,6 +34,8 @@ MESH = 0.02  # relative: of 20 cells of the longest line, over an elastic seabed
 HAND = 1e-3  # relative: a taut line as a parabola, of fourth order in the sag
 DEPTH = 200.0  # m, where the MAP++ file leaves it open
 LONGEST = 600  # s of a page, on a busy machine
+REFUSED = {"tonnes_and_kilonewtons": "likely in t/m", "millimetres_and_degrees": "likely in mm"}
+"""Systems of which nothing is computed -> the hint."""
 SEAS = {"oc3_spar": 2e-3, "chain_polyester_chain": 1e-2, "wave_energy_converter": 2e-2}
 """Systems whose motion is a sea -> share of the mean tension that its standard deviation is at least."""
 
@@ -122,6 +126,30 @@ def test_millimetres_and_degrees_are_named():
     assert "turns the body by 4 rad" in angle and "likely in degrees" in angle
 
 
+@pytest.mark.parametrize("program", [networks, measure, table], ids=["network", "line", "load cases"])
+def test_a_line_lighter_than_any_is_refused_before_the_work(program, tmp_path, capsys):
+    """By each program of a page, with all that is suspected; a given weight is what lets it pass."""
+    path = FOLDER / "millimetres_and_degrees.toml"
+    if program is measure:  # of a line without a seabed, which may float
+        text = (FOLDER / "taut_polyester.toml").read_text(encoding="utf-8").replace("diameter = 0.2", "diameter = 200")
+        path = tmp_path / "mine.toml"
+        path.write_text(re.sub("submerged_weight.*", "", text), encoding="utf-8")
+    assert program.main([str(path), "--out", str(tmp_path / "out")]) == 2
+    said = capsys.readouterr().err
+    assert "likely in mm" in said and "give submerged_weight" in said
+    assert program is measure or "likely in degrees" in said
+    assert not list(tmp_path.glob("out/*.json"))
+
+
+def test_a_given_weight_is_taken(tmp_path):
+    """What is light by mass and diameter is meant where its weight is given."""
+    text = (FOLDER / "millimetres_and_degrees.toml").read_text(encoding="utf-8")
+    path = tmp_path / "mine.toml"
+    path.write_text(text.replace("diameter = 76.6", "diameter = 76.6\nsubmerged_weight = 900.0"), encoding="utf-8")
+    network, _ = load(path)
+    assert network.elements[0].cable.submerged_weight == 900.0
+
+
 def test_depth_of_a_map_file_is_asked_for():
     """With the option of the command line."""
     with pytest.raises(InputError, match="--depth"):
@@ -167,8 +195,8 @@ def test_each_has_its_page(path, request, tmp_path):
     depth = ["--depth", "200"] if path.suffix == ".map" else []
     command = [sys.executable, "-m", "reports", str(path), *depth, "--out", str(tmp_path / "out")]
     run = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False, timeout=LONGEST)
-    if path.stem == "tonnes_and_kilonewtons":
-        assert run.returncode == 1 and "likely in t/m" in run.stderr
+    if path.stem in REFUSED:
+        assert run.returncode == 1 and REFUSED[path.stem] in run.stderr
     else:
         assert run.returncode == 0, run.stderr
         assert (tmp_path / "out" / f"scene-{path.stem}.html").is_file() and path.stem in run.stdout

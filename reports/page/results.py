@@ -104,7 +104,12 @@ class Results:
     def failures(self) -> list[dict]:
         """Return title, command and last lines of every stage that failed in this run."""
         return [
-            {"title": end.stage.title, "command": end.stage.command_line(self.folder), "tail": end.tail}
+            {
+                "title": end.stage.title,
+                "command": end.stage.command_line(self.folder),
+                "tail": end.tail,
+                "is_refused": end.is_refused,
+            }
             for end in self.ended.values()
             if end.state == "failed"
         ]

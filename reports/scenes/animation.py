@@ -89,5 +89,9 @@ def caption(duration: float, factor: int, span: str) -> str:
     speed = duration / shown
     pace = "in real time" if abs(speed - 1) < 0.01 else f"{number(speed, 2)} times as fast"  # fmt: skip
     pace = pace if speed >= 0.99 else f"{number(1 / speed, 2)} times as slow"
-    times = f"; displacements from rest (dashed) enlarged {factor} times" if factor > 1 else "; dashed: at rest"
+    times = (
+        f"; displacements from rest (dashed) enlarged {factor} times, which may draw them below a seabed"
+        if factor > 1
+        else "; dashed: at rest"
+    )
     return f"{span} of {number(duration)} s, {pace}{times}."

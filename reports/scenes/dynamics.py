@@ -104,8 +104,18 @@ def _facts(dynamics: dict) -> list[str]:
             f"{number(least['s'], 4)} m, {number(least['time'])} s into the period."
         )
         sentences.append(_reference(dynamics["reference"]))
-    sentences.append(f"Lowest natural frequencies at rest: {', '.join(number(f, 4) for f in dynamics['modes'])} Hz.")
-    return sentences
+    return [*sentences, _describe_modes(dynamics)]
+
+
+def _describe_modes(dynamics: dict) -> str:
+    """Return the lowest natural frequencies; in a current of what still oscillates under its drag."""
+    values = ", ".join(number(f, 4) for f in dynamics["modes"])
+    if dynamics.get("in_current"):
+        return (
+            f"Lowest natural frequencies of the modes that oscillate about rest in the current: {values} Hz; its drag "
+            "lets the others creep back."
+        )
+    return f"Lowest natural frequencies at rest: {values} Hz."
 
 
 def _reference(known: dict) -> str:

@@ -69,8 +69,9 @@ def _profile(scene, line, surroundings, top: float, folder: Path) -> Figure:
         at = np.interp(grounded, line["profile"]["s"], x), np.interp(grounded, line["profile"]["s"], z)
         axes.plot(*at, "^", color=style.INK, markersize=8, zorder=5)
     note = _scale(axes, x, heights)
+    title = _title(scene, line, "Profile")
     axes.set(
-        title=line["label"] or scene["name"],
+        title=title,
         xlabel="x, m from the anchor",
         ylabel=f"z, m{surroundings['z_note']}{note}",
     )
@@ -78,7 +79,12 @@ def _profile(scene, line, surroundings, top: float, folder: Path) -> Figure:
     bar.set_label("tension, kN")
     alt = f"Profile of {scene['name']}, {line['label']}, coloured by tension from 0 to {number(top)} kN."
     name = f"scene_{slug(surroundings['stem'])}_profile_{slug(line['label'])}"
-    return style.save(figure, folder, name, line["label"] or scene["name"], alt)
+    return style.save(figure, folder, name, title, alt)
+
+
+def _title(scene: dict, line: dict, alone: str) -> str:
+    """Return the label of one of several lines, of one alone what the figure shows."""
+    return alone if len(scene["lines"]) == 1 else line["label"] or scene["name"]
 
 
 def _height(x, z, surroundings) -> float:
@@ -159,11 +165,11 @@ def _ladder_panel(scene, line, surroundings, looks, folder) -> Figure:
     if best:
         axes.plot(1e6 * best["seconds"], clip_error(best), "*", color=style.RECOMMENDED, markeredgecolor=style.INK,
                   markersize=14, zorder=6)  # fmt: skip
-    title = line["label"] or scene["name"]
+    title = _title(scene, line, "Error against run time")
     axes.set_title(title)
     set_time_ticks(axes)
     name = f"scene_{slug(surroundings['stem'])}_ladder_{slug(line['label'])}"
-    return style.save(figure, folder, name, title, f"Error against time of every setting for {scene['name']}, {title}.")
+    return style.save(figure, folder, name, title, f"Error against run time: {_start(scene, line)}{scene['name']}.")
 
 
 def _ladder_sentence(scene: dict, line: dict) -> str:

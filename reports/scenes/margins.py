@@ -8,7 +8,7 @@ from ..page.tables import Table
 KN = 1e-3
 
 
-def margin_table(rows: list[dict], name: str) -> Table | None:
+def margin_table(rows: list[dict], name: str, is_at_rest: bool = False) -> Table | None:
     """Return design tension, strength and utilisation of each line; None where no breaking load is given."""
     if not rows:
         return None
@@ -24,6 +24,8 @@ def margin_table(rows: list[dict], name: str) -> Table | None:
         whose = "for the file gives none: a comparison of forces and no design; give [safety_factors] mean and dynamic"
     share = first["strength"] / first["breaking_load"]
     greatest = "T_max is that of this motion, no extreme of a storm."
+    if is_at_rest:
+        greatest = "At rest, in still water: T_max is the tension at rest, and no motion takes a part."
     if is_of_cases:
         greatest = (
             "Of each line the load case that leaves least. T_max is the most probable largest tension of the reference "

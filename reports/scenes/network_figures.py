@@ -16,7 +16,7 @@ from ..network.pictures import draw_network
 from ..page.analysis import pareto_front
 from ..page.figures import Figure, Group
 from ..page.formatting import number, plural
-from .network_settings import OWN, STAR, count_outcomes
+from .network_settings import OWN, STAR, count_outcomes, find_hidden_errors
 
 SHOWN_TRAVEL = 0.05  # of the width of a picture, to which the motion of a line is enlarged
 NICE = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
@@ -115,12 +115,12 @@ def _projection(report, name: str, folder: Path, title: str, factor: int, top: f
                 has_names=True) -> Figure:  # fmt: skip
     """Return the lines in a plane, whole or within a view (centre (2,), half width) in m, with names of nodes."""
     picture = report["picture"]
-    figure, axes = plt.subplots(figsize=(4.7, 3.2 if plane == "xz" and view is None else 4.3))
+    points = [np.column_stack([element[axis] for axis in plane]) for element in picture["elements"]]
+    figure, axes = plt.subplots(figsize=(4.7, _height_of_side_view(points) if plane == "xz" and view is None else 4.3))
     if "envelope" in report:
         kept = ["xyz".index(axis) for axis in plane]
         pieces = [line[kept].T for line in _poses(report["envelope"], factor)]
         axes.add_collection(LineCollection(pieces, colors=style.PALE, linewidths=0.6, alpha=0.6, zorder=1))
-    points = [np.column_stack([element[axis] for axis in plane]) for element in picture["elements"]]
     tension = [np.array(element["tension"]) for element in picture["elements"]]
     lines = LineCollection(
         np.concatenate([np.stack([p[:-1], p[1:]], axis=1) for p in points]),
@@ -137,6 +137,12 @@ def _projection(report, name: str, folder: Path, title: str, factor: int, top: f
     axes.set(title=title, xlabel="x, m", ylabel=f"{plane[1]}, m{enlarged}")
     figure.colorbar(lines, ax=axes, location="bottom", aspect=35, shrink=0.9).set_label("tension at rest, kN")
     return style.save(figure, folder, name, title, f"{report['name']}, {title.lower()}, coloured by tension at rest.")
+
+
+def _height_of_side_view(points) -> float:
+    """Return inches that title, labels and colour bar take, and the lines at equal scales; of a flat view as usual."""
+    across, up = np.ptp(np.concatenate(points), axis=0)
+    return 3.2 if across > FLATTEST * up else float(np.clip(1.75 + 3.8 * up / max(across, 1e-9), 2.3, 4.3))
 
 
 def _draw_nodes(axes, nodes: list[dict], plane: str):
@@ -270,6 +276,8 @@ def work(report: dict, name: str, folder: Path) -> Figure:
     axes.plot([r["seconds"] for r in front], [r["error"] for r in front], "o", markerfacecolor="none",
               markeredgecolor=style.INK, markersize=10)  # fmt: skip
     axes.axhline(report["tolerance"], color=style.INK, linestyle="--", linewidth=1)
+    if (known := find_hidden_errors(report)) is not None:
+        axes.axhline(known, color=style.INK, linestyle=":", linewidth=1)
     best = report["recommended"]
     if best and best["error"]:
         axes.plot(best["seconds"], best["error"], "*", color=style.RECOMMENDED, markeredgecolor=style.INK,
@@ -284,5 +292,7 @@ def details(report: dict, name: str, folder: Path) -> Group:
     drawn = (harmonics, spectrum, along, work)
     figures = [figure for draw in drawn if (figure := draw(report, name, folder)) is not None]
     lines = "Lines in the colours of the tensions above; along them shaded from least to greatest. "
-    return Group(f"{lines}{count_outcomes(report['ladder'])}. Dashed: the tolerance. {STAR} "
+    known = find_hidden_errors(report)
+    dotted = "" if known is None else f" Dotted: to what the reference is known, {number(known, 2)}."
+    return Group(f"{lines}{count_outcomes(report['ladder'])}. Dashed: the tolerance.{dotted} {STAR} "
                  "Ringed: the Pareto front of this project.", figures)  # fmt: skip

@@ -92,6 +92,13 @@ def what_would_meet(best: dict, tolerance: float, uncertainty: float, parts: str
     return f"By second order it would take about {_more(best[parts], finer)} {parts}, and harmonics in proportion."
 
 
+def find_hidden_errors(report: dict) -> float | None:
+    """Return to what the reference is known where settings differ from it by less; None where none does."""
+    known = (report.get("reference") or {}).get("uncertainty")
+    errors = [row["error"] for row in report.get("ladder", ()) if row["error"] is not None]
+    return known if known is not None and min(errors, default=known) < known else None
+
+
 def _more(count: int, factor: float) -> int:
     """Return a count times a factor, rounded up to tens."""
     return int(-(-count * factor // 10) * 10)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ..page.formatting import DASH, number, seconds, status_words, two_digits
 from ..page.tables import Table
 from .margins import describe_margin
-from .network_settings import OWN, UNSUPPORTED, mark_best, sentence
+from .network_settings import OWN, UNSUPPORTED, find_hidden_errors, mark_best, sentence
 
 KN = 1e-3
 COORDINATES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
@@ -42,6 +42,7 @@ def lines(report: dict, name: str) -> Table:
     rows = []
     for row in report["motion"]:
         low, high = row["grounded"] or (None, None)
+        low, high = (low, high) if high else (None, None)  # never on it
         rows.append(row | {"greatest": row["greatest"]["tension"], "greatest_s": row["greatest"]["s"],
                            "grounded_min": low, "grounded_max": high, "slack": _slack(row["slack"])})  # fmt: skip
     formats = dict.fromkeys(("pretension", "min", "mean", "max", "greatest", "anchor_max"), _kn()) | {
@@ -152,6 +153,8 @@ def settings(report: dict, name: str) -> Table:
                "ended": ""}  # fmt: skip
     error = lambda value: DASH if value is None else number(value, 2)
     note = "Cells are those of the longest line, or of all lines where they follow one another."
+    if (known := find_hidden_errors(report)) is not None:
+        note += f" The reference is known to {number(known, 2)}: smaller errors are how far a setting is from it."
     return Table(f"{name}_settings", "Settings", columns, rows, {"error": error, "seconds": seconds}, note=note)
 
 
@@ -208,10 +211,18 @@ def _range(low, high) -> str:
     return DASH if low is None else f"{number(low)} to {number(high)}"
 
 
+def sort_warnings(report: dict) -> dict[str, list[str]]:
+    """Return what is suspected, what else is to be known of the lines, and notes on the file, each said once."""
+    suspected, notes = list(report.get("suspected", ())), list(report.get("notes", ()))
+    said = {*suspected, *notes}
+    warnings = [text for text in report["warnings"] if text not in said]
+    return {"suspected": suspected, "warnings": warnings, "notes": notes}
+
+
 def summarise(report: dict, stem: str) -> str:
     """Return what the terminal shows of a network: its lines, and the setting to use."""
-    suspected = report.get("suspected", ())
-    text = [report["name"], *(f"SUSPECTED: {warning}" for warning in suspected)]
+    kept = sort_warnings(report)
+    text = [report["name"], *(f"SUSPECTED: {warning}" for warning in kept["suspected"])]
     if "failed" in report:
         text.append(report["failed"])
     if "motion" in report:
@@ -219,4 +230,7 @@ def summarise(report: dict, stem: str) -> str:
     elif report.get("statics"):
         text += ["tensions in kN", as_text(statics(report, stem))]
     text += describe_margin(report.get("margins", []), is_at_rest="motion" not in report)
-    return "\n".join([*text, *(f"- {warning}" for warning in report["warnings"] if warning not in suspected)])
+    text += [f"- {warning}" for warning in kept["warnings"]]
+    if kept["notes"]:
+        text.append(f"of the file: {'; '.join(note.removesuffix('.') for note in kept['notes'])}.")
+    return "\n".join(text)

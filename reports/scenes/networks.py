@@ -41,7 +41,7 @@ def _show(report: dict, stem: str, inputs: Inputs) -> dict:
     shown = {
         "stem": stem, "data": report, "pictures": None, "tables": [], "sentence": "", "facts": [], "python": None,
         "tensions": None, "details": None, "all": not report["compact"], "views": None,
-        "exports": margins.describe_exports(report.get("exports")),
+        "exports": margins.describe_exports(report.get("exports")), **tables.sort_warnings(report),
     }  # fmt: skip
     if "picture" in report and not report["compact"]:
         shown["pictures"] = figures.pictures(report, name, folder)
@@ -85,7 +85,7 @@ def _tables(report: dict, name: str) -> list[Table | None]:
     if "statics" in report:
         made.append(tables.statics(report, name))
         made.append(margins.static_peers(report, name))
-        made += [] if "motion" in report else [margins.margin_table(report.get("margins"), name)]
+        made += [] if "motion" in report else [margins.margin_table(report.get("margins"), name, is_at_rest=True)]
     return made + tables.stiffness_at_rest(report, name)
 
 

@@ -26,7 +26,8 @@ def _read_example(scenes: dict) -> dict | None:
 
 def _show(scene: dict, stem: str, inputs: Inputs) -> dict:
     surroundings = _read_surroundings(Path(scene["path"]), stem)
-    table = margins.margin_table(scene.get("margins"), f"scene_{stem}")
+    is_at_rest = "motion" not in (scene.get("dynamics") or {})
+    table = margins.margin_table(scene.get("margins"), f"scene_{stem}", is_at_rest)
     return {
         "stem": stem,
         "data": scene,
@@ -35,9 +36,7 @@ def _show(scene: dict, stem: str, inputs: Inputs) -> dict:
         "tables": tables.scene_tables(scene, stem, inputs.tables),
         "suspected": scene.get("suspected", ()),
         "margin": table and table.write(inputs.tables),
-        "margin_words": margins.describe_margin(
-            scene.get("margins", []), is_at_rest="motion" not in (scene.get("dynamics") or {})
-        ),
+        "margin_words": margins.describe_margin(scene.get("margins", []), is_at_rest),
         "exports": margins.describe_exports(scene.get("exports")),
         "warnings": list(dict.fromkeys(text for line in scene["lines"] for text in line["warnings"])),
         "paste": _describe_python(scene),

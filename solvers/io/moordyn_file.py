@@ -204,10 +204,14 @@ def _line_notes(rows, elements, nodes, options):
     """Yield what of the lines has another meaning here, as text."""
     segments = ", ".join(row.words["NumSegs"] for row, _ in rows)
     yield f"NumSegs {segments}: the mesh is chosen where a line is moved"
+    damped: dict[str, list[str]] = {}
     for i, ((_, of), element) in enumerate(zip(rows, elements, strict=True), start=1):
         if of.number("BA") < 0:
             share = f"{-of.number('BA'):g} of the critical damping of a segment"
-            yield f"line {i}: {share} is a damping of {element.cable.damping:.6g} s, whatever the mesh"
+            damping = f"{share} is a damping of {element.cable.damping:.6g} s, whatever the mesh"
+            damped.setdefault(damping, []).append(str(i))
+    for damping, lines in damped.items():
+        yield f"line{'s' if len(lines) > 1 else ''} {', '.join(lines)}: {damping}"
     for i, node in enumerate(nodes, start=1):
         if node.r[2] > 0 and options["rho"] > 0:
             yield f"point {i} is above z = 0, where MoorDyn has air; all lines are in water here"

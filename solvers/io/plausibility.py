@@ -55,6 +55,14 @@ def suspect_section(cable: CableProperties, environment: Environment) -> Iterato
         yield from _suspect_weight(cable.submerged_weight, mass, diameter, environment)
 
 
+def is_lighter_than_any_line(cable: CableProperties) -> bool:
+    """Return whether a section whose weight follows from mass and diameter is lighter than every line: a wrong unit."""
+    diameter, mass = cable.diameter, cable.mass_per_length
+    if cable.submerged_weight is not None or diameter is None or mass is None:
+        return False
+    return mass / _area(diameter) < DENSITIES[0]
+
+
 def _area(diameter: float) -> float:
     return math.pi * diameter**2 / 4
 

@@ -169,8 +169,11 @@ class Scene:
 
 def _explained(error: InputError, suspected: list[str]) -> InputError:
     """Return the error of a line that has no span, with what is suspected of its section, or what a file can say."""
-    hint = suspected[0] if suspected else "In a file: leave out depth." if error.field == "w" else ""
-    return InputError(f"{error.problem}. {hint}", field=error.field, value=error.value, unit=error.unit)
+    about = {"field": error.field, "value": error.value, "unit": error.unit}
+    if suspected:
+        return InputError(f"{suspected[0]} As it stands, {error.field}: {error.problem}.", label="", **about)
+    hint = "In a file: leave out depth." if error.field == "w" else ""
+    return InputError(f"{error.problem}. {hint}", **about)
 
 
 def read_safety_factors(data: dict) -> tuple[float, float] | None:
