@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from solvers import InputError
 from solvers.io import load_body_motion, load_moordyn, load_network, read_map_file
 from solvers.io.network_scene import NamedNetwork
-from solvers.io.plausibility import is_lighter_than_any_line, suspect_angles, suspect_section
+from solvers.io.plausibility import is_lighter_than_any_line, suspect_angles, suspect_heights, suspect_section
 
 KEPT = ("name", "description", "warnings", "breaking_loads", "safety_factors")
 """What a network file says beside its nodes and elements, and a motion in place of its own leaves as it is."""
@@ -40,20 +41,32 @@ def check_weights(system, cables, path: Path):
     light = next((cable for cable in cables if cable is not None and is_lighter_than_any_line(cable)), None)
     if light is None:
         return
-    suspected = getattr(system, "warnings", ()) or tuple(suspect_section(light, system.environment))
     hint = "Nothing is computed of a line that is lighter than foam; where that is meant, give submerged_weight (N/m)."
-    raise InputError(" ".join([*suspected, hint]), field=str(path), value=light.mass_per_length, unit="kg/m")
+    raise InputError(" ".join([*system.warnings, hint]), field=str(path), value=light.mass_per_length, unit="kg/m")
 
 
 def _read_network(path: Path, depth: float | None):
     if path.suffix.lower() == ".toml":
         network = load_network(path)
-    elif MAP_SECTION in path.read_text(encoding="utf-8", errors="replace").upper():
+        return network, network.notes
+    if MAP_SECTION in path.read_text(encoding="utf-8", errors="replace").upper():
         network = read_map_file(path, depth=depth)
-        return network, tuple(f"Not used: {text}." for text in network.ignored)
+        notes = tuple(f"Not used: {text}." for text in network.ignored)
     else:
         network = load_moordyn(path)
-    return network, network.notes
+        notes = network.notes
+    return replace(network, warnings=tuple(_suspect(network))), notes
+
+
+def _suspect(network):
+    """Yield sentences on what is suspected in the file of another program, sections by the first line that has them."""
+    first = {element.cable: i for i, element in reversed([*enumerate(network.elements, start=1)]) if element.cable}
+    for cable, i in sorted(first.items(), key=lambda item: item[1]):
+        yield from (f"line {i}: {text}" for text in suspect_section(cable, network.environment))
+    nodes = dict(zip(node_names(network), network.nodes, strict=True))
+    heights = {f"node {name}": node.r[2] for name, node in nodes.items()}
+    anchors = tuple(f"node {name}" for name, node in nodes.items() if node.kind == "fixed")
+    yield from suspect_heights(heights, anchors, network.environment.depth is not None)
 
 
 def node_names(network) -> list[str]:

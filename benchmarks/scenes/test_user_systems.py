@@ -141,6 +141,16 @@ def test_a_line_lighter_than_any_is_refused_before_the_work(program, tmp_path, c
     assert not list(tmp_path.glob("out/*.json"))
 
 
+def test_files_of_other_programs_are_suspected_too(tmp_path):
+    """EA in kN in a MoorDyn file, once for the four lines that have it; the file as it was written gives no cause."""
+    text = (FOLDER / "barge.txt").read_text(encoding="utf-8")
+    path = tmp_path / "barge.txt"
+    path.write_text(text.replace("4.9E8", "4.9E5"), encoding="utf-8")
+    (warning,) = load(path)[0].warnings
+    assert warning.startswith("line 1: EA = 490000 N") and "likely in kN" in warning
+    assert load(FOLDER / "barge.txt")[0].warnings == load(FOLDER / "map_semi.map", DEPTH)[0].warnings == ()
+
+
 def test_a_given_weight_is_taken(tmp_path):
     """What is light by mass and diameter is meant where its weight is given."""
     text = (FOLDER / "millimetres_and_degrees.toml").read_text(encoding="utf-8")

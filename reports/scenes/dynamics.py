@@ -202,7 +202,8 @@ def _spectrum(dynamics, name, folder) -> Figure:
     title, harmonics = "Harmonics of the fairlead tension", np.array(dynamics["harmonics"][1:])
     number_of = np.arange(1, harmonics.size + 1)
     figure, axes = panel(title, "harmonic of the frequency", "amplitude, kN", yscale="log")
-    axes.bar(number_of, KN * np.maximum(harmonics, 1e-6 * harmonics.max()), color=style.PALETTE[0])
+    is_shown = harmonics > 1e-6 * harmonics.max()  # a bar at the floor would look like a harmonic
+    axes.bar(number_of[is_shown], KN * harmonics[is_shown], color=style.PALETTE[0])
     axes.set_xticks(number_of)
     return style.save(figure, folder, f"{name}_harmonics", title, f"{title}, 1 to {harmonics.size}.")
 

@@ -87,6 +87,7 @@ ALSO = {
         "reports.pipeline.stages",
     ),  # it judges what the page says, and runs its scripts
     "verification/suite/test_profiles.py": ("reports.page.profiles",),  # small examples by hand
+    "verification/suite/test_scene_pages.py": ("reports.page", "reports.pipeline", "reports.scenes"),  # what pages say
     "reports/drawing/interactive.py": ("altair",),
     "reports/page/charts.py": ("vl_convert",),
     "solvers/load_cases/statistics.py": ("rainflow",),
