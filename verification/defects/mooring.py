@@ -302,7 +302,7 @@ DEFECTS = (
         Fault("mooring.steps", "integrate", "if error > MAX_CONTRACTION * last:\n    factorised = False", "pass"),
         "stale",
         "a step that converges slowly keeps the factors of an earlier one",
-        "mooring/test_order.py::test_work_of_a_step",
+        "mooring/test_time_domain.py::test_factors_are_taken_anew_where_steps_converge_slowly",
     ),
     Defect(
         "steps that end with factors that are too stiff",
