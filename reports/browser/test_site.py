@@ -52,8 +52,12 @@ def screens(page) -> float:
 
 
 def count_words(page) -> int:
-    """Words that the page shows, those in drawings, in closed folds and in lists of choices left out."""
-    page.evaluate("document.querySelectorAll('svg, select').forEach(e => e.remove())")
+    """Words that the page shows, those in drawings, in closed folds and in lists of choices left out.
+
+    Navigation and the last line, the same on every page, count on the first page alone.
+    """
+    repeated = "" if page.url.endswith("/index.html") else ", nav, footer"
+    page.evaluate(f"document.querySelectorAll('svg, select{repeated}').forEach(e => e.remove())")
     return len(page.evaluate("document.body.innerText").split())
 
 
