@@ -29,6 +29,7 @@ NEAR_TAUT = 0.01
 PEER = "moorpy"
 """The code of lines at rest whose answers near taut lines are told on the first page."""
 MOVING_PEER = "MoorDyn"
+AT_REST = "At rest the elastic catenary is exact to rounding, and takes no setting."
 VALIDATION = ("difference from the laboratory", "difference from OrcaFlex")
 """Labels of verdicts that compare with measurements, and with another program whose model is not the same."""
 WORDS = {
@@ -138,9 +139,10 @@ def _method(mooring: dict | None, folder: Path) -> tuple:
     ratios = [row["ratio"] for row in work["ratios"] if row["method"] == MOVING_PEER]
     if ratios:
         sentences.append(
-            f"{MOVING_PEER} takes {ratio(min(ratios))} to {ratio(max(ratios))} times as long for the same error."
+            f"{MOVING_PEER} takes {ratio(min(ratios))} to {ratio(max(ratios))} times as long for the same error. {AT_REST}"
         )
-    sentences.append("At rest the elastic catenary is exact to rounding, and takes no setting.")
+    else:
+        sentences.append(AT_REST)
     meaning = (
         f"to {100 * level:g} %: rms error of the fairlead tension, over its range; {title.lower()}, from rest until "
         "periodic"
@@ -210,14 +212,15 @@ def _codes(accuracy: dict | None, mooring: dict | None, folder: Path) -> tuple:
         good = theirs["wrong"] == 0
         if errors := [row["answers"][PEER]["error"] for row in taut if row["answers"][PEER]["verdict"] == "wrong"]:
             sentences.append(f"Half of these are off by more than {100 * median(errors):.2g} %.")
+    others = []
     for name in analysis.sort_solvers(accuracy["solvers"]):
         if not name.startswith(analysis.OURS):
             counts, chosen = analysis.summarise(accuracy["rows"], name), accuracy["solvers"][name]
-            sentences.append(
-                f"{chosen['label']} {chosen['version']}, all lines at rest: {number(counts['wrong'])} wrong, "
-                f"{number(counts['refused'])} refused, {number(counts['unsupported'])} not modelled of "
-                f"{number(counts['cases'])}."
+            others.append(
+                f"{chosen['label']} {chosen['version']} {number(counts['wrong'])} wrong, {number(counts['refused'])} "
+                f"refused, {number(counts['unsupported'])} not modelled of {number(counts['cases'])}"
             )
+    sentences.append(f"All lines at rest: {'; '.join(others)}.")
     sentences.append(
         "**Your own code**, in Python or a program that reads and prints JSON: `pytest --pyargs "
         "verification.conformance --solver my_code.py` judges it at rest and in motion, and says which cases are "
@@ -235,7 +238,8 @@ def _lines(scenes: dict | None, folder: Path) -> tuple:
     sentences = [
         "**Your own line**, in a file of ten lines that README has to copy: `python -m reports my_line.toml` writes a "
         "page of forces, shape, margin against breaking, and the error and run time of each setting. Networks, files "
-        "of MAP++ and MoorDyn go the same way, and load cases: `python -m reports cases.csv my_system.toml`.",
+        "of MAP++ and MoorDyn go the same way, and load cases: `python -m reports cases.csv my_system.toml`. An input "
+        "that looks like a mistake in units is warned of.",
     ]
     if not scenes:
         return "", "", None, sentences, None
@@ -247,5 +251,4 @@ def _lines(scenes: dict | None, folder: Path) -> tuple:
         f"for example, at the fairlead of {scene['name']}{label}; {number(line['grounded_length'])} m of it lie on the "
         f"seabed; relative error against 50 digits: {number(line['error'], 2)}"
     )
-    sentences.append("An input that looks like a mistake in units is warned of.")
     return value, meaning, None, sentences, figures.shape_of(scene, folder)
