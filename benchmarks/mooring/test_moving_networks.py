@@ -17,8 +17,9 @@ from .. import peers
 
 MOVING = files("reference_data") / "scenes" / "networks" / "oc3_moving.toml"
 
-LIMIT = 4e-6
-"""Of the fairlead force: 1.5e-6 is what MoorDyn's relaxation leaves unbalanced at the free node, 0.1 N in 118 kN."""
+LIMITS = {600.0: 4e-6, 3000.0: 1e-6}
+"""Seconds of MoorDyn's relaxation -> bound of the difference over the fairlead force; measured 1.8e-6 and 6e-7, which
+is what the relaxation leaves unbalanced at the free node. The longer one with --deep."""
 SAME = 1e-9
 """Of the largest force: one line described twice, with steps and damping rounded another way."""
 SYMMETRY = 2e-7
@@ -82,17 +83,18 @@ def bridle() -> Network:
     return Network(nodes, elements, environment)
 
 
-def test_a_written_network_has_our_static_forces_in_the_limit(moordyn):
+def test_a_written_network_has_our_static_forces_in_the_limit(moordyn, request):
     """MoorDyn is of second order in the length of a segment; extrapolated it has the forces of the catenaries."""
     network = bridle()
     state = solve_network(network)
     forces_at_rest = sys.modules[type(moordyn).__module__].forces_at_rest
-    coarse, fine = (forces_at_rest(network, cells)[3] for cells in (8, 16))
+    seconds = max(LIMITS) if request.config.getoption("--deep", default=False) else min(LIMITS)
+    coarse, fine = (forces_at_rest(network, cells, seconds)[3] for cells in (8, 16))
     size = np.linalg.norm(state.reaction[3])
     errors = [np.linalg.norm(force - state.reaction[3]) / size for force in (coarse, fine)]
     assert 3.5 < errors[0] / errors[1] < 4.5, errors
     limit = np.linalg.norm((4 * fine - coarse) / 3 - state.reaction[3]) / size
-    assert limit <= LIMIT, limit
+    assert limit <= LIMITS[seconds], limit
 
 
 def test_a_file_read_and_written_is_the_same_to_moordyn(moordyn, tmp_path):
