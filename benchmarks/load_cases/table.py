@@ -148,10 +148,10 @@ def envelopes_of(system, case, table, times_of_max) -> dict:
         lines = find_envelopes(system, case, dt=table.dt, cells=table.cells, times=times)
     along = [{"s": line.s, "low": line.low, "mean": line.mean, "high": line.high} for line in lines]
     kept = [np.unique(np.linspace(0, line.rest.shape[1] - 1, POINTS).astype(int)) for line in lines]
-    rest = [line.rest[:, points] for line, points in zip(lines, kept, strict=True)]
+    undisplaced = [line.rest[:, points] for line, points in zip(lines, kept, strict=True)]
     poses = [[line.poses[k][:, points] for line, points in zip(lines, kept, strict=True)] for k in range(POSES)]
     depth = system.environment.depth
-    return {"along": along, "envelope": {"rest": rest, "poses": poses, "first": first, "duration": length},
+    return {"along": along, "envelope": {"rest": undisplaced, "poses": poses, "first": first, "duration": length},
             "seabed": None if depth is None else -depth}  # fmt: skip
 
 

@@ -107,8 +107,8 @@ def test_promised_error_holds(name, request, monkeypatch):
 
 def test_a_setting_that_warns_is_not_recommended():
     """The cheapest within the tolerance warns of drift: the next one is recommended, unless they all warn."""
-    told = (["drift"], [], [])
-    rows = [{"error": 1e-3, "seconds": float(k), "warnings": warnings} for k, warnings in enumerate(told)]
+    warnings_of_rows = (["drift"], [], [])
+    rows = [{"error": 1e-3, "seconds": float(k), "warnings": warnings} for k, warnings in enumerate(warnings_of_rows)]
     assert scene_dynamics._recommended(rows, {"uncertainty": 0.0}, 1e-2)["seconds"] == 1.0
     assert scene_dynamics._recommended(rows[:1], {"uncertainty": 0.0}, 1e-2)["meets"]
 

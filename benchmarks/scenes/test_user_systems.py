@@ -135,9 +135,9 @@ def test_a_line_lighter_than_any_is_refused_before_the_work(program, tmp_path, c
         path = tmp_path / "mine.toml"
         path.write_text(re.sub("submerged_weight.*", "", text), encoding="utf-8")
     assert program.main([str(path), "--out", str(tmp_path / "out")]) == 2
-    said = capsys.readouterr().err
-    assert "likely in mm" in said and "give submerged_weight" in said
-    assert program is measure or "likely in degrees" in said
+    message = capsys.readouterr().err
+    assert "likely in mm" in message and "give submerged_weight" in message
+    assert program is measure or "likely in degrees" in message
     assert not list(tmp_path.glob("out/*.json"))
 
 

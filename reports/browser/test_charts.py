@@ -104,14 +104,14 @@ def test_every_chart_is_drawn(browser, path, width, scheme):
         name = chart.get_attribute("data-drawn")
         if not chart.evaluate("chart => chart.querySelectorAll('.role-mark path').length"):
             faults.append(f"{name}: no marks")
-        found = checks.overflows(page) + checks.label_overlaps(page) + checks.clipped_labels(page)
-        found += chart.evaluate("""chart => [chart.querySelector('svg')].filter(
+        chart_faults = checks.overflows(page) + checks.label_overlaps(page) + checks.clipped_labels(page)
+        chart_faults += chart.evaluate("""chart => [chart.querySelector('svg')].filter(
             svg => svg.getBoundingClientRect().width > chart.clientWidth + 1).map(() => 'wider than its box')""")
-        found += chart.evaluate("""chart => [...chart.querySelectorAll('.role-axis-label')].flatMap(axis => {
+        chart_faults += chart.evaluate("""chart => [...chart.querySelectorAll('.role-axis-label')].flatMap(axis => {
             const labels = [...axis.querySelectorAll('text')].filter(t => t.getAttribute('opacity') !== '0')
                 .map(t => t.textContent.trim()).filter(t => t);
             return labels.filter((t, i) => labels.indexOf(t) < i).map(t => 'two ticks say ' + t); })""")
-        faults += [f"{name}: {fault}" for fault in found]
+        faults += [f"{name}: {fault}" for fault in chart_faults]
     faults += checks.unreadable(page)
     page.close()
     assert not faults + troubles, list_faults(faults + troubles)
@@ -157,7 +157,7 @@ def point_at_marks(page, chart, kind: str) -> list[dict[str, str]]:
     marks = chart.query_selector_all(
         ".blank_marks > path, .cells_marks > path" if kind == "map" else ".points_marks > path"
     )
-    said = []
+    tooltips = []
     for k in range(POINTED):
         box = marks[k * (len(marks) - 1) // (POINTED - 1)].bounding_box()
         x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
@@ -165,11 +165,11 @@ def point_at_marks(page, chart, kind: str) -> list[dict[str, str]]:
         page.mouse.move(x, y)
         page.mouse.move(x + 1, y)
         page.wait_for_selector("#vg-tooltip-element.visible tr", timeout=PATIENCE)
-        said.append(
+        tooltips.append(
             page.evaluate("""() => Object.fromEntries([...document.querySelectorAll(
             '#vg-tooltip-element tr')].map(row => [...row.cells].map(cell => cell.textContent.replace(/:$/, ''))))""")
         )
-    return said
+    return tooltips
 
 
 def test_the_pointer_shows_the_numbers_of_the_csv(page, path):
@@ -177,13 +177,15 @@ def test_the_pointer_shows_the_numbers_of_the_csv(page, path):
     faults = []
     for chart in draw_each(page):
         rows = read_rows(path.parent, chart)
-        said = [
+        tooltips = [
             each for each in point_at_marks(page, chart, kind_of(rows)) if "uncertainty of the reference" not in each
         ]
         faults += [
-            f"{chart.get_attribute('data-drawn')}: {each}" for each in said if not any(agrees(each, r) for r in rows)
+            f"{chart.get_attribute('data-drawn')}: {each}"
+            for each in tooltips
+            if not any(agrees(each, r) for r in rows)
         ]
-        faults += [] if said else [f"{chart.get_attribute('data-drawn')}: nothing is said"]
+        faults += [] if tooltips else [f"{chart.get_attribute('data-drawn')}: no tooltip"]
     assert not faults, list_faults(faults)
 
 

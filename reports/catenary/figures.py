@@ -176,9 +176,9 @@ def _map_chart(columns: dict, slackness: list[float], name: str) -> str:
     labels, rows = [_near_one(value, 1) for value in slackness], []
     for (i, j), row in columns.items():
         answer = row["answers"][name]
-        beside = {"relative error": number(answer["error"]), "message": answer["message"]}
+        details = {"relative error": number(answer["error"]), "message": answer["message"]}
         rows.append({"x": stiffness[j], "y": labels[i], "verdict": answer["verdict"], "error": answer["in_limits"]}
-                    | {key: text for key, text in beside.items() if text})  # fmt: skip
+                    | {key: text for key, text in details.items() if text})  # fmt: skip
     axes = "stiffness EA/(w L)", "slackness L/chord"
     return interactive.draw_map(rows, axes, (stiffness, labels), MAP_LOOKS, MAP_COLOURS)
 

@@ -48,9 +48,9 @@ def draw_work(rows: list[dict], looks: dict[str, dict], axes: tuple[str, str], l
                        legend=_legend())  # fmt: skip
     tooltip = [alt.Tooltip("method:N"), alt.Tooltip("setting:N"), alt.Tooltip("error:Q", format=".3~g"),
                alt.Tooltip("time:N", title="run time")]  # fmt: skip
-    place = {"x": alt.X("time_s:Q", scale=_log(x), axis=_log_axis(axes[0], x, SECONDS_LABEL)),
+    axes_encoding = {"x": alt.X("time_s:Q", scale=_log(x), axis=_log_axis(axes[0], x, SECONDS_LABEL)),
              "y": alt.Y("shown_error:Q", scale=_log(y), axis=_log_axis(axes[1], y, ERROR_LABEL))}  # fmt: skip
-    base = alt.Chart().encode(**place)
+    base = alt.Chart().encode(**axes_encoding)
     points = base.mark_point(filled=True, size=55, opacity=0.9).encode(
         color=colour, shape=alt.Shape("method:N", scale=alt.Scale(domain=methods, range=shape)), tooltip=tooltip
     )
@@ -94,11 +94,13 @@ def draw_map(rows: list[dict], axes: tuple[str, str], ticks: tuple[list[str], li
     alt = _import_altair()
     verdicts = list(dict.fromkeys(row["verdict"] for row in rows))
     shown = _switch("shown", "verdict", verdicts)
-    place = {"x": _steps(alt.X, "x", axes[0], ticks[0]), "y": _steps(alt.Y, "y", axes[1], ticks[1][::-1])}
-    beside = dict.fromkeys(key for row in rows for key in row if key not in ("x", "y"))
+    axes_encoding = {"x": _steps(alt.X, "x", axes[0], ticks[0]), "y": _steps(alt.Y, "y", axes[1], ticks[1][::-1])}
+    shown_keys = dict.fromkeys(key for row in rows for key in row if key not in ("x", "y"))
     tooltip = [alt.Tooltip("x:N", title=axes[0]), alt.Tooltip("y:N", title=axes[1])]
-    tooltip += [alt.Tooltip(f"{key}:Q", format=".3~g") if key == "error" else alt.Tooltip(f"{key}:N") for key in beside]
-    base = alt.Chart().encode(**place, tooltip=tooltip)
+    tooltip += [
+        alt.Tooltip(f"{key}:Q", format=".3~g") if key == "error" else alt.Tooltip(f"{key}:N") for key in shown_keys
+    ]
+    base = alt.Chart().encode(**axes_encoding, tooltip=tooltip)
     blank = base.transform_filter("!isValid(datum.tint)").mark_rect(color=GRID)
     cells = base.transform_filter("isValid(datum.tint)").mark_rect().encode(color=_error_colour(colours))
     layers = [blank.properties(name="blank"), cells.properties(name="cells")]
@@ -148,7 +150,7 @@ def draw_curves(rows: list[dict], special: list[dict], colours: dict[str, str], 
     names, states = list(colours), [s for s in ("stable", "unstable") if any(row["state"] == s for row in rows)]
     of_series, of_state = _switch("series_shown", "series", names), _switch("states_shown", "state", states)
     near = alt.selection_point(name="near", on="pointerover", clear="pointerout", empty=False)
-    place = {
+    axes_encoding = {
         "x": alt.X("frequency_Hz:Q", axis=alt.Axis(title=axes[0], tickCount=8, labelOverlap=True),
                    scale=_linear([row["frequency_Hz"] for row in rows])),
         "y": alt.Y("tension_kN:Q", axis=alt.Axis(title=axes[1], format="~r"),
@@ -162,20 +164,23 @@ def draw_curves(rows: list[dict], special: list[dict], colours: dict[str, str], 
                alt.Tooltip("tension_kN:Q", title=axes[1], format=".4~g"), alt.Tooltip("state:N")]  # fmt: skip
     lines = alt.Chart(alt.NamedData("pieces")).transform_filter(of_series).transform_filter(of_state)
     lines = lines.mark_line(strokeWidth=1.6).encode(
-        **place, color=colour, strokeDash=dash, detail="piece:N", order="rank:Q"
+        **axes_encoding, color=colour, strokeDash=dash, detail="piece:N", order="rank:Q"
     )
     points = alt.Chart(alt.NamedData("rows")).transform_filter(of_series).transform_filter(of_state)
     points = points.mark_point(filled=True, size=110).encode(
-        **place, color=colour, tooltip=tooltip, opacity=alt.when(near).then(alt.value(1)).otherwise(alt.value(0))
+        **axes_encoding,
+        color=colour,
+        tooltip=tooltip,
+        opacity=alt.when(near).then(alt.value(1)).otherwise(alt.value(0)),
     )
     layers = [lines.add_params(of_series, of_state), points.add_params(near).properties(name="points")]
     if special:
-        layers.append(_special_points(special, place, axes))
+        layers.append(_special_points(special, axes_encoding, axes))
     chart = alt.layer(*layers).resolve_scale(shape="independent")
     return _to_json(chart, rows=rows, pieces=_split_at_changes(rows), special=special)
 
 
-def _special_points(special: list[dict], place: dict, axes):
+def _special_points(special: list[dict], axes_encoding: dict, axes):
     """Return the layer of folds, branch points and others."""
     alt = _import_altair()
     kinds = {point["kind"]: SHAPES[point["marker"]] for point in special}
@@ -183,7 +188,7 @@ def _special_points(special: list[dict], place: dict, axes):
                alt.Tooltip("tension_kN:Q", title=axes[1], format=".4~g")]  # fmt: skip
     shape = alt.Shape("kind:N", legend=_legend(), scale=alt.Scale(domain=list(kinds), range=list(kinds.values())))
     points = alt.Chart(alt.NamedData("special")).mark_point(filled=True, size=55, color=INK, opacity=1)
-    return points.encode(**place, shape=shape, tooltip=tooltip)
+    return points.encode(**axes_encoding, shape=shape, tooltip=tooltip)
 
 
 def _split_at_changes(rows: list[dict]) -> list[dict]:

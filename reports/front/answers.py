@@ -137,8 +137,11 @@ def _method(mooring: dict | None, folder: Path) -> tuple:
         names = dict.fromkeys(WORDS[point["method"]] for point in finest)
         sentences.append(f"For {100 * least:g} %: {', or '.join(names)}; {_spread(finest)}.")
     ratios = [row["ratio"] for row in work["ratios"] if row["method"] == MOVING_PEER]
-    beside = f"{ratio(min(ratios))} to {ratio(max(ratios))} times as long for the same error. " if ratios else ""
-    sentences.append(f"{MOVING_PEER} takes {beside}{AT_REST}" if ratios else AT_REST)
+    if ratios:
+        times = f"{ratio(min(ratios))} to {ratio(max(ratios))} times as long for the same error"
+        sentences.append(f"{MOVING_PEER} takes {times}. {AT_REST}")
+    else:
+        sentences.append(AT_REST)
     meaning = (
         f"to {100 * level:g} %: rms error of the fairlead tension, over its range; {title.lower()}, from rest until "
         "periodic"

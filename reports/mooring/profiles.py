@@ -71,8 +71,8 @@ def profiles(points: list[dict], folder: Path) -> Group | None:
 
 
 def _evaluations(point: dict) -> float | None:
-    told = point.get("cell_evaluations")
-    return None if told is None else told / point.get("lines", 1)
+    evaluations = point.get("cell_evaluations")
+    return None if evaluations is None else evaluations / point.get("lines", 1)
 
 
 def cost_table(points: list[dict], folder: Path) -> Table:

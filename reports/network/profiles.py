@@ -43,8 +43,8 @@ def _points(work: list[dict]) -> list[dict]:
 
 
 def _evaluations(point: dict) -> float | None:
-    told = point.get("catenary_evaluations")
-    return None if told is None else told / point["lines"]
+    evaluations = point.get("catenary_evaluations")
+    return None if evaluations is None else evaluations / point["lines"]
 
 
 def cost_table(work: list[dict]) -> Table:

@@ -67,16 +67,16 @@ def least_costs(points: Iterable[dict], levels: Iterable[float], cost: Callable[
     """Return the cost of each method for each case and each error of ``levels``, case by case.
 
     points : of settings, with ``case``, ``method``, and ``rms``, the error; None: no answer. cost: of a point, None
-    where it is not told; a method that tells none of any of its points has no entry.
+    where it is not known; a method without a cost of any of its points has no entry.
     """
     points, levels = list(points), list(levels)
     cases = list(dict.fromkeys(p["case"] for p in points))
-    told = {p["method"] for p in points if cost(p) is not None}
+    methods_with_costs = {p["method"] for p in points if cost(p) is not None}
     least = {(p["method"], p["case"], p["level"]): cost(p) for p in cheapest_points(points, levels, cost)}
     return {
         method: [least.get((method, case, level)) for case in cases for level in levels]
         for method in dict.fromkeys(p["method"] for p in points)
-        if method in told
+        if method in methods_with_costs
     }
 
 

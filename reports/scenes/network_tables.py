@@ -214,8 +214,8 @@ def _range(low, high) -> str:
 def sort_warnings(report: dict) -> dict[str, list[str]]:
     """Return what is suspected, what else is to be known of the lines, and notes on the file, each said once."""
     suspected, notes = list(report.get("suspected", ())), list(report.get("notes", ()))
-    said = {*suspected, *notes}
-    warnings = [text for text in report["warnings"] if text not in said]
+    shown_elsewhere = {*suspected, *notes}
+    warnings = [text for text in report["warnings"] if text not in shown_elsewhere]
     return {"suspected": suspected, "warnings": warnings, "notes": notes}
 
 

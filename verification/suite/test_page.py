@@ -394,8 +394,8 @@ cells = [{"x": "1", "y": "2", "verdict": "solved", "error": 1e-3},
 colours = interactive.Colours((-7, 1), "error", ("solved",))
 ticks = ["1", "2"], ["1", "2"]
 drawn = interactive.draw_map(cells, ("x", "y"), ticks, {"refused": look}, colours, ("y", 0.3))
-place = {"series": "1 m", "bound": "least", "frequency_Hz": 0.1, "tension_kN": 9.0, "state": "stable"}
-rows = [place, place | {"frequency_Hz": 0.2, "state": "unstable"}, place | {"frequency_Hz": 0.3, "state": "unstable"}]
+point = {"series": "1 m", "bound": "least", "frequency_Hz": 0.1, "tension_kN": 9.0, "state": "stable"}
+rows = [point, point | {"frequency_Hz": 0.2, "state": "unstable"}, point | {"frequency_Hz": 0.3, "state": "unstable"}]
 special = [{"series": "1 m", "kind": "fold", "frequency_Hz": 0.15, "tension_kN": 9.0, "marker": "v"}]
 curves = interactive.draw_curves(rows, special, {"1 m": PALETTE[0]}, ("x", "y"))
 for text in (work, drawn, curves):

@@ -612,6 +612,6 @@ def test_a_file_that_is_refused_is_not_tried_by_other_stages(tmp_path):
         cwd=ROOT, env=os.environ | {"PYTHONPATH": str(tmp_path)}, capture_output=True, text=True, timeout=LONGEST,
         check=False)  # fmt: skip
     assert run.returncode == 0, run.stderr
-    said = dict(line.split() for line in run.stdout.splitlines())
-    assert said["sea"] == said["rest"] and len({said["sea"], said["another"], said["tests"]}) == 3
+    statuses = dict(line.split() for line in run.stdout.splitlines())
+    assert statuses["sea"] == statuses["rest"] and len({statuses["sea"], statuses["another"], statuses["tests"]}) == 3
     assert (tmp_path / "runs").read_text() == "xxx"
