@@ -146,14 +146,14 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     _mooring_defect(
         "stages-neighbour-turned", "linearised_steps", "take_steps",
-        "multiply_add(from_first[step, 0, c], d[first], x[last])",
-        "multiply_add(from_first[step, 0, c], d[last], x[last])", "index",
+        "add_product(1.0, first_d, c, d, first, x, last)",
+        "add_product(1.0, first_d, c, d, last, x, last)", "index",
         "a node pulled by itself in place of its neighbour", _TONGUE,
     ),
     _mooring_defect(
         "columns-for-rows", "linearised_steps", "solve_columns",
-        "multiply_subtract(right[order.edge[a]], x[order.other[a]], column)",
-        "multiply_subtract(left[order.edge[a]], x[order.other[a]], column)", "index",
+        "add_product(-1.0, right, order.edge[a], x, order.other[a], column, 0)",
+        "add_product(-1.0, left, order.edge[a], x, order.other[a], column, 0)", "index",
         "the blocks of the columns for those of the rows on the way back", _MAP,
     ),
     _mooring_defect(
@@ -170,7 +170,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     _mooring_defect(
         "newmark-mass-left-out", "linearised_newmark", "take_newmark_steps",
-        "multiply_add(own[step, 1, i], acceleration[i], force[i])",
+        "add_product(1.0, mass, i, acceleration, i, force, i)",
         "pass", "term",
         "the inertia of the known acceleration left out", _MAP,
     ),
