@@ -12,10 +12,12 @@ from scipy.linalg import eig
 from solvers import Element, Environment, Motion, Network, Node, Scene, mooring_system, solve_periodic
 from solvers.common.properties import CableProperties
 from solvers.harmonic_balance.residual import harmonic_residual
+from solvers.mooring.monodromy import LinearisedPeriod
 from solvers.numerics.modes import natural_modes
-from solvers.stability import floquet
-from solvers.stability.leading import FLOOR, MAX_DENSE, TOLERANCE, leading_eigenvalues
+from solvers.stability import floquet, response_curve
+from solvers.stability.leading import FLOOR, LEAST, MAX_DENSE, RELATIVE, TOLERANCE, leading_eigenvalues
 from solvers.stability.monodromy import GAUSS, RADAU
+from solvers.stability.special_points import WANTED
 
 from ..exact import multipliers as exact
 from ..tools.orders import assert_order
@@ -36,6 +38,7 @@ WIDE = 0.25  # of an order that the drag's kinks disturb, one node after another
 SMALL = 1e-5  # m, a disturbance that grows as its multiplier says; at 1e-7 m the time steps' own error is a thousandth
 DECAY = 1e-4  # of a multiplier measured in time: the disturbance is small, and others have decayed; measured 4e-5
 ARNOLDI = 100 * TOLERANCE  # of an eigenvalue, a few times the residual of its vector
+SMALL = 100 * RELATIVE  # of one below the least size, of its own size; likewise
 
 
 def line(amplitude, frequency=0.05, cells=10, **options):
@@ -137,7 +140,7 @@ def test_steps_are_of_their_order(scheme, order, ceiling):
     """The multipliers of the first modes of the taut line fall with the power of the step that the scheme promises."""
     response = solve_periodic(taut_line(0.1, 2 * NATURAL), harmonics=4)
     schemes = {"radau": RADAU, "gauss": GAUSS}
-    value = lambda count: leading_eigenvalues(response.linearised_period(count, schemes[scheme], True))[0]
+    value = lambda count: leading_eigenvalues(response.linearised_period(count, schemes[scheme], True)).values[0]
     limit, steps = value(1600), [10, 20, 40]
     errors = [abs(value(count) - limit) for count in steps]
     assert_order([1 / count for count in steps], errors, order, ceiling=ceiling)
@@ -223,11 +226,40 @@ def test_leading_eigenvalues_are_those_of_the_whole_matrix():
     for sideways in (False, True):
         period = response.linearised_period(100, RADAU, sideways)
         eigenvalues = np.linalg.eigvals(period.apply(np.eye(period.size)))
-        leading = leading_eigenvalues(period)
+        leading = leading_eigenvalues(period).values
         if not sideways:
             assert MAX_DENSE < period.size and leading.size < period.size / 2
         assert (abs(eigenvalues) >= FLOOR).sum() == (abs(leading) >= FLOOR).sum() >= 4
         assert abs(leading[:, None] - eigenvalues).min(axis=1).max() <= ARNOLDI
+
+
+@pytest.mark.parametrize(("amplitude", "sideways"), [(2.0, False), (3.0, False), (3.0, True)])
+def test_eigenvalues_from_a_larger_size_on_are_the_largest(amplitude, sideways):
+    """Of 90 cells with a least size of 0.1: all from there on, at least the first, and no gap in those that follow."""
+    period = response_of(amplitude, cells=90).linearised_period(100, RADAU, sideways)
+    eigenvalues = np.linalg.eigvals(period.apply(np.eye(period.size)))
+    sizes = np.sort(abs(eigenvalues))[::-1]
+    leading, residuals = leading_eigenvalues(period, WANTED)
+    wanted = int((sizes >= WANTED).sum())
+    assert max(1, wanted) <= leading.size <= max(wanted, LEAST) + 1 < period.size / 4
+    allowed = np.where(abs(leading) >= WANTED, ARNOLDI, SMALL * abs(leading))
+    assert (abs(leading[:, None] - eigenvalues).min(axis=1) <= allowed).all()
+    assert (abs(abs(leading) - sizes[: leading.size]) <= allowed).all()
+    assert (residuals <= allowed).all()
+
+
+def test_the_periods_of_a_point_do_not_grow_with_the_cells(monkeypatch):
+    """Disturbances that take a period for a point of a curve: on 400 cells no more than on 100, most of them few."""
+    apply, columns = LinearisedPeriod.apply, []
+    monkeypatch.setattr(LinearisedPeriod, "apply", lambda self, x: (columns.append(x.shape[1]), apply(self, x))[1])
+    counts = []
+    for cells in (100, 400):
+        curve = response_curve(line(2.0, cells=cells), start=0.05, stop=0.06, harmonics=9, max_points=1,
+                               stability=True, throw=False)  # fmt: skip
+        assert curve.stable.tolist() == [True] and abs(curve.multipliers[0]).max() == pytest.approx(0.605, abs=0.01)
+        counts.append(sum(columns))
+        columns.clear()
+    assert counts[1] <= counts[0] < 400
 
 
 def test_where_little_is_damped_all_are_returned():
@@ -235,7 +267,7 @@ def test_where_little_is_damped_all_are_returned():
     response = response_of(0.3, 0.1, cells=30)
     period = response.linearised_period(100, RADAU)
     eigenvalues = np.linalg.eigvals(period.apply(np.eye(period.size)))
-    leading = leading_eigenvalues(period)
+    leading = leading_eigenvalues(period).values
     assert leading.size == eigenvalues.size and abs(leading[:, None] - eigenvalues).min(axis=0).max() <= ARNOLDI
 
 
@@ -303,7 +335,7 @@ def test_multipliers_of_a_ringing_series_are_those_of_another_motion():
     The series has several solutions near each other; this one is that which a solve from rest converges to.
     """
     response = solve_periodic(line(5.0, 0.093), harmonics=5, multilevel=False)
-    of_series = leading_eigenvalues(response.linearised_period(200, RADAU))
+    of_series = leading_eigenvalues(response.linearised_period(200, RADAU)).values
     assert abs(of_series[0]) > 5 and floquet(response).stable
 
 
@@ -316,7 +348,7 @@ def test_a_motion_that_time_steps_do_not_repeat_is_said():
 def test_slow_multipliers_of_the_time_steps_are_of_second_order():
     """Without slack: the slowest sideways multiplier tends to its limit with the square of the step."""
     response = response_of(3.0)
-    slowest = lambda steps: leading_eigenvalues(response.stepped_orbit(steps).linearised(sideways=True))[0].real
+    slowest = lambda steps: leading_eigenvalues(response.stepped_orbit(steps).linearised(sideways=True)).values[0].real
     values = [slowest(steps) for steps in (200, 400, 800)]
     assert_order([2.0, 1.0], np.diff(values), 2.0, ceiling=2e-5, band=WIDE)
     result = floquet(response, method="steps", steps=400)
