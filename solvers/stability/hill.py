@@ -23,6 +23,7 @@ SHIFTS = (0.1, 0.13, 0.17)  # of the frequency: exponents are sought about the f
 FIRST_COUNT, MAX_COUNT = 12, 200  # exponents that are sought at first, and at last
 TAIL = 1e-2  # share of a mode's energy in its last two harmonics, from which on the series is too short to count
 ARNOLDI_TOLERANCE = 1e-10  # of an exponent
+LEAST_SPACE = 40  # vectors of Arnoldi between restarts: with fewer the solves vary with the cells by a factor of two
 
 
 def hill_exponents(response) -> np.ndarray:
@@ -88,7 +89,8 @@ def line_multipliers(problem, omega, least_size=FLOOR) -> np.ndarray:
 def _nearest(size, inverse, sigma, count, start):
     """Return the exponents (m,) nearest to a shift, and their modes; fewer than ``count`` where Arnoldi has no more."""
     try:
-        inverses, modes = eigs(LinearOperator((size, size), inverse, dtype=float), count, v0=start,
+        space = min(size, max(LEAST_SPACE, 2 * count + 1))
+        inverses, modes = eigs(LinearOperator((size, size), inverse, dtype=float), count, v0=start, ncv=space,
                                tol=ARNOLDI_TOLERANCE)  # fmt: skip
     except ArpackNoConvergence as error:
         inverses, modes = error.eigenvalues, error.eigenvectors

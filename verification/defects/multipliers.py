@@ -17,6 +17,7 @@ _SHORT = _LINES + "test_series_that_are_too_short_do_not_count"
 _LEADING = _LINES + "test_leading_eigenvalues_are_those_of_the_whole_matrix"
 _LARGEST = _LINES + "test_eigenvalues_from_a_larger_size_on_are_the_largest"
 _PERIODS = _LINES + "test_the_periods_of_a_point_do_not_grow_with_the_cells"
+_SOLVES = _LINES + "test_the_solves_of_hills_problem_do_not_grow_with_the_cells"
 _MAP = _LINES + "test_the_linearised_steps_are_the_derivative_of_the_steps"
 _SLACK = _LINES + "test_disturbances_over_slack_cells_follow_their_multiplier_in_time"
 _RINGING = _LINES + "test_multipliers_of_a_ringing_series_are_those_of_another_motion"
@@ -103,6 +104,12 @@ DEFECTS: tuple[Defect, ...] = (
         "TAIL * energy.sum(axis=0)",
         "1.0 * energy.sum(axis=0)", "tolerance",
         "exponents of series that their last harmonics cut off counted", _SHORT,
+    ),
+    _defect(
+        "hill-line-little-space", "hill", "",
+        "LEAST_SPACE = 40",
+        "LEAST_SPACE = 2", "tolerance",
+        "Arnoldi's method restarted so soon that it solves more often the finer the mesh", _SOLVES,
     ),
     _defect(
         "leading-block-lost", "leading", "_extend",
