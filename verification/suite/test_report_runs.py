@@ -397,6 +397,22 @@ def test_a_picture_that_fails_stops_the_page(tmp_path, bad, code):
     assert ("ZeroDivisionError" in run.stderr) == (code == 1)
 
 
+SECTIONS = """
+import signal
+from reports.drawing import background
+
+signal.signal(signal.SIGTERM, signal.default_int_handler)  # as the program has it
+for _ in range(20):
+    assert background.for_each(lambda i: i, 4) == [0, 1, 2, 3]
+"""
+
+
+def test_processes_end_without_a_word():
+    """Those that build sections are ended when all is built, and show no traceback of that."""
+    run = python(SECTIONS)
+    assert (run.returncode, run.stderr) == (0, "")
+
+
 # ---------------------------------------------------------------- what cannot be done
 SCENE = "reference_data/scenes/shallow_chain.toml"
 
