@@ -16,6 +16,7 @@ ROWS = {case.id: case for case in load_table("motion").cases}
 QUICK = {BOX: "motion/damping-steep", NODES: "motion/friction-soft-line"}
 """One case of each second formulation; those of EXACT take minutes."""
 REPEATED = 1e-4  # of the range: six digits of a tension ten times its range, and the rounding of another machine
+KEPT = 0.1  # of a quantity's uncertainty: numbers stay within a version where a better solver moves them by less
 
 
 @pytest.fixture
@@ -40,7 +41,8 @@ def test_truth_by_both_formulations(name, wanted):
     case, row = CASES[name], ROWS[name]
     truth, before = motion.first_formulation(case)
     known = {key: np.array(row.truth[key]) for key in truth}
-    assert max(spread(truth, known, row.scale).values()) <= REPEATED
+    for key, moved in spread(truth, known, row.scale).items():
+        assert moved <= max(REPEATED, KEPT * row.uncertainty[key]), key
     again = motion.uncertainty_of(case, truth, before, row.scale)
     for key, u in again.items():
         assert u <= 1.05 * row.uncertainty[key] + REPEATED, key
