@@ -195,11 +195,11 @@ _NEWTON = {"damped": damped_newton, "relaxation": relaxed_newton}
 
 def _start_of(part, start):
     """Return what of a start belongs to the nodes of a component."""
-    if isinstance(start, Response) and not isinstance(start, PeriodicResponse):
+    if isinstance(start, PeriodicResponse):
+        return replace(start, system=part.system, z=start.z[:, part.nodes])
+    if hasattr(start, "ydot"):  # a time history
         return replace(start, system=part.system, y=start.y[:, part.nodes], ydot=start.ydot[:, part.nodes])
-    if start is None or not hasattr(start, "z"):
-        return start if start is None or np.ndim(start) != 3 else np.asarray(start)[:, part.nodes]
-    return replace(start, system=part.system, z=start.z[:, part.nodes])
+    return start if start is None or np.ndim(start) != 3 else np.asarray(start)[:, part.nodes]
 
 
 def _start_coefficients(system, basis, start) -> np.ndarray:

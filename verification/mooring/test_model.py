@@ -85,7 +85,7 @@ def test_arrays_of_a_line_of_two_materials():
 
 
 def test_the_regularisation_of_the_seabed_stays_with_what_is_made_of_a_system():
-    """Coarser lines, another motion, the cell at an end and the parts of a network have slip speed and contact depth."""
+    """Coarser lines, another motion, end cells and parts of a network have slip speed and contact depth."""
     made = mooring_system(two_parts(), 12, slip_speed=0.2, contact_depth=0.03)
     three = load_network(files("reference_data") / "scenes" / "networks" / "oc3_moving.toml")
     parts = [part.system for part in mooring_system(three, 8, slip_speed=0.2, contact_depth=0.03).components]
