@@ -33,7 +33,7 @@ PERIODS, MORE_PERIODS = 12, 3  # from rest, and with each number of refined step
 HARMONICS, SAMPLES_PER_HARMONIC = 120, 8
 MORE_HARMONICS = {"buoy": 240, "shallow": 240}  # light chains on hard seabeds, whose nodes swing fast
 AGREED = 1e-3  # rms of a difference over the range of the tension, that harmonic balance and time integration keep
-MOST_CONTACT = 1.5  # times the harmonics: frequency of nodes on the seabed beyond which balance is not tried
+MOST_CONTACT = 1.0  # times the harmonics: swing of nodes on the seabed beyond which balance is not tried
 SOFTER = {"rock": 3e5, "shallow": 1e5}  # N/m^2: seabeds on which nodes swing well within the harmonics
 PEER_STEPS, PEER_PERIODS, PEER_INSTANTS = 1600, 6, 200
 """Coupling steps in a period of MoorDyn, periods, and instants of the last one that are kept."""

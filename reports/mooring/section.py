@@ -256,8 +256,9 @@ def _agreement_words(data) -> str:
         f"each harmonic: {len(alike)} of {plural(len(solved), 'response')} are within "
         f"{number(100 * data['agreed'], 1)} % of the range of the history (rms), the farthest {farthest} %. MoorDyn: "
         f"equal cells, {data['peer_steps']} coupling steps a period, no damping of the seabed and no friction in "
-        f"either, for its laws are others; beside it what half the step changes here. Its answers are kept as "
-        f"reference data. All differences over the range."
+        f"either, for its laws are others. Beside it stands what half the step changes here on those cells: where that "
+        f"is as much, neither follows the swing of an undamped seabed. An error of first order in its coupling step "
+        f"is left, and its answers are kept as reference data. All differences over the range."
     )
 
 
