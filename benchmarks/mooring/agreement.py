@@ -33,6 +33,7 @@ PERIODS, MORE_PERIODS = 12, 3  # from rest, and with each number of refined step
 HARMONICS, SAMPLES_PER_HARMONIC = 120, 8
 MORE_HARMONICS = {"buoy": 240, "shallow": 240}  # light chains on hard seabeds, whose nodes swing fast
 AGREED = 1e-3  # rms of a difference over the range of the tension, that harmonic balance and time integration keep
+RESOLVED = 3  # harmonics to the frequency of the swing, with fewer of which a part of it is lost
 MOST_CONTACT = 1.0  # times the harmonics: swing of nodes on the seabed beyond which balance is not tried
 SOFTER = {"rock": 3e5, "shallow": 1e5}  # N/m^2: seabeds on which nodes swing well within the harmonics
 PEER_STEPS, PEER_PERIODS, PEER_INSTANTS = 1600, 6, 200
@@ -146,7 +147,7 @@ def explain(row: dict) -> str | None:
         return None
     if row["slack"] > 0:
         return f"slack for {100 * row['slack']:.0f} % of the period: a snap has no few harmonics"
-    if row["contact"] > balance["harmonics"] / 2:
+    if row["contact"] > balance["harmonics"] / RESOLVED:
         times, count = round(row["contact"]), balance["harmonics"]
         return f"nodes swing on the seabed at {times} times the frequency, and balance has {count} harmonics"
     if row["steps"] > AGREED:
