@@ -16,6 +16,7 @@ from ..cable.measure import add_parts, chosen, exponent, measured
 from ..cable.work_precision import least_seconds
 from ..run import console, results
 from ..run.harness import clock
+from . import agreement as agreement_of
 from . import cases, seabed, validation
 from . import work_precision as work_of
 
@@ -182,6 +183,11 @@ def seabeds(quick: bool, folder: Path):
         yield value and value | {"summary": seabed.summarise(value["rows"])}
 
 
+def agreement(quick: bool, folder: Path):
+    """Harmonic balance, time integration and MoorDyn over a seabed, on one mesh each."""
+    yield from agreement_of.agreement(quick)
+
+
 PARTS = {
     "references": references,
     "work": work,
@@ -191,6 +197,7 @@ PARTS = {
     "laboratory": laboratory,
     "orcaflex": orcaflex,
     "seabeds": seabeds,
+    "agreement": agreement,
 }
 TIMED = ("work", "three_periods", "growth", "damping")
 

@@ -9,7 +9,7 @@ import argparse
 import hashlib
 import signal
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -31,9 +31,10 @@ DEFAULT_AMPLITUDE = 1.0  # m, of surge, where neither the file nor the command l
 STEP, MAX_STEP, MIN_STEP = 0.02, 0.08, 1e-4
 MOST_POINTS, CHUNK = 160, 8  # points of a curve, and between two writings of its file
 SAMPLES_OF_MOTION = 200  # instants at which the amplitude of a motion is taken
-UNDAMPED_SEABED = (
-    "The curve leaves out the damping of the seabed, whose force jumps where a node touches down: no series of a few "
-    "harmonics follows that. The time integrations have it."
+GROWING_DAMPING = (
+    "The curve lets the damping of the seabed grow from contact on, over the {:.2g} m that the line sinks: its force "
+    "jumps otherwise where a node touches down, which no series of a few harmonics follows. The time integrations "
+    "have it at once."
 )
 
 
@@ -41,7 +42,7 @@ UNDAMPED_SEABED = (
 class Case:
     """What is swept: the line or network, its motion at the start, and names for the page. notes: what was assumed.
 
-    system: of the curve, without damping of the seabed; whole_system: as the file has it, for time integration.
+    system: of the curve, with a contact depth where the seabed is damped; whole_system: without, for time integration.
     """
 
     given: object
@@ -72,8 +73,10 @@ def prepare(path: Path, band, amplitude=None, depth=None) -> Case:
     motion, amplitude, assumed = _tune_motion(given, is_line, band[0], amplitude)
     whole_system = system = mooring_system(given, CELLS, motion=motion)
     if given.environment.seabed_damping > 0:
-        undamped = replace(given, environment=replace(given.environment, seabed_damping=0.0))
-        system, assumed = mooring_system(undamped, CELLS, motion=motion), (*assumed, UNDAMPED_SEABED)
+        heaviest = max(segment.weight for segment in whole_system.model.segments)
+        sinking = max(heaviest, 0.0) / given.environment.seabed_stiffness
+        system = mooring_system(given, CELLS, motion=motion, contact_depth=sinking)
+        assumed = (*assumed, GROWING_DAMPING.format(sinking))
     names = ["line"] if is_line else line_names(given)
     known = (given.cable.breaking_load,) if is_line else getattr(given, "breaking_loads", ()) or ()
     breaking = [*known, *[None] * (len(names) - len(known))]

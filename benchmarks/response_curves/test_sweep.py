@@ -31,9 +31,9 @@ def case():
     return sweep.prepare(LINE, BAND, 1.0)
 
 
-def followed(case, folder, stop_after=None):
+def followed(case, folder, stop_after=None, band=BAND):
     """The Sweep of a case, ended after so many yields, as by an interruption."""
-    record = sweep.Sweep(case, BAND, folder, "test")
+    record = sweep.Sweep(case, band, folder, "test")
     for number, _ in enumerate(record.follow(), start=1):
         if number == stop_after:
             return record
@@ -89,11 +89,17 @@ def test_what_a_curve_leaves_out_is_integrated(case, tmp_path, monkeypatch):
     assert "where the curve was followed" in report["sentences"][0] and "followed" in report["sentences"][1]
 
 
-def test_a_damped_seabed_is_left_to_time_integration():
-    """The rows of the curve have no damping of the seabed, the integrations that of the file, and a note says so."""
-    case = sweep.prepare(MOVING, BAND)
-    assert not case.system.line.seabed_damping.any() and case.whole_system.line.seabed_damping.all()
-    assert any("leaves out the damping of the seabed" in note for note in case.notes)
+def test_a_damped_seabed_does_not_end_the_curve(tmp_path):
+    """Its damping grows from contact on over what the line sinks, as a note says; at once it ends the curve early."""
+    band = (0.065, 0.08)
+    case = sweep.prepare(MOVING, band)
+    line, whole = case.system.line, case.whole_system.line
+    assert line.seabed_damping.all() and np.array_equal(line.seabed_damping, whole.seabed_damping)
+    assert line.contact_depth == pytest.approx(698.094 / 1e4, rel=1e-3) and whole.contact_depth == 0
+    assert any("grow from contact on, over the 0.07 m" in note for note in case.notes)
+    grows = followed(case, tmp_path, band=band).curves
+    jumps = followed(replace(case, system=case.whole_system), tmp_path / "at once", band=band).curves
+    assert [curve.success for curve in grows] == [True] and not jumps[0].success
 
 
 def test_amplitude_scales_the_motion_of_the_file(case):

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..cable.references import explain_references, reference_table
 from ..page.figures import FigureWithTable
-from ..page.formatting import number, plural, seconds, status_words, times, two_digits
+from ..page.formatting import DASH, number, plural, seconds, status_words, times, two_digits
 from ..page.section import Content, Inputs, Section, show_parts
 from ..page.tables import Table, write_table
 from . import figures, profiles
@@ -213,6 +213,57 @@ def _line_table(data, tables) -> Table:
     return _table(tables, "seabed_lines", "Lines over a seabed, a row a line", rows, columns, formats=formats)
 
 
+def _agreement(data, folder, tables) -> dict:
+    """Return what the methods agree to in words, and a row for each line."""
+    columns = {"name": "line", "motion": "motion", "contact": "on the bed", "undamped": "undamped",
+               "damped": "damped", "effect": "damping", "harmonics": "harmonics", "difference": "in time",
+               "peer": "rms", "peer_greatest": "greatest", "peer_steps": "half the step here",
+               "reason": "why they differ"}  # fmt: skip
+    groups = (("", 2), ("swing, harmonic", 1), ("shorter steps, % of the range", 2), ("effect, %", 1),
+              ("harmonic balance", 2), ("MoorDyn, %", 3), ("", 1))  # fmt: skip
+    formats = dict.fromkeys(("undamped", "damped", "effect", "difference", "peer", "peer_steps"), two_digits)
+    formats |= {"contact": _whole, "peer_greatest": two_digits}
+    rows = [_agreement_row(row) for row in data["rows"]]
+    table = _table(tables, "agreement", "Two methods and MoorDyn over a seabed", rows, columns, formats=formats,
+                   groups=groups)  # fmt: skip
+    return {"text": _agreement_words(data), "table": table}
+
+
+def _agreement_row(row) -> dict:
+    balance, undamped, peer = row.get("balance") or {}, row.get("undamped") or {}, row["moordyn"] or {}
+    percent = lambda value: None if value is None else 100 * value
+    return {
+        "name": f"{row['title']}, {_stiffness(row['seabed_stiffness'])} N/m²",
+        "motion": f"{row['kind']} {row['amplitude']:g} m, {row['period']:g} s", "contact": row["contact"],
+        "undamped": percent(undamped.get("steps")), "damped": percent(row.get("steps")),
+        "effect": percent(row.get("effect")), "harmonics": balance.get("harmonics"),
+        "difference": percent(balance.get("difference")), "peer": percent(peer.get("rms")),
+        "peer_greatest": percent(peer.get("greatest")), "peer_steps": percent(peer.get("steps")),
+        "reason": row["reason"] or "",
+    }  # fmt: skip
+
+
+def _agreement_words(data) -> str:
+    solved = [row for row in data["rows"] if (row.get("balance") or {}).get("difference") is not None]
+    alike = [row for row in solved if row["balance"]["difference"] <= data["agreed"]]
+    first, *refined = data["steps"]
+    farthest = max((row["balance"]["difference"] for row in solved), default=None)
+    farthest = DASH if farthest is None else number(100 * farthest, 2)
+    return (
+        f"One motion of each line, {data['cells']} cells. Nodes that touch down swing on the seabed at the square root "
+        f"of k/(m + ma); where no damping ends that, shorter steps excite more of it and neither method has a limit. "
+        f"So the seabed here has the damping that is critical for the line as it lies, grown over the depth to which "
+        f"it sinks; its effect on the tension stands beside. Time: {first} steps a period, then {refined[0]} and "
+        f"{refined[1]}, extrapolated. Harmonic balance starts from the history, with {data['samples']} samples for "
+        f"each harmonic: {len(alike)} of {plural(len(solved), 'response')} are within "
+        f"{number(100 * data['agreed'], 1)} % of the range of the history (rms), the farthest {farthest} %. MoorDyn: "
+        f"equal cells, {data['peer_steps']} coupling steps a period, no damping of the seabed and no friction in "
+        f"either, for its laws are others. Beside it stands what half the step changes here on those cells: where that "
+        f"is as much, neither follows the swing of an undamped seabed. An error of first order in its coupling step "
+        f"is left, and its answers are kept as reference data. All differences over the range."
+    )
+
+
 PARTS = {
     "references": _references,
     "work": _work,
@@ -222,6 +273,7 @@ PARTS = {
     "laboratory": _laboratory,
     "orcaflex": _orcaflex,
     "seabeds": _seabeds,
+    "agreement": _agreement,
 }
 """Part of mooring.json -> what the template takes of it."""
 

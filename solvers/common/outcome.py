@@ -44,8 +44,8 @@ class Status(Enum):
     )
     CURVE_STEP_TOO_SHORT = (
         "the response curve was not followed further, even in the shortest steps: the last good point is the last one "
-        "of the curve; use more harmonics or samples, a smaller min_step, or a seabed without damping, whose force "
-        "jumps where a node touches down"
+        "of the curve; use more harmonics or samples, a smaller min_step, or over a damped seabed a contact_depth, for "
+        "its force jumps where a node touches down"
     )
     CURVE_LEFT_RANGE = (
         "the system refuses the parameter beyond the last good point, which is the last one of the curve: "

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..common.outcome import InputError, Status
+from ..common.response import Response
 from ..common.types import as_system
 from ..common.validation import flags, one_of, positive_number, real_array, refuse_for_lines, whole_number
 from ..numerics.chain import ChainSystem
@@ -23,7 +24,7 @@ from ..numerics.newton import damped_newton, relaxed_newton
 from ..numerics.threads import one_blas_thread
 from .residual import find_mirror
 from .response import PeriodicResponse
-from .start import mean_change, multilevel_start, solve_with_continuation, truncate_or_pad
+from .start import history_coefficients, mean_change, multilevel_start, solve_with_continuation, truncate_or_pad
 
 MAX_CORRECTIONS = 3  # deferred; each at most half the last, for on coarse meshes later ones make the error larger
 INSTANTS_PER_SAMPLE = 4  # instants for each sample at which a state must be valid
@@ -37,7 +38,7 @@ def solve_periodic(
     samples: int | None = None,
     subharmonic: int = 1,
     mean: bool = True,
-    start: PeriodicResponse | ArrayLike | None = None,
+    start: PeriodicResponse | Response | ArrayLike | None = None,
     tolerance: float = 1e-10,
     globalisation: str = "damped",
     multilevel: bool = True,
@@ -50,7 +51,9 @@ def solve_periodic(
 
     harmonics: Nh of the frequency divided by ``subharmonic`` (nu). samples: Nt >= 2 Nh + 1 in the period, by default
     4 Nh: aliasing of the drag then falls below its truncation. mean: keep the constant term; False is the paper's way.
-    start: a PeriodicResponse of the same nodes and fields, or coefficients z (n_f, N, C), in place of rest.
+    start: a PeriodicResponse of the same nodes and fields, a time history of them whose last period is stored, or
+    coefficients z (n_f, N, C), in place of rest. Over a stiff seabed a history that has become periodic is the best,
+    with 8 Nh samples.
     tolerance: error (76), the mean |dz| of the last Newton step. globalisation: "damped" (error-oriented damping, old
     Jacobians kept, and updated, while they serve) or "relaxation" (the paper's factor, a new Jacobian at every step).
     multilevel: start from a solution with three harmonics on the fewest nodes, then with more of both; a line of nodes
@@ -192,9 +195,11 @@ _NEWTON = {"damped": damped_newton, "relaxation": relaxed_newton}
 
 def _start_of(part, start):
     """Return what of a start belongs to the nodes of a component."""
-    if start is None or not hasattr(start, "z"):
-        return start if start is None or np.ndim(start) != 3 else np.asarray(start)[:, part.nodes]
-    return replace(start, system=part.system, z=start.z[:, part.nodes])
+    if isinstance(start, PeriodicResponse):
+        return replace(start, system=part.system, z=start.z[:, part.nodes])
+    if hasattr(start, "ydot"):  # a time history
+        return replace(start, system=part.system, y=start.y[:, part.nodes], ydot=start.ydot[:, part.nodes])
+    return start if start is None or np.ndim(start) != 3 else np.asarray(start)[:, part.nodes]
 
 
 def _start_coefficients(system, basis, start) -> np.ndarray:
@@ -208,10 +213,15 @@ def _start_coefficients(system, basis, start) -> np.ndarray:
             problem = f"a response of {z.shape[:2]} fields and nodes at {old.omega:g} rad/s does not fit"
             raise InputError(problem, field="start", value=start)
         return truncate_or_pad(z, old, basis)
+    if isinstance(start, Response):  # a time history
+        if start.y.shape[:2] != shape:
+            problem = f"a history of {start.y.shape[:2]} fields and nodes does not fit {shape}"
+            raise InputError(problem, field="start", value=start)
+        return history_coefficients(start, basis, system.rest_state())
     try:
         z = real_array(start)
     except (TypeError, ValueError):
-        problem = "must be a PeriodicResponse or an array of coefficients z"
+        problem = "must be a PeriodicResponse, a time history or an array of coefficients z"
         raise InputError(problem, field="start", value=start) from None
     if z.shape != (*shape, basis.harmonic.size) or not np.isfinite(z).all():
         problem = f"coefficients of shape {z.shape} must be {(*shape, basis.harmonic.size)}, all finite"

@@ -8,7 +8,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from scipy.interpolate import CubicHermiteSpline
 
+from ..common.response import last_period
 from ..numerics.continuation import continue_in_load
 from ..numerics.fourier import Basis
 from ..numerics.newton import damped_newton, relaxed_newton
@@ -136,6 +138,20 @@ def _levels(coarsest, fewest, harmonics):
     if fewest < harmonics:
         levels.append((coarsest, fewest))
     return levels[::-1]
+
+
+def history_coefficients(history, basis, rest) -> np.ndarray:
+    """Return the coefficients z (n_f, N, C) of the end of a time history, its last whole period of the basis.
+
+    rest (n_f, N): the state that z counts from. Between stored times cubic polynomials of states and rates. Raises
+    InputError where less than a period is stored.
+    """
+    first, period = last_period(history.time, 2 * np.pi / basis.omega)
+    stored = np.count_nonzero(history.time > first)
+    count = max(basis.samples, stored)
+    t = np.clip(first + period * np.arange(count) / count, history.time[0], history.time[-1])
+    states = CubicHermiteSpline(history.time, history.y, history.ydot, axis=-1)(t)
+    return 2 / count * (states - rest[..., None]) @ basis.functions(t)[0]
 
 
 def truncate_or_pad(z, old, new) -> np.ndarray:

@@ -44,7 +44,7 @@ def find_axes(model, fields, motion) -> np.ndarray:
     return np.eye(3)
 
 
-def assemble_line(model, layout, axes, slip_speed, only=None) -> Line:
+def assemble_line(model, layout, axes, slip_speed, contact_depth, only=None) -> Line:
     """Return the arrays of the equations on a mesh; ``only``: those of one segment, its points without a load."""
     environment, rho = model.environment, model.environment.rho
     used = range(len(model.segments)) if only is None else [only]
@@ -83,7 +83,7 @@ def assemble_line(model, layout, axes, slip_speed, only=None) -> Line:
         point_mass, point_drag, load, bed * everywhere,
         environment.seabed_damping * everywhere if bed else np.zeros(layout.size), friction,
         -math.inf if environment.depth is None else -environment.depth, slip_speed,
-        tuple(float(c) for c in axes @ np.array(environment.current)))  # fmt: skip
+        tuple(float(c) for c in axes @ np.array(environment.current)), contact_depth)  # fmt: skip
 
 
 def take_end_cell(model, layout, axes, line, end, element, load=None) -> tuple[Line, np.ndarray]:
@@ -96,7 +96,7 @@ def take_end_cell(model, layout, axes, line, end, element, load=None) -> tuple[L
     cells, nodes = layout.cells[e], layout.nodes[e][:2] if end == 0 else layout.nodes[e][-2:]
     c = cells.start if end == 0 else cells.stop - 1
     if element is not None:  # nodes carry the element alone; cells are those of the line, which may be calibrated
-        alone = assemble_line(model, layout, axes, line.slip_speed, only=e)
+        alone = assemble_line(model, layout, axes, line.slip_speed, line.contact_depth, only=e)
         line = alone._replace(**{name: getattr(line, name) for name in CELL_FIELDS})
         if load is not None:
             line.load[nodes[end]] = load

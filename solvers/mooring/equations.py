@@ -24,7 +24,8 @@ class Line(NamedTuple):
     tangential_drag: 1/2 rho d Cdn and 1/2 rho pi d Cdt, kg/m^2. point_mass kg (with the added mass of its volume),
     point_drag 1/2 rho CdA kg/m and load (N, n) N: of the nodes, weight included. seabed_stiffness N/m,
     seabed_damping N s/m and friction: of the nodes, over a floor at height ``floor`` in m. slip_speed m/s: at which
-    friction reaches 0.7 of Coulomb's. current: n floats, m/s.
+    friction reaches 0.7 of Coulomb's. current: n floats, m/s. contact_depth m: penetration at which the damping of the
+    seabed has grown from zero to its whole value; with 0 it acts at once, and its force jumps at contact.
     """
 
     first: np.ndarray
@@ -45,6 +46,7 @@ class Line(NamedTuple):
     floor: float
     slip_speed: float
     current: tuple
+    contact_depth: float = 0.0
 
 
 # ---------------------------------------------------------------- one state
@@ -112,7 +114,10 @@ def seabed(line, r, v, i, R):
     n, penetration = len(line.current), line.floor - r[i, -1]
     if penetration.real <= 0:
         return
-    normal = line.seabed_stiffness[i] * penetration - line.seabed_damping[i] * v[i, -1]
+    damping = line.seabed_damping[i] + 0.0 * penetration
+    if penetration.real < line.contact_depth:
+        damping *= penetration / line.contact_depth
+    normal = line.seabed_stiffness[i] * penetration - damping * v[i, -1]
     if normal.real <= 0:
         return
     R[i, -1] -= normal
@@ -238,7 +243,10 @@ def seabed_tangents(line, r, v, i, weights, diagonal):
     penetration, last = line.floor - r[i, -1], len(line.current) - 1
     if penetration <= 0:
         return
-    normal = up * penetration - c * v[i, -1]
+    if penetration < line.contact_depth:
+        up -= c * v[i, -1] / line.contact_depth  # the deeper, the more damping
+        c *= penetration / line.contact_depth
+    normal = line.seabed_stiffness[i] * penetration - c * v[i, -1]
     if normal <= 0:
         return
     add_own(diagonal, i, last, last, weights, up, c, 0.0)

@@ -30,12 +30,19 @@ def newmark_parameters(rho_inf) -> tuple[float, float, float, float]:
 
 
 @compiled
-def seabed_after_step(line, i, depth, step, by_v):
-    """Return about what the force of the seabed on node i in N changes by with a step in r, and by_v times it in v."""
+def seabed_after_step(line, i, depth, speed, step, by_v):
+    """Return about what the force of the seabed on node i in N changes by with a step in r, and by_v times it in v.
+
+    depth, speed: greatest penetration in m and vertical speed in m/s of the node before and after.
+    """
     n, slip = len(line.current), 0.0
     for k in range(n - 1):
         slip = max(slip, by_v * abs(step[i, k]))
-    normal = (line.seabed_stiffness[i] + by_v * line.seabed_damping[i]) * abs(step[i, n - 1])
+    damping, growth = line.seabed_damping[i], 0.0
+    if depth < line.contact_depth:
+        growth = damping * speed / line.contact_depth
+        damping *= depth / line.contact_depth
+    normal = (line.seabed_stiffness[i] + growth + by_v * damping) * abs(step[i, n - 1])
     return normal + line.friction[i] * line.seabed_stiffness[i] * depth * min(1.0, slip / line.slip_speed)
 
 
@@ -126,7 +133,8 @@ def integrate(
                     turned = turned or (r1[i, n - 1] < line.floor) != lies[i]
                     depth = line.floor - min(r1[i, n - 1], r1[i, n - 1] - R[i, n - 1])
                     if depth > 0:
-                        largest_force = max(largest_force, seabed_after_step(line, i, depth, R, by_v))
+                        speed = max(abs(v1[i, n - 1]), abs(v1[i, n - 1] - by_v * R[i, n - 1]))
+                        largest_force = max(largest_force, seabed_after_step(line, i, depth, speed, R, by_v))
                     for k in range(n):
                         largest_step = max(largest_step, abs(R[i, k]))
                         is_finite = is_finite and abs(R[i, k]) < np.inf

@@ -12,7 +12,7 @@ from ..common.diagnostics import check_drag
 from ..common.outcome import InputError, Status
 from ..common.properties import MAX_STRAIN
 from ..common.types import as_system
-from ..common.validation import positive_number
+from ..common.validation import non_negative_number, positive_number
 from ..network.model import Network
 from .assembly import assemble_line, evaluate_forces, find_axes, take_end_cell
 from .calibration import calibrate_line, element_end_load, is_to_be_calibrated
@@ -40,6 +40,7 @@ def mooring_system(
     motion=None,
     calibrate="auto",
     slip_speed=SLIP_SPEED,
+    contact_depth=0.0,
     source=None,
 ) -> MooringSystem:
     """Return the moving line of a Scene, or the moving lines of a Network, as a MooringSystem.
@@ -55,7 +56,8 @@ def mooring_system(
     calibrate: make the exact catenaries the equilibrium of the mesh (``calibration``): True, False, or "auto", where
     the motion changes the tension by less than a tenth; not over a seabed, where a line hangs straight down, nor for
     a Network that is not one line.
-    slip_speed: m/s, at which the friction of the seabed reaches 0.7 of Coulomb's.
+    slip_speed: m/s, at which the friction of the seabed reaches 0.7 of Coulomb's. contact_depth: m, over which its
+    damping grows from contact on (with 0 its force jumps, which harmonic balance seldom takes); usual: weight over k.
     source: t (S,) -> loads (S, N, n) on the nodes in N, along the axes of the system, for manufactured solutions.
     Raises InputError naming the field for anything missing or out of range.
 
@@ -73,9 +75,9 @@ def mooring_system(
         require_motion(motion, model)
     axes = find_axes(model, fields, motion)
     layout = number_nodes(model, build_mesh(model, cells, mesh, motion))
-    slip_speed = positive_number("slip_speed", slip_speed, "m/s")
     calibrated = is_to_be_calibrated(calibrate, model, motion)
-    return MooringSystem(model, layout, axes, motion, slip_speed, source, calibrated=calibrated)
+    seabed = positive_number("slip_speed", slip_speed, "m/s"), non_negative_number("contact_depth", contact_depth, "m")
+    return MooringSystem(model, layout, axes, motion, seabed, source, calibrated=calibrated)
 
 
 class MooringSystem:
@@ -86,18 +88,17 @@ class MooringSystem:
     element, m; period of the motion in s, or None.
     """
 
-    def __init__(self, model, layout, axes, motion, slip_speed, source=None, period=None, calibrated=False):
+    def __init__(self, model, layout, axes, motion, seabed, source=None, period=None, calibrated=False):
         self.model, self.layout, self.axes, self.motion, self.source = model, layout, axes, motion, source
         self.fields = ("along", "z") if len(axes) == 2 else ("x", "y", "z")
-        self.nodes = layout.size
-        self.period = getattr(motion, "period", period)
+        self.nodes, self._seabed, self.period = layout.size, seabed, getattr(motion, "period", period)
         first = np.array(model.points[0].r)
         self.origin = np.array([first[0], first[1], 0.0])
         self._prescribed_points = [i for i, point in enumerate(model.points) if point.kind != "free"]
         self.prescribed_nodes = layout.points[self._prescribed_points]
         self._moved = [self._prescribed_points.index(i) for i in model.moved]  # among these
         self.length = model.length if model.is_line else max(segment.length for segment in model.segments)
-        self.line, self.calibrated = assemble_line(model, layout, axes, slip_speed), calibrated
+        self.line, self.calibrated = assemble_line(model, layout, axes, *seabed), calibrated
         self.order = plan_elimination(layout, self.prescribed_nodes, len(axes))
         if calibrated:
             self.line = calibrate_line(self)
@@ -136,7 +137,7 @@ class MooringSystem:
         """Parts of a network that no free node joins, or none where it is one part."""
 
         def build(model, layout):
-            part = MooringSystem(model, layout, self.axes, self.motion, self.line.slip_speed, None, self.period)
+            part = MooringSystem(model, layout, self.axes, self.motion, self._seabed, None, self.period)
             part.origin = self.origin
             return part
 
@@ -230,9 +231,8 @@ class MooringSystem:
         if layout is None:
             return None
         source, share = self.source, share_loads(layout, self.layout) if self.source else None
-        coarse = MooringSystem(
-            self.model, layout, self.axes, self.motion, self.line.slip_speed,
-            source and (lambda t: share @ source(t)), self.period, self.calibrated)  # fmt: skip
+        given = self._seabed, source and (lambda t: share @ source(t)), self.period, self.calibrated
+        coarse = MooringSystem(self.model, layout, self.axes, self.motion, *given)
         return coarse, partial(prolong, layout, self.layout)
 
     # ------------------------------------------------------------ the points that are prescribed

@@ -331,7 +331,7 @@ DEFECTS = (
         Fault(
             "mooring.steps",
             "integrate",
-            "max(largest_force, seabed_after_step(line, i, depth, R, by_v))",
+            "max(largest_force, seabed_after_step(line, i, depth, speed, R, by_v))",
             "largest_force",
         ),
         "tolerance",

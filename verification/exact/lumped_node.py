@@ -38,13 +38,17 @@ class Cell:
 
 @dataclass(frozen=True)
 class Seabed:
-    """depth m; stiffness k N/m^2; damping c N s/m^2; friction mu; friction_speed v_0 m/s."""
+    """depth m; stiffness k N/m^2; damping c N s/m^2; friction mu; friction_speed v_0 m/s; contact_depth p_0 m.
+
+    The damping is c min(p / p_0, 1) at penetration p, c with p_0 = 0.
+    """
 
     depth: float
     stiffness: float
     damping: float = 0.0
     friction: float = 0.0
     friction_speed: float = 1.0
+    contact_depth: float = 0.0
 
 
 def force_terms(cells, positions, velocities, acceleration, *, current=(0.0, 0.0, 0.0), seabed=None):
@@ -129,7 +133,8 @@ def _seabed_forces(seabed, share, z, velocity):
     penetration = -mpf(seabed.depth) - z
     if penetration <= 0:
         return nothing
-    normal = share * (mpf(seabed.stiffness) * penetration - mpf(seabed.damping) * w)
+    reached = min(penetration / mpf(seabed.contact_depth), mpf(1)) if seabed.contact_depth else mpf(1)
+    normal = share * (mpf(seabed.stiffness) * penetration - mpf(seabed.damping) * reached * w)
     if normal <= 0:
         return nothing
     grip = mpf(seabed.friction) * normal / mp.sqrt(u * u + v * v + mpf(seabed.friction_speed) ** 2)

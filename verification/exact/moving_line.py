@@ -46,7 +46,7 @@ class ManufacturedLine:
     EA : N;  beta : s, Kelvin-Voigt damping;  mass, weight : kg/m and N/m (submerged), unstretched
     rho, d, Ca, Cdn, Cdt : kg/m^3, m, coefficients as in the module's equations;  current : (x, y, z), m/s, steady
     depth : m, the seabed lies at z = -depth;  seabed_stiffness, seabed_damping : k in N/m^2 and c in N s/m^2
-    friction, friction_speed : mu and v_0 in m/s
+    friction, friction_speed : mu and v_0 in m/s;  contact_depth : p_0 in m, over which the damping grows to c
 
     With the values of `ALL_TERMS` the line is taut everywhere and lies wholly inside the seabed, which never lets go,
     and no relative velocity along or across the line vanishes: q is then a smooth function of s and t. With another
@@ -72,6 +72,7 @@ class ManufacturedLine:
     friction_speed: float
     anchor: tuple[float, float, float] = (0.0, 0.0, -80.0)
     planar: bool = False
+    contact_depth: float = 0.0
 
     @property
     def components(self):
@@ -162,7 +163,10 @@ class ManufacturedLine:
         """Return the normal force N, and the friction as a vector."""
         v = self.velocity(s, t)
         penetration = -self.depth - self.position(s, t)[-1]
-        normal = np.maximum(self.seabed_stiffness * penetration - self.seabed_damping * v[-1], 0.0) * (penetration > 0)
+        damping = self.seabed_damping
+        if self.contact_depth:
+            damping = damping * np.clip(penetration / self.contact_depth, 0.0, 1.0)
+        normal = np.maximum(self.seabed_stiffness * penetration - damping * v[-1], 0.0) * (penetration > 0)
         horizontal = v * (1 - self._up(v))
         speed = np.sqrt(_dot(horizontal, horizontal) + self.friction_speed**2)
         return normal, -self.friction * normal * horizontal / speed

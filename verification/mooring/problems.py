@@ -106,6 +106,8 @@ TERMS = {
     "seabed and damping": ("seabed_stiffness", "seabed_damping"),
     "seabed and friction": ("seabed_stiffness", "friction"),
     "seabed, damping and friction": ("seabed_stiffness", "seabed_damping", "friction"),
+    "seabed, damping from contact on": ("seabed_stiffness", "seabed_damping", "contact_depth"),
+    "seabed, damping from contact on and friction": ("seabed_stiffness", "seabed_damping", "contact_depth", "friction"),
 }
 """Fields of equations.Line that are not zero; "all" has every one."""
 TERMS["all"] = tuple(sorted({field for fields in TERMS.values() for field in fields}))
@@ -158,7 +160,9 @@ def random_state(name: str, n: int, seed: int = 1, pattern: str = "line") -> Ran
     length = distance / stretch
     below, above = np.argsort(r[:, -1])[nodes // 2 - 1 : nodes // 2 + 1]
     floor = float(r[above, -1] - 0.05)  # half of the nodes in the seabed; one just above sinks, one below is pulled out
-    v[above, -1], v[below, -1] = -1.2, 4 * (floor - r[below, -1]) + 0.2
+    depths = np.sort(floor - r[:, -1])[-nodes // 2 :]  # of those in the seabed; the second is where damping grows
+    contact_depth = float(depths[1:3].mean()) if "contact_depth" in TERMS[name] else 0.0
+    v[above, -1], v[below, -1] = -1.2, 4 * max(depths[0], contact_depth) + 0.2
     halves = np.bincount(np.append(first, last), np.append(length, length) / 2, nodes)
     k, c = float(value["seabed_stiffness"][0]), float(value["seabed_damping"][0])
     line = Line(
@@ -167,6 +171,7 @@ def random_state(name: str, n: int, seed: int = 1, pattern: str = "line") -> Ran
         tangential_drag=rho * math.pi * d * value["Cdt"] / 2, point_mass=value["point_mass"],
         point_drag=value["point_drag"], load=value["load"], seabed_stiffness=k * halves, seabed_damping=c * halves,
         friction=value["friction"], floor=floor, slip_speed=slip, current=tuple(value["current"].tolist()),
+        contact_depth=contact_depth,
     )  # fmt: skip
     of_mpmath = [
         Cell(length[i], line.EA[i], line.damping[i], line.mass[i], line.added_mass[i], 0.0, rho, d[i], value["Cdn"][i],
@@ -199,7 +204,8 @@ def _residual_by_mpmath(line, cells, state, k, c):
     R, size = np.zeros((nodes, n)), 0.0
     with mp.workdps(40):
         for i in range(nodes):
-            bed, away = Seabed(-line.floor, k, c, line.friction[i], line.slip_speed), [r[i][0] - 1.0, *r[i][1:]]
+            bed = Seabed(-line.floor, k, c, line.friction[i], line.slip_speed, line.contact_depth)
+            away = [r[i][0] - 1.0, *r[i][1:]]
             u = [mp.mpf(x) - mp.mpf(y) for x, y in zip(v[i], line.current, strict=True)]
             drag = -mp.mpf(line.point_drag[i]) * mp.norm(mp.matrix(u))
             parts = [[drag * x for x in u], [-mp.mpf(line.point_mass[i]) * x for x in a[i]], line.load[i].tolist()]
@@ -294,7 +300,8 @@ def manufactured(line: ManufacturedLine, cells: int, mesh="uniform"):
                             fairlead=tuple(motion.mean.tolist()), environment=environment,
                             friction=(line.friction,))  # fmt: skip
     made = mooring_system(given, cells, mesh=mesh, fields="planar" if line.planar else "spatial", motion=motion,
-                          calibrate=False, slip_speed=line.friction_speed)  # fmt: skip
+                          calibrate=False, slip_speed=line.friction_speed,
+                          contact_depth=line.contact_depth)  # fmt: skip
     made.source = lambda t: lumped_load(made, line, t)
     made.model = replace(made.model, environment=Environment(line.rho, current=current))
     return made
@@ -378,7 +385,9 @@ def energy_of(history) -> Energy:
     u = v - np.array(line.current)
     drag += (line.point_drag * np.linalg.norm(u, axis=2) * (u * v).sum(axis=2)).sum(axis=1)
     penetration = np.maximum(line.floor - r[..., -1], 0.0)
-    normal = np.maximum(line.seabed_stiffness * penetration - line.seabed_damping * v[..., -1], 0.0) * (penetration > 0)
+    share = np.minimum(penetration / line.contact_depth, 1.0) if line.contact_depth else 1.0
+    damping = line.seabed_damping * share
+    normal = np.maximum(line.seabed_stiffness * penetration - damping * v[..., -1], 0.0) * (penetration > 0)
     total = total + (line.seabed_stiffness * penetration**2).sum(axis=1) / 2
     seabed = -((normal - line.seabed_stiffness * penetration) * v[..., -1]).sum(axis=1)
     level = (v[..., :-1] ** 2).sum(axis=2)

@@ -285,6 +285,8 @@ NAMED = [
     ("seabed", "normal.real <= 0", "normal.real <= -1e9", "a seabed that pulls"),
     ("seabed", "line.slip_speed**2", "line.slip_speed", "friction of another smoothing"),
     ("seabed", "range(n - 1)", "range(n)", "friction with the sinking in it", 1),
+    ("seabed", "damping *= penetration / line.contact_depth", "pass", "damping that jumps at contact"),
+    ("seabed", "penetration.real < line.contact_depth", "line.contact_depth > 0", "damping that grows on and on"),
     ("tangents", "max(auxiliary[c], 0.0)", "auxiliary[c] * taut", "lateral stiffness of compression"),
     ("tangents", "2 * ct * abs(along) * tt", "ct * abs(along) * tt", "half a tangent of tangential drag"),
     ("tangents", "turning * unit[j] * across", "0.0 * across", "no turn of the rate of strain"),
@@ -305,6 +307,7 @@ NAMED = [
     ),
     ("drag_tangents", "line.point_drag[i] * uu", "0.0 * uu", "drag of a node that does not grow"),
     ("seabed_tangents", "by_height * up", "0.0 * up", "friction of a constant weight"),
+    ("seabed_tangents", "up -= c * v[i, -1] / line.contact_depth", "pass", "damping of a constant depth"),
 ]
 """(function, old, new, what[, place]) of faults that are no signs."""
 

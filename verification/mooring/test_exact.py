@@ -92,7 +92,10 @@ def exact_load(line, s, t):
 
     depth_in, normal = -mpf(line.depth) - exact_position(line, s, t)[-1], mpf(0)
     if depth_in > 0:
-        normal = max(mpf(line.seabed_stiffness) * depth_in - mpf(line.seabed_damping) * v[-1], mpf(0))
+        damping = mpf(line.seabed_damping)
+        if depth_in < mpf(line.contact_depth):
+            damping *= depth_in / mpf(line.contact_depth)
+        normal = max(mpf(line.seabed_stiffness) * depth_in - damping * v[-1], mpf(0))
     speed = mp.sqrt(dot(v[:-1], v[:-1]) + mpf(line.friction_speed) ** 2)
     seabed = [*(-mpf(line.friction) * normal * x / speed for x in v[:-1]), normal]
     weight = [0 * x for x in v[:-1]] + [mpf(line.weight)]
@@ -103,6 +106,7 @@ LINES = {
     "all": ALL_TERMS,
     **ONE_TERM,
     "across the surface of the seabed": replace(ALL_TERMS, depth=88.0),
+    "across the surface, damping from contact on": replace(ALL_TERMS, depth=88.0, contact_depth=6.0),
     "partly slack": replace(ALL_TERMS, beta=20.0),
     "at rest": replace(ALL_TERMS, omega=0.0),
 }
@@ -159,7 +163,7 @@ LOAD_FAULTS = {
     "tangential drag without pi": (
         "ManufacturedLine._drag", "size * np.pi * self.Cdt", "size * self.Cdt", "tangential drag"),
     "a damper that helps": (
-        "ManufacturedLine._seabed", "self.seabed_damping * v[-1]", "(-self.seabed_damping) * v[-1]",
+        "ManufacturedLine._seabed", "damping * v[-1]", "(-damping) * v[-1]",
         "seabed and damping"),
     "a seabed that pulls": (
         "ManufacturedLine._seabed", "penetration > 0", "penetration > -1e9", "across the surface of the seabed"),
@@ -653,7 +657,8 @@ def node_error(line, s, t, h, module=lumped_node):
     """Return the residual of a node of a manufactured line with cells of length h, its load lumped, N/m."""
     ma = line.Ca * line.rho * math.pi * line.d**2 / 4
     cell = module.Cell(h, line.EA, line.beta, line.mass, ma, line.weight, line.rho, line.d, line.Cdn, line.Cdt)
-    bottom = module.Seabed(line.depth, line.seabed_stiffness, line.seabed_damping, line.friction, line.friction_speed)
+    bottom = module.Seabed(line.depth, line.seabed_stiffness, line.seabed_damping, line.friction, line.friction_speed,
+                           line.contact_depth)  # fmt: skip
     nodes = np.array([s - h, s, s + h])
     residual = module.force_residual(
         (cell, cell), line.position(nodes, t).T, line.velocity(nodes, t).T, line.acceleration(s, t),

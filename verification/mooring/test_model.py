@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import partial
+from importlib.resources import files
 
 import numpy as np
 import pytest
@@ -25,6 +26,7 @@ from solvers import (
     solve_static,
     solve_time_domain,
 )
+from solvers.io import load_network
 from solvers.mooring.calibration import estimate_tension_change
 from solvers.mooring.mesh import LEAST_DENSITY, TOUCHDOWN_DENSITY, TOUCHDOWN_REACH
 from solvers.mooring.model import Segment, build_model
@@ -80,6 +82,17 @@ def test_arrays_of_a_line_of_two_materials():
     assert made.prescribed_nodes.tolist() == [0, 5] and made.fields == ("along", "z") and made.nodes == 6
     assert [point.kind for point in made.model.points] == ["fixed", "free", "coupled"]
     assert made.model.length == 230.0 and made.period is None
+
+
+def test_the_regularisation_of_the_seabed_stays_with_what_is_made_of_a_system():
+    """Coarser lines, another motion, end cells and parts of a network have slip speed and contact depth."""
+    made = mooring_system(two_parts(), 12, slip_speed=0.2, contact_depth=0.03)
+    three = load_network(files("reference_data") / "scenes" / "networks" / "oc3_moving.toml")
+    parts = [part.system for part in mooring_system(three, 8, slip_speed=0.2, contact_depth=0.03).components]
+    lines = [one.line for one in (made, made.coarser()[0], made.with_motion(None), *parts)]
+    lines += [made.end_cell(-1, element)[0] for element in (None, 1)]
+    assert len(parts) == 3 and {(line.slip_speed, line.contact_depth) for line in lines} == {(0.2, 0.03)}
+    assert mooring_system(two_parts(), 12).line.contact_depth == 0.0
 
 
 def test_without_a_seabed_nothing_bears():
@@ -290,6 +303,7 @@ REFUSED = {
     "fields of no name": (lambda: SURGE(fields="flat"), "fields", ["'flat'", "planar"]),
     "a plane that is left": (lambda: system(replace(OC3, amplitude=(0, 1.0, 0)), fields="planar"), "fields", ["plane"]),
     "no slip speed": (lambda: SURGE(slip_speed=0.0), "slip_speed", ["0", "m/s", "> 0"]),
+    "a negative contact depth": (lambda: SURGE(contact_depth=-0.1), "contact_depth", ["-0.1", "m"]),
     "calibrate": (lambda: SURGE(calibrate="yes"), "calibrate", ["'yes'", "auto"]),
     "calibrated over a seabed": (lambda: system(OC3_SEABED, calibrate=True), "calibrate", ["seabed"]),
     "no dt": (lambda: run(dt=0.0), "dt", ["0", "s", "> 0"]),

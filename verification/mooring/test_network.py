@@ -500,6 +500,8 @@ def test_a_network_is_taken_apart_where_nodes_are_prescribed():
     for options in ({"periods": 1}, {"duration": 2.0, "start": start, "rho_inf": 0.8}):
         assert_alike(*(solve_time_domain(one, dt=0.1, tolerance=1e-10, **options) for one in (made, whole)))
     assert_alike(*(solve_periodic(one, harmonics=4) for one in (made, whole)))
+    history = solve_time_domain(made, dt=0.1, periods=1)
+    assert_alike(*(solve_periodic(one, harmonics=4, start=history) for one in (made, whole)))
 
 
 def test_the_equilibrium_of_the_parts_is_solved_for_once(monkeypatch):

@@ -44,6 +44,7 @@ _ON = {
 TERMS = {
     name: replace(BARE, **{key: getattr(ALL_TERMS, key) for key in (*_BARE, *keys)}) for name, keys in _ON.items()
 } | {"all": ALL_TERMS}
+TERMS["seabed, damping that grows"] = replace(TERMS["seabed and damping"], contact_depth=60.0)
 """A line of mass and stiffness, each load alone on it, and all of them."""
 STATIC = ("bare", "normal drag", "tangential drag", "weight", "seabed", "all")
 

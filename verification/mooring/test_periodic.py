@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from solvers import InputError, Motion, mooring_system, solve_periodic, solve_time_domain
+from solvers.harmonic_balance.start import history_coefficients
 from solvers.mooring import harmonic
 from solvers.mooring.block_elimination import BlockFactors
 from solvers.numerics.fourier import Basis
@@ -19,7 +20,7 @@ from ..cases.cables import EVERYTHING, OC3, OC3_SEABED, SURGE_5
 from ..exact.moving_line import ALL_TERMS
 from ..tools.orders import assert_order, extrapolated
 from .networks import case_network
-from .problems import exact_load, exact_state, manufactured, system
+from .problems import exact_load, exact_state, manufactured, scene, system
 from .test_order import graded
 from .test_statics import NETWORKS
 
@@ -252,3 +253,51 @@ def test_pretension_is_held_against_the_catenary():
     assert system(replace(OC3, current=(0.3, 0.0, 0.0)), 10).solve_static().pretension_error is None
     lying = system(OC3_SEABED, 100).solve_static()
     assert lying.pretension_error < 2e-3
+
+
+# ---------------------------------------------------------------- a time history to start from
+SINKING = OC3_SEABED.submerged_weight / OC3_SEABED.seabed_stiffness  # m, as deep as the line lies
+STARTED = 1e-3  # of the largest coefficient: what the steps leave; measured 1.9e-4
+BALANCED = 1e-4  # of the range of the tension, rms: what steps and harmonics leave; measured 2.7e-5
+
+
+def surging_over_the_seabed(contact_depth, cells=12):
+    """Return a line over a seabed whose damping is critical for it as it lies, in surge of 5 m."""
+    given, k = scene(replace(OC3_SEABED, amplitude=(5.0, 0.0, 0.0), damping=0.05)), OC3_SEABED.seabed_stiffness
+    damping = 2 * np.sqrt(k * (given.cable.mass_per_length + given.cable.added_mass(given.environment)))
+    given = replace(given, environment=replace(given.environment, seabed_damping=damping))
+    return mooring_system(given, cells, contact_depth=contact_depth)
+
+
+def test_a_history_starts_harmonic_balance():
+    """Its coefficients are those of the response, every fifth step kept or all; both have the tension of the other."""
+    made = surging_over_the_seabed(SINKING)
+    history = solve_time_domain(made, dt=made.period / 1600, periods=5)
+    response = solve_periodic(made, harmonics=60, samples=480, start=history)
+    kept = replace(history, time=history.time[::5], y=history.y[..., ::5], ydot=history.ydot[..., ::5])
+    for one in (history, kept):
+        z = history_coefficients(one, response.basis, made.rest_state())
+        assert abs(z - response.z).max() <= STARTED * abs(response.z).max()
+    tension = history.fairlead_tension(4 * made.period + response.time)
+    difference = response.fairlead_tension(response.time) - tension
+    assert response.iterations <= 6 and np.sqrt(np.mean(difference**2)) <= BALANCED * np.ptp(tension)
+
+
+def test_damping_that_grows_from_contact_on_lets_harmonic_balance_converge():
+    """Where its force jumps at contact Newton's method alternates between nodes that touch and nodes that do not."""
+    responses = []
+    for contact_depth in (SINKING, 0.0):
+        made = surging_over_the_seabed(contact_depth)
+        history = solve_time_domain(made, dt=made.period / 800, periods=4)
+        responses.append(solve_periodic(made, harmonics=20, samples=160, start=history, throw=False))
+    grows, jumps = responses
+    assert grows.success and grows.iterations <= 8 and not jumps.success
+
+
+def test_a_history_that_cannot_start_is_refused():
+    made = surging_over_the_seabed(SINKING)
+    short = solve_time_domain(made, dt=made.period / 40, periods=0.5)
+    other = solve_time_domain(surging_over_the_seabed(SINKING, 10), dt=made.period / 40, periods=1)
+    for history, words in ((short, "no whole period"), (other, "does not fit")):
+        with pytest.raises(InputError, match=words):
+            solve_periodic(made, harmonics=3, start=history)

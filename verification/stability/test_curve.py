@@ -238,16 +238,20 @@ def test_a_curve_says_where_it_ends(build, options, status, end):
     )
 
 
-@pytest.mark.parametrize("damping", [0.0, 1e3])
-def test_a_seabed_whose_force_jumps_ends_the_curve(damping):
-    """With damping of the seabed the rows lose their zero as nodes touch down: the status names it; without, no end."""
+@pytest.mark.parametrize(("damping", "contact_depth"), [(0.0, 0.0), (1e3, 0.0), (1e3, 0.14)])
+def test_a_seabed_whose_force_jumps_ends_the_curve(damping, contact_depth):
+    """With damping that acts at once the rows lose their zero as nodes touch down: the status names it.
+
+    Without damping, or where it grows from contact on, there is no end.
+    """
     chain = replace(LINE.cable, submerged_weight=698.094, damping=0.05)
     sea = Environment(depth=60.0, seabed_stiffness=5e3, seabed_damping=damping)
     surge = Motion.harmonic(1 / 12, (2.0, 0.0, 0.0))
     scene = Scene("chain", chain, 665.0, (-655.2, 0.0, -60.0), (-5.2, 0.0, -10.0), sea, motion=surge)
-    curve = response_curve(mooring_system(scene, cells=12), start=0.03, stop=0.1, harmonics=5, throw=False)
-    if damping:
-        assert curve.status is Status.CURVE_STEP_TOO_SHORT and "seabed without damping" in curve.status.value
+    made = mooring_system(scene, cells=12, contact_depth=contact_depth)
+    curve = response_curve(made, start=0.03, stop=0.1, harmonics=5, throw=False)
+    if damping and not contact_depth:
+        assert curve.status is Status.CURVE_STEP_TOO_SHORT and "a contact_depth" in curve.status.value
         assert 0.03 < curve.values[-1] < 0.1
     else:
         assert curve.success and curve.values[-1] == 0.1

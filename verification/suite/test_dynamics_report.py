@@ -196,6 +196,28 @@ def work_point(method, seconds, rms, evaluations, case="case_1", status="SUCCESS
             "cell_evaluations": evaluations}  # fmt: skip
 
 
+def test_report_shows_where_methods_agree_over_a_seabed_and_why_not(tmp_path):
+    """Of three planted lines: two responses, one of them within 1e-3, and a reason; MoorDyn beside one of them."""
+    row = {"line": "oc3", "title": "a chain", "kind": "surge", "amplitude": 2.0, "period": 10.0, "contact": 17.2,
+           "seabed_stiffness": 1e4, "steps": 2e-6, "effect": 0.0123, "undamped": {"change": 0.0, "steps": 0.0345},
+           "balance": {"status": "SUCCESS", "difference": 4e-4, "harmonics": 120},
+           "moordyn": {"rms": 0.0567, "greatest": -0.0678, "steps": 0.0789}, "reason": None}  # fmt: skip
+    far = {"balance": {"status": "SUCCESS", "difference": 0.0234, "harmonics": 240}, "reason": "a swing too fast"}
+    none = {"balance": {"status": "SLACK", "difference": None, "harmonics": 120}, "reason": "slack", "moordyn": None}
+    data = {"agreement": {"rows": [row, row | far, row | none, row | {"undamped": None, "effect": None}],
+                          "cells": 50, "steps": [800, 1600, 3200], "agreed": 1e-3, "samples": 8,
+                          "peer_steps": 1600}}  # fmt: skip
+    (tmp_path / "results").mkdir()
+    (tmp_path / "results" / FILES[LINE]).write_text(json.dumps(data), encoding="utf-8")
+    shown = page(tmp_path)
+    text = words(shown)
+    assert undescribed(shown) == [] and missing_files(shown, tmp_path) == [] and broken_anchors(shown) == []
+    assert "2 of 3 responses are within 0.1 % of the range of the history (rms), the farthest 2.3 %" in text
+    assert "800 steps a period, then 1600 and 3200, extrapolated" in text and "1600 coupling steps" in text
+    for value in ("17", "3.5", "1.2", "240", "5.7", "-6.8", "7.9", "0.040", "a swing too fast"):
+        assert re.search(rf"[> ]{re.escape(value)} ", text), value
+
+
 # ---------------------------------------------------------------- moving networks
 def test_report_shows_how_networks_grow_and_what_they_are_beside_moordyn(tmp_path):
     """The growth as measured; a difference from MoorDyn and a ratio, planted, turn words and verdicts."""
