@@ -99,7 +99,7 @@ DEFECTS = (
     ),
     Defect(
         "drag tangent halved",
-        Fault("mooring.equations", "tangents", "2 * ct * abs(along) * tt", "ct * abs(along) * tt"),
+        Fault("mooring.equations", "tangents", "2 * slide * tt", "slide * tt"),
         "derivative",
         "d(|u| u)/du is |u| along the cell",
         f"{_TANGENTS} -k tangential",
@@ -116,8 +116,8 @@ DEFECTS = (
         Fault(
             "mooring.equations",
             "tangents",
-            "add_next(left, c, j, k, weights, -turn, 0.0)",
-            "add_next(right, c, j, k, weights, -turn, 0.0)",
+            "add_next(left, c, j, k, weights, -by_r, -by_rate)",
+            "add_next(right, c, j, k, weights, -by_r, -by_rate)",
         ),
         "index",
         "the loads of both halves of a cell turn with its last node",
