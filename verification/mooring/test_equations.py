@@ -289,7 +289,12 @@ NAMED = [
     ("tangents", "2 * slide * tt", "slide * tt", "half a tangent of tangential drag"),
     ("tangents", "turning * unit[j] * across[k]", "0.0 * across[k]", "no turn of the rate of strain"),
     ("tangents", "ma * (a[i, k] - inertia * unit[k])", "0.0 * ma", "added mass that stays"),
-    ("tangents", "along * (slide - cn * speed) - ma * inertia", "along * (slide - cn * speed)", "added mass left behind"),
+    (
+        "tangents",
+        "along * (slide - cn * speed) - ma * inertia",
+        "along * (slide - cn * speed)",
+        "added mass left behind",
+    ),
     ("tangents", "cn * speed * normal[j] / 2", "cn * speed * normal[j]", "the stretch of the drag doubled"),
     ("tangents", "slide * along * unit[k] / 2", "slide * along * unit[k]", "the stretch of the drag along doubled"),
     ("tangents", "line.last[c]", "line.first[c] + 1", "tangents of a cell that ends at the next node"),
