@@ -68,8 +68,8 @@ def integrate(
     ``every``-th step. stop: end after a step with slack.
     Returns steps, iterations, factorisations and the error of the last iteration: the largest change of a tension or
     position, relative to ``scale``.
-    A factorisation costs about two iterations, and serves while three are foreseen to do: its contraction of the error
-    grows with its age in steps, by its wear at each.
+    A factorisation serves another step while two iterations are foreseen to do: its contraction of the error grows with
+    its age in steps, by its wear at each.
     """
     r, v, acceleration, a, before = state
     nodes, n = r.shape[0], len(line.current)
@@ -89,7 +89,7 @@ def integrate(
         kept[:], solved = auxiliary, False
         limit = max(tolerance * scale[2], scale[3])
         age += 1
-        if factorised and (wear * age) ** 2 * first_error > limit:  # as is foreseen of the third iteration
+        if factorised and wear * age * first_error > limit:  # as is foreseen of the second iteration
             wear *= REMEMBERED
             factorised = False
         for attempt in range(2):  # predicted with a steady change of acceleration, then with a steady velocity
