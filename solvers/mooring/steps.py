@@ -20,6 +20,7 @@ from .equations import residual, tangents
 
 MAX_ITERATIONS = 30  # of one step
 FULL_STEPS = 15  # of Newton's method, before they are halved
+MAX_CONTRACTION = 0.03  # with a slack cell: contraction above which new factors are cheaper than more iterations
 LEFT = 0.1  # of the tolerance: less is what the iterations to come would change, judged by the contraction of the last
 LEAST_CONTRACTION = 0.02  # that is trusted: the first iteration takes what is stiff and linear away, which is most
 REMEMBERED = 0.9  # of the wear of old factors, from a step that begins with new ones to the next: they are tried again
@@ -69,7 +70,7 @@ def integrate(
     Returns steps, iterations, factorisations and the error of the last iteration: the largest change of a tension or
     position, relative to ``scale``.
     A factorisation serves another step while two iterations are foreseen to do: its contraction of the error grows with
-    its age in steps, by its wear at each.
+    its age in steps, by its wear at each. Nothing is foreseen of cells that turn taut and slack.
     """
     r, v, acceleration, a, before = state
     nodes, n = r.shape[0], len(line.current)
@@ -79,7 +80,7 @@ def integrate(
     new_acceleration, R = np.empty((nodes, n)), np.empty((nodes, n))
     T, unit, column = np.empty(cells), np.empty((cells, n)), np.empty(n)
     diagonal, right, left = np.empty((nodes, n, n)), np.empty((order.edges, n, n)), np.empty((order.edges, n, n))
-    iterations, factorisations, error, factorised = 0, 0, 0.0, False
+    iterations, factorisations, error, factorised, slack = 0, 0, 0.0, False, False
     age, wear, first_error = 0, 0.0, 0.0  # the latter of the step before
     by_v, by_a = gamma / (beta * h), 1 / (beta * h * h)
     weights = (1.0, by_v, (1 - alpha_m) / (1 - alpha_f) * by_a)
@@ -89,7 +90,7 @@ def integrate(
         kept[:], solved = auxiliary, False
         limit = max(tolerance * scale[2], scale[3])
         age += 1
-        if factorised and wear * age * first_error > limit:  # as is foreseen of the second iteration
+        if factorised and not slack and wear * age * first_error > limit:  # as is foreseen of the second iteration
             wear *= REMEMBERED
             factorised = False
         for attempt in range(2):  # predicted with a steady change of acceleration, then with a steady velocity
@@ -174,8 +175,8 @@ def integrate(
                         new_acceleration[i, k] -= part * weights[2] * R[i, k]
                 if solved or not error < np.inf:
                     break
-                foreseen = contraction * error * (1 / LEFT if slack else contraction)  # of the next, or one more
-                if foreseen > limit:
+                is_slow = contraction > MAX_CONTRACTION if slack else contraction**2 * error > limit
+                if is_slow:
                     factorised = False
                 last = error
             if solved:

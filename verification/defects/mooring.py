@@ -306,7 +306,7 @@ DEFECTS = (
     ),
     Defect(
         "old factors for a whole step",
-        Fault("mooring.steps", "integrate", "if foreseen > limit:\n    factorised = False", "pass"),
+        Fault("mooring.steps", "integrate", "if is_slow:\n    factorised = False", "pass"),
         "stale",
         "a step that converges slowly, or whose cells turn taut and slack, keeps its factors",
         "mooring/test_slack.py::test_steps_of_slack_lines_end_in_balance",
