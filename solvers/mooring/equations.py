@@ -137,7 +137,7 @@ def tangents(line, r, v, a, auxiliary, weights, diagonal, right, left):
     A cell turns with its auxiliary tension.
     """
     n, nodes = len(line.current), r.shape[0]
-    unit, normal = np.empty((2, n))
+    unit, across, normal, turned = np.empty((4, n))
     diagonal[:], right[:], left[:] = 0.0, 0.0, 0.0
     for i in range(nodes):
         for k in range(n):
@@ -154,49 +154,44 @@ def tangents(line, r, v, a, auxiliary, weights, diagonal, right, left):
         distance = np.sqrt(square)
         for k in range(n):
             unit[k] /= distance
-            rate += unit[k] * (v[last, k] - v[first, k])
+            across[k] = v[last, k] - v[first, k]
+            rate += unit[k] * across[k]
         taut = 1.0 if auxiliary[c] > 0 or distance / l - 1 + line.damping[c] * rate / l > 0 else 0.0
         axial, lateral = taut * line.EA[c] / l, max(auxiliary[c], 0.0) / distance
         turning = axial * line.damping[c] / distance  # the rate of strain as the cell turns
-        for j in range(n):
-            for k in range(n):
-                tt = unit[j] * unit[k]
-                across = v[last, k] - v[first, k] - rate * unit[k]
-                by_r = axial * tt + lateral * ((1.0 if j == k else 0.0) - tt) + turning * unit[j] * across
-                by_v = axial * line.damping[c] * tt
-                add_own(diagonal, first, j, k, weights, by_r, by_v, 0.0)
-                add_own(diagonal, last, j, k, weights, by_r, by_v, 0.0)
-                add_next(right, c, j, k, weights, -by_r, -by_v)
-                add_next(left, c, j, k, weights, -by_r, -by_v)
+        for k in range(n):
+            across[k] -= rate * unit[k]
         half, stretch = l / 2, np.sqrt(distance / l)
-        ma = half * line.added_mass[c]
+        cn, ct = half * stretch * line.normal_drag[c], half * stretch * line.tangential_drag[c]
+        m, ma = half * line.mass[c], half * line.added_mass[c]
         for side in range(2):
-            i, sign, along, inertia, speed = last if side else first, 2.0 * side - 1, 0.0, 0.0, 0.0
+            i, along, inertia, square = last if side else first, 0.0, 0.0, 0.0
             for k in range(n):
                 along += (v[i, k] - line.current[k]) * unit[k]
                 inertia += a[i, k] * unit[k]
             for k in range(n):
                 normal[k] = v[i, k] - line.current[k] - along * unit[k]
-                speed += normal[k] * normal[k]
-            speed = np.sqrt(speed)
-            cn, ct = half * stretch * line.normal_drag[c], half * stretch * line.tangential_drag[c]
-            sharp = cn / speed if speed > 0 else 0.0
+                square += normal[k] * normal[k]
+            speed, sign = np.sqrt(square), (2.0 * side - 1) / distance
+            sharp, slide = cn / speed if speed > 0 else 0.0, ct * abs(along)
+            level = along * (slide - cn * speed) - ma * inertia
+            for k in range(n):  # the forces as unit turns, and half of the drag with the stretch
+                turned[k] = (2 * slide - cn * speed) * normal[k] - ma * (a[i, k] - inertia * unit[k])
+                turned[k] += slide * along * unit[k] / 2
             for j in range(n):
-                force = cn * speed * normal[j] + ct * abs(along) * along * unit[j]
+                stretched, sharpened = cn * speed * normal[j] / 2, sharp * normal[j]
                 for k in range(n):
                     tt = unit[j] * unit[k]
                     P = (1.0 if j == k else 0.0) - tt
-                    by_normal = cn * speed * P + sharp * normal[j] * normal[k]
-                    turn = -cn * speed * unit[j] * normal[k] - along * by_normal
-                    turn += ct * abs(along) * (2 * unit[j] * normal[k] + along * P)
-                    turn -= ma * (unit[j] * (a[i, k] - inertia * unit[k]) + inertia * P)
-                    turn = sign * (turn + force * unit[k] / 2) / distance
-                    by_v, by_a = by_normal + 2 * ct * abs(along) * tt, half * line.mass[c] * (tt + P) + ma * P
-                    add_own(diagonal, i, j, k, weights, turn, by_v, by_a)
+                    stiffness = axial * tt + lateral * P + turning * unit[j] * across[k]
+                    turn = unit[j] * turned[k] + level * P - along * sharpened * normal[k] + stretched * unit[k]
+                    by_r, by_rate = stiffness + sign * turn, axial * line.damping[c] * tt
+                    by_v = cn * speed * P + sharpened * normal[k] + 2 * slide * tt
+                    add_own(diagonal, i, j, k, weights, by_r, by_v + by_rate, m * (tt + P) + ma * P)
                     if side == 0:
-                        add_next(right, c, j, k, weights, -turn, 0.0)
+                        add_next(right, c, j, k, weights, -by_r, -by_rate)
                     else:
-                        add_next(left, c, j, k, weights, -turn, 0.0)
+                        add_next(left, c, j, k, weights, -by_r, -by_rate)
 
 
 @compiled

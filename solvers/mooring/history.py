@@ -7,11 +7,11 @@ from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 from scipy.interpolate import PchipInterpolator
 
 from ..common.outcome import ConvergenceError, InputError, Outcome, Status
 from ..common.response import Response, describe_range, last_period, within_history
+from ..numerics.compiled import compiled
 from . import diagnostics
 from .coarsening import common_nodes
 from .diagnostics import largest_change
@@ -24,14 +24,30 @@ _LAGRANGE = np.linalg.inv(np.vander(np.arange(_STENCIL) - _BEFORE, _STENCIL, inc
 """Column j: coefficients of the polynomial that is one at the j-th of the points -2..3 and zero at the others."""
 
 
-def _evaluate_polynomials(coefficients, dt, t):
-    """Return the values at times t (S,) in s of polynomials (6, K - 5) in steps of dt, one for each six steps."""
-    place = t / dt
-    first = np.minimum(np.maximum(place.astype(int) - _BEFORE, 0), coefficients.shape[1] - 1)
-    x, value = place - (first + _BEFORE), coefficients[-1, first]
-    for power in coefficients[-2::-1]:
-        value = value * x + power[first]
-    return value
+@compiled
+def _fit_polynomials(lagrange, values):
+    """Return the polynomials (K - 5, 6), in steps and of rising degree, that each pass through six of values (K,)."""
+    points = lagrange.shape[0]
+    coefficients = np.zeros((values.size - points + 1, points))
+    for first in range(coefficients.shape[0]):
+        for power in range(points):
+            for j in range(points):
+                coefficients[first, power] += lagrange[power, j] * values[first + j]
+    return coefficients
+
+
+@compiled
+def _evaluate_polynomials(coefficients, before, dt, t):
+    """Return the values at times t (S,) in s, each of the polynomial that has ``before`` of its points before t."""
+    values = np.empty(t.size)
+    for k in range(t.size):
+        place = t[k] / dt
+        first = min(max(int(place) - before, 0), coefficients.shape[0] - 1)
+        x, value = place - (first + before), 0.0
+        for power in range(coefficients.shape[1] - 1, -1, -1):
+            value = value * x + coefficients[first, power]
+        values[k] = value
+    return values
 
 
 class Slack(NamedTuple):
@@ -258,7 +274,7 @@ class MooringHistory(MooringOutputs, Outcome):
         dt, last = float(time[1] - time[0]), float(time[-1] - time[-2])
         if self.damped_from is not None or time.size < _STENCIL or abs(dt - last) > _UNEVEN * last:
             return PchipInterpolator(time, tension)
-        return partial(_evaluate_polynomials, _LAGRANGE @ sliding_window_view(tension, _STENCIL).T, dt)
+        return partial(_evaluate_polynomials, _fit_polynomials(_LAGRANGE, tension), _BEFORE, dt)
 
     @cached_property
     def slack(self) -> tuple[Slack, ...]:

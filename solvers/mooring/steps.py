@@ -20,7 +20,10 @@ from .equations import residual, tangents
 
 MAX_ITERATIONS = 30  # of one step
 FULL_STEPS = 15  # of Newton's method, before they are halved
-MAX_CONTRACTION = 0.03  # contraction above which a new factorisation is cheaper than more iterations with the old one
+MAX_CONTRACTION = 0.03  # with a slack cell: contraction above which new factors are cheaper than more iterations
+LEFT = 0.1  # of the tolerance: less is what the iterations to come would change, judged by the contraction of the last
+LEAST_CONTRACTION = 0.02  # that is trusted: the first iteration takes what is stiff and linear away, which is most
+REMEMBERED = 0.9  # of the wear of old factors, from a step that begins with new ones to the next: they are tried again
 
 
 def newmark_parameters(rho_inf) -> tuple[float, float, float, float]:
@@ -73,6 +76,8 @@ def integrate(
     ``every``-th step. stop: end after a step with slack.
     Returns steps, iterations, factorisations and the error of the last iteration: the largest change of a tension or
     position, relative to ``scale``.
+    A factorisation serves another step while two iterations are foreseen to do: its contraction of the error grows with
+    its age in steps, by its wear at each. Nothing is foreseen of cells that turn taut and slack.
     """
     r, v, acceleration, a, before = state
     nodes, n = r.shape[0], len(line.current)
@@ -82,13 +87,19 @@ def integrate(
     new_acceleration, R = np.empty((nodes, n)), np.empty((nodes, n))
     T, unit, column = np.empty(cells), np.empty((cells, n)), np.empty(n)
     diagonal, right, left = np.empty((nodes, n, n)), np.empty((order.edges, n, n)), np.empty((order.edges, n, n))
-    iterations, factorisations, error, factorised = 0, 0, 0.0, False
+    iterations, factorisations, error, factorised, slack = 0, 0, 0.0, False, False
+    age, wear, first_error = 0, 0.0, 0.0  # the latter of the step before
     by_v, by_a = gamma / (beta * h), 1 / (beta * h * h)
     weights = (1.0, by_v, (1 - alpha_m) / (1 - alpha_f) * by_a)
     axial = line.EA / line.length * (1 + by_v * line.damping)  # change of a tension by the length of its cell
     kept, taut, lies = auxiliary.copy(), np.zeros(cells, np.bool_), np.zeros(nodes, np.bool_)  # in the factors
     for step in range(path.shape[0] - 1):
         kept[:], solved = auxiliary, False
+        limit = max(tolerance * scale[2], scale[3])
+        age += 1
+        if factorised and not slack and wear * age * first_error > limit:  # as is foreseen of the second iteration
+            wear *= REMEMBERED
+            factorised = False
         for attempt in range(2):  # predicted with a steady change of acceleration, then with a steady velocity
             for i in range(nodes):
                 for k in range(n):
@@ -122,13 +133,13 @@ def integrate(
                     tangents(line, r1, v1, new_acceleration, auxiliary, weights, diagonal, right, left)
                     factorise(order, diagonal, right, left, column)
                     factorisations += 1
-                    factorised = True
+                    factorised, age = True, 0
                     for c in range(cells):
                         taut[c] = T[c] != 0
                     for i in range(nodes):
                         lies[i] = r1[i, n - 1] < line.floor
                 solve(order, diagonal, right, left, R, column)
-                largest_step, largest_force, is_finite, turned = 0.0, 0.0, True, False
+                largest_step, largest_force, is_finite, turned, slack = 0.0, 0.0, True, False, False
                 for i in range(nodes):
                     turned = turned or (r1[i, n - 1] < line.floor) != lies[i]
                     depth = line.floor - min(r1[i, n - 1], r1[i, n - 1] - R[i, n - 1])
@@ -139,7 +150,7 @@ def integrate(
                         largest_step = max(largest_step, abs(R[i, k]))
                         is_finite = is_finite and abs(R[i, k]) < np.inf
                 for c in range(cells):
-                    turned = turned or (T[c] != 0) != taut[c]
+                    slack, turned = slack or T[c] == 0, turned or (T[c] != 0) != taut[c]
                     change = 0.0
                     for k in range(n):
                         change -= unit[c, k] * (R[line.last[c], k] - R[line.first[c], k])
@@ -153,7 +164,14 @@ def integrate(
                         auxiliary[c] = 0.0
                 error = max(largest_step / scale[1] * max(1.0, scale[2]), largest_force / scale[0])
                 error = error if is_finite else np.inf
-                solved = error <= max(tolerance * scale[2], scale[3])
+                contraction = error / last  # zero at the first
+                if iteration == 0:
+                    first_error = error
+                elif iteration == 1 and age > 0:
+                    wear = contraction / age
+                solved = error <= limit
+                if iteration > 0 and not slack:
+                    solved = solved or max(contraction, LEAST_CONTRACTION) * error <= LEFT * limit
                 if solved and turned:  # old factors are far too stiff for a cell gone slack, or a node that has lifted
                     solved, factorised = False, False
                 part = 1.0 if solved or iteration < FULL_STEPS else 0.5  # cells that turn taut and slack by turns
@@ -165,7 +183,8 @@ def integrate(
                         new_acceleration[i, k] -= part * weights[2] * R[i, k]
                 if solved or not error < np.inf:
                     break
-                if error > MAX_CONTRACTION * last:
+                is_slow = contraction > MAX_CONTRACTION if slack else contraction**2 * error > limit
+                if is_slow:
                     factorised = False
                 last = error
             if solved:
@@ -178,10 +197,8 @@ def integrate(
                 before[i, k] = a[i, k]
                 r[i, k], v[i, k], a[i, k] = r1[i, k], v1[i, k], a1[i, k]
                 acceleration[i, k] = new_acceleration[i, k]
-        slack = False
         for c in range(cells):
             scale[2] = max(scale[2], abs(T[c] - rest[c]) / scale[0])
-            slack = slack or T[c] == 0
         if (step + 1) % every == 0:
             for i in range(nodes):
                 for k in range(n):

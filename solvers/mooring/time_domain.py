@@ -34,8 +34,9 @@ def integrate_line(
     Settings as ``solve_time_domain`` has validated them. rho_inf: None for 0.5, and 0 from the first time that a cell
     is slack (``history.damped_from``): a snap excites the shortest axial waves, which feed on the step where nothing
     damps them. tolerance: what the last Newton step of a time step may change in a tension or, relative to the length,
-    a position, of the largest change of a tension from rest so far. path (count + 1, 3, P, n): of the prescribed nodes
-    at the ends of the steps, where it is known. step_tolerance: error of a step in a position, over
+    a position, of the largest change of a tension from rest so far; up to five times that where no cell is slack and
+    the contraction says that the next one would change less than a tenth of it. path (count + 1, 3, P, n): of the
+    prescribed nodes at the ends of the steps, where it is known. step_tolerance: error of a step in a position, over
     the largest displacement so far; a step of dt is then taken in as many parts as that needs.
     """
     settings = {"dt": dt, "count": count, "rho_inf": rho_inf, "tolerance": tolerance, "step_tolerance": step_tolerance}

@@ -55,7 +55,8 @@ def solve_time_domain(
     rho_inf: spectral radius at infinite frequency, 0.5 by default (near 1 the shortest waves are not damped, and a
     motion may feed them); or scheme, a Scheme.
     tolerance: mean |dy| of the last Newton step, HB (76), 1e-10 by default; of a line of nodes and elements that part
-    of the largest change of a tension which the last Newton step may make, 1e-4 by default.
+    of the largest change of a tension which the last Newton step may make, 1e-4 by default, up to five times that where
+    the next one would make less than a tenth of it.
     ramp: time in s over which the motion grows from rest (none from a ``start``). Default: half a period, HB 4.3; where
     a step fails or a state is invalid within the first two periods, which so short a ramp alone may cause, a history of
     two periods or more is integrated again with a ramp of one period, unless allow_invalid; ``failed_ramp`` and a

@@ -351,7 +351,7 @@ def test_a_start_is_not_changed():
     assert np.array_equal(y, before) and not ydot.any()
 
 
-FEW_ITERATIONS = 6.0  # of a step of a 25th of a period; measured 4.1 with factors taken anew, 11.5 with old ones
+FEW_ITERATIONS = 3.8  # of a step of a 25th of a period; measured 3.2, 4.1 where none begins with new factors
 
 
 def test_factors_are_taken_anew_where_steps_converge_slowly():
