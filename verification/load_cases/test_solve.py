@@ -12,6 +12,7 @@ import time
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
+from importlib.machinery import SourceFileLoader
 
 import numpy as np
 import pytest
@@ -36,7 +37,7 @@ from solvers.common.spectrum import Spectrum
 from solvers.io.case_file import read_records
 from solvers.load_cases import CaseResult, integration, solve_load_cases
 from solvers.load_cases.envelope import find_envelopes
-from solvers.load_cases.fingerprint import fingerprint
+from solvers.load_cases.fingerprint import _sources, fingerprint
 from solvers.load_cases.integration import CHUNK, integrate_case
 from verification import ROOT
 
@@ -139,10 +140,11 @@ SAME = 1e-9  # relative, of the same numbers by another sum
 
 
 @pytest.mark.parametrize("system", [CATENARY, TWO_LINES], ids=["line", "network"])
-def test_extremes_along_the_lines_are_those_of_the_history(system):
+def test_extremes_along_the_lines_are_those_of_the_history(system, monkeypatch):
     """Least, mean and greatest tension of each cell, and the places of its nodes, against stored time steps."""
+    monkeypatch.setattr(integration, "CHUNK", 100)  # of 250 steps: the states come in three parts
     case = LoadCase("surge", BodyMotion.harmonic(0.1, (1.5, 0, 0, 0, 0, 0)), 40.0, 10.0)
-    lines = find_envelopes(system, case, **SETTING, times=[0.2, 7.4])
+    lines = find_envelopes(system, case, **SETTING, times=[0.2, 7.4, 40.0])
     history = solve_time_domain(mooring_system(system, SETTING["cells"], mesh="touchdown", motion=case.motion),
                                 dt=0.2, duration=50.0, ramp=10.0)  # fmt: skip
     series = integrate_case(system, case, **SETTING)
@@ -152,7 +154,7 @@ def test_extremes_along_the_lines_are_those_of_the_history(system):
         for name, value in (("low", after.min(axis=1)), ("mean", after.mean(axis=1)), ("high", after.max(axis=1))):
             assert getattr(line, name) == pytest.approx(value, rel=NEWTON), name
         assert line.s.size == after.shape[0] and 0 < line.s[0] < line.s[-1] < 220.0
-        for pose, step in zip(line.poses, (52, 88), strict=True):
+        for pose, step in zip(line.poses, (52, 88, 250), strict=True):
             np.testing.assert_allclose(pose, element.r[..., step], rtol=0, atol=NEWTON * 220.0)
         ends = [line.rest[:, 0], line.rest[:, -1]]
         wanted = [system.anchor, system.fairlead] if system is CATENARY else None
@@ -160,7 +162,10 @@ def test_extremes_along_the_lines_are_those_of_the_history(system):
 
 
 def test_a_line_of_sections_has_a_row_for_each():
-    """Each section's own tension, and the names of its ends; the fairlead is that of the line as a whole."""
+    """Each section's own tension, and the names of its ends; the fairlead is that of the line as a whole.
+
+    In a sea the mesh is fitted to the range of the motion, and has a node where the sections meet.
+    """
     nodes = (
         Node("fixed", (-205.0, 0.0, -50.0)),
         Node("free", (-100.0, 0.0, -48.0)),
@@ -169,7 +174,9 @@ def test_a_line_of_sections_has_a_row_for_each():
     weight = CHAIN.weight_in(OVER_SEABED)
     elements = tuple(Element(weight, CHAIN.EA, 110.0, ends, 0.0, CHAIN) for ends in ((0, 1), (1, 2)))
     case = LoadCase("surge", BodyMotion.harmonic(0.1, (1.0, 0, 0, 0, 0, 0)), 40.0, 10.0)
-    lower, upper = solve_load_cases(Network(nodes, elements, OVER_SEABED), [case], **SETTING).cases[0].lines
+    regular, in_sea = solve_load_cases(Network(nodes, elements, OVER_SEABED), [case, SEAS[0]], **SETTING).cases
+    assert in_sea.success, in_sea.message
+    lower, upper = regular.lines
     assert (lower.line, upper.line) == ("line 1", "line 2")
     assert lower.maximum < upper.maximum
     assert upper.anchor_maximum == pytest.approx(lower.maximum, rel=JOINT)
@@ -370,11 +377,16 @@ def test_a_killed_table_goes_on(tmp_path):
     assert rows.read_bytes().count(b"\n") == 24  # no row that was kept is computed again
 
 
-def test_fingerprints_tell_inputs_apart():
-    """Equal content has one, and a changed digit anywhere another."""
+def test_fingerprints_tell_inputs_apart(monkeypatch):
+    """Equal content has one, and a changed digit anywhere another, in the text of a solver, too."""
     assert fingerprint(CATENARY, SEAS[0]) == fingerprint(replace(CATENARY), replace(SEAS[0]))
     others = [(CATENARY, SEAS[1]), (TAUT, SEAS[0]), (CATENARY, replace(SEAS[0], duration=100.1)), (CATENARY,)]
     others.append((CATENARY, replace(SEAS[0], motion=replace(SEAS[0].motion, seed=99))))
     other = replace(SURGE, operators=1.01 * SURGE.operators)
     others.append((CATENARY, replace(SEAS[0], motion=replace(SEAS[0].motion, operators=other))))
     assert len({fingerprint(*pair) for pair in [(CATENARY, SEAS[0]), *others]}) == 7
+    text_of, now = SourceFileLoader.get_source, _sources.__wrapped__()
+    monkeypatch.setattr(
+        SourceFileLoader, "get_source", lambda self, name: text_of(self, name) + "#" * name.endswith(".mooring.steps")
+    )
+    assert _sources.__wrapped__() != now
