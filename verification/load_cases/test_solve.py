@@ -9,7 +9,7 @@ import signal
 import subprocess
 import sys
 import time
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import BrokenExecutor, Executor, ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
 from importlib.machinery import SourceFileLoader
@@ -35,10 +35,11 @@ from solvers.common.load_case import LoadCase
 from solvers.common.sea_state import SeaState
 from solvers.common.spectrum import Spectrum
 from solvers.io.case_file import read_records
-from solvers.load_cases import CaseResult, integration, solve_load_cases
+from solvers.load_cases import Accuracy, CaseResult, integration, solve_load_cases
 from solvers.load_cases.envelope import find_envelopes
 from solvers.load_cases.fingerprint import _sources, fingerprint
 from solvers.load_cases.integration import CHUNK, integrate_case
+from solvers.load_cases.solve import MOST_RESTARTS
 from verification import ROOT
 
 from ..exact.gaussian import narrow_band_load, rayleigh_extreme
@@ -47,6 +48,7 @@ from .systems import CATENARY, CHAIN, OVER_SEABED, SURGE, TAUT, TWO_LINES, sea_c
 LINEAR = 0.02  # relative: inertia and drag of a light rope that is moved slowly, and its second order in the motion
 ERRORS = 3.5  # standard errors of an average: once in two thousand
 ROUNDING = 1e-9  # relative: chunks of steps begin with a new factorisation, and Newton stops at 1e-4 of a change
+SAME = 1e-9  # relative, of the same numbers by another sum
 NEWTON = 1e-3  # of a change of tension: two iterations that each stop at 1e-4 of it, over many steps
 NEWTON_SHARE = 0.1  # of the error of a step: a tolerance of 1 leaves 0.12 to 0.22
 JOINT = 0.02  # of the tension at a joint, between the ends of two sections: weight and inertia of the node
@@ -105,6 +107,18 @@ def test_a_row_is_what_time_stepping_gives(system, monkeypatch):
         assert 20 < kept.grounded.min() < kept.grounded.max() < 200
 
 
+def test_a_cell_that_crosses_the_seabed_counts_in_proportion():
+    """Its part below the surface lies, one that ends at the surface as a whole; a cell shorter than itself is slack."""
+    line = mooring_system(CATENARY, 4, mesh="uniform").line
+    assert line.floor == -50.0 and (line.length == 55.0).all()
+    heights = np.array([[-0.5, -0.5, 0.0, 0.5, 1.0], [-0.5, 0.25, 0.5, 1.0, 2.0]])
+    r = np.stack([np.broadcast_to(60.0 * np.arange(5.0), (2, 5)), heights - 50.0], axis=-1)
+    r[1, :, 0] *= 0.9  # cells of 54 m
+    grounded, slack = np.empty(2), np.empty(2, dtype=bool)
+    integration.observe(line, np.arange(4), r, np.zeros_like(r), grounded, slack)
+    assert grounded == pytest.approx([110.0, 55.0 * 0.5 / 0.75], rel=SAME) and slack.tolist() == [False, True]
+
+
 @pytest.mark.parametrize("system", [CATENARY, TWO_LINES, TAUT], ids=["line", "network", "taut"])
 def test_one_iteration_of_a_step_is_enough(system, monkeypatch):
     """What Newton's method leaves at the tolerance of load cases is small beside the error of the step itself."""
@@ -134,9 +148,6 @@ def test_a_rough_seabed_sustains_no_oscillation():
     deviation = fine.lines[0].fairlead.std()
     assert abs(one.lines[0].fairlead.std() - deviation) <= ROUGH_ERROR * deviation
     assert one.iterations <= FEW * case.whole_duration / 0.09
-
-
-SAME = 1e-9  # relative, of the same numbers by another sum
 
 
 @pytest.mark.parametrize("system", [CATENARY, TWO_LINES], ids=["line", "network"])
@@ -258,6 +269,29 @@ def test_a_killed_process_loses_nothing(tmp_path):
     assert table.cases == solve_load_cases(CATENARY, cases, **SETTING).cases
 
 
+class BrokenPool(Executor):
+    """An executor that takes nothing."""
+
+    made = 0
+
+    def __init__(self):
+        BrokenPool.made += 1
+        assert BrokenPool.made <= MOST_RESTARTS + 1
+
+    def submit(self, *_, **__):
+        """Refuse."""
+        raise BrokenExecutor("broken from the start")
+
+
+def test_an_executor_that_always_breaks_is_given_up():
+    """One that was made for the table is replaced some times, one that was given not at all."""
+    for executor, made in ((BrokenPool, MOST_RESTARTS + 1), (BrokenPool(), 0)):
+        BrokenPool.made = 0
+        with pytest.raises(BrokenExecutor, match="broken from the start"):
+            solve_load_cases(CATENARY, SEAS[:1], **SETTING, executor=executor)
+        assert BrokenPool.made == made
+
+
 # ---------------------------------------------------------------- bad rows
 def test_a_bad_row_spoils_no_other():
     """Rows below the seabed, out of reach or that raise have their status; the others are as without them."""
@@ -298,10 +332,10 @@ def test_bad_settings_are_refused(arguments, message):
 
 # ---------------------------------------------------------------- what is kept
 def test_progress_counts_rows():
-    """It is called with none done, then after each row."""
+    """It is called with none done, then after each row; where step and cells are given no other is looked at."""
     counts = []
-    solve_load_cases(CATENARY, SEAS[:3], **SETTING, progress=lambda done, total: counts.append((done, total)))
-    assert counts == [(0, 3), (1, 3), (2, 3), (3, 3)]
+    table = solve_load_cases(CATENARY, SEAS[:3], **SETTING, progress=lambda done, total: counts.append((done, total)))
+    assert counts == [(0, 3), (1, 3), (2, 3), (3, 3)] and table.accuracy == Accuracy()
 
 
 def test_rows_of_other_inputs_are_not_taken(tmp_path):

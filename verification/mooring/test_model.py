@@ -87,6 +87,8 @@ def test_without_a_seabed_nothing_bears():
     line = system(OC3, 10).line
     assert not line.seabed_stiffness.any() and not line.seabed_damping.any() and line.floor == -math.inf
     assert line.current == (0.0, 0.0) and abs(-line.load[:, -1].sum() / (698.094 * 902.2) - 1) < 1e-14
+    bed = system(replace(OC3_SEABED, seabed_stiffness=0.0), 10).line
+    assert not bed.seabed_stiffness.any() and not bed.seabed_damping.any()
     friction = system(OC3_SEABED, 10).line.friction
     assert not friction.any()
     rough = replace(scene(OC3_SEABED), friction=(0.6, 0.2))

@@ -185,7 +185,10 @@ def test_lines_of_several_materials_rest_as_their_network(name):
 
 
 # ---------------------------------------------------------------- cells calibrated on the catenaries
-@pytest.mark.parametrize("case", [OC3, SAGGING, SLACK_TOP, LEANING], ids=lambda case: case.name)
+TANK = replace(LEANING, name="turned, in a tank", length=9.022, fairlead=tuple(x / 100 for x in LEANING.fairlead))
+
+
+@pytest.mark.parametrize("case", [OC3, SAGGING, SLACK_TOP, TANK], ids=lambda case: case.name)
 def test_calibrated_cells_rest_on_the_catenary(case):
     """On twenty cells that are calibrated the nodes stand on the catenary, and the end forces are its forces."""
     level = replace(case, fairlead=(math.hypot(*case.fairlead[:2]), 0.0, case.fairlead[2]))
