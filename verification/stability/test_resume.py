@@ -22,6 +22,7 @@ from solvers import (
 from solvers.common.properties import CableProperties
 from solvers.io import load_curve, save_curve
 from solvers.stability import floquet, switch_branch
+from solvers.stability.adaptivity import more_harmonics, needed_harmonics
 from solvers.stability.continuation import Tracer
 from solvers.stability.special_points import explain_doubt
 
@@ -166,6 +167,16 @@ def test_harmonics_follow_the_accuracy(accuracy):
     folds, exact = ([p.value for p in c.folds] for c in (curve, fixed))
     assert folds == pytest.approx(exact, abs=accuracy)
     assert curve.response(at_resonance).basis.harmonics == curve.harmonics[at_resonance]
+
+
+def test_needed_harmonics_are_those_above_a_tenth_of_the_accuracy():
+    """By hand: over the norm of their field, all that are left out together; one at least."""
+    z, norms = np.zeros((2, 3, 9)), np.array([2.0, 0.5])[:, None, None]
+    assert needed_harmonics(z, norms, 0.1) == 1
+    z[0, 1, 1:3], z[1, 2, 4], z[1, 0, 7] = 2.0, 4e-4, 3e-4  # of harmonics 1, 2 and 4: together 1e-3 of the second field
+    for accuracy, needed in ((0.0101, 1), (0.0099, 2), (0.0061, 2), (0.0059, 4)):
+        assert needed_harmonics(z, norms, accuracy) == needed
+    assert more_harmonics(3) == 5 and more_harmonics(9) == 12 and more_harmonics(10) == 14
 
 
 def test_more_accuracy_takes_more_harmonics():
