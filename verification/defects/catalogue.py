@@ -189,7 +189,7 @@ _FILES = {
     "mooring.samples": ("mooring/test_periodic.py", "mooring/test_network.py"),
     "mooring.harmonic": ("mooring/test_periodic.py", "mooring/test_layout.py", "mooring/test_network.py"),
     "mooring.history": ("mooring/test_slack.py", "mooring/test_time_domain.py", "mooring/test_periodic.py"),
-    "mooring.diagnostics": ("mooring/test_periodic.py",),
+    "mooring.diagnostics": ("mooring/test_periodic.py", "io/test_plausibility.py"),
     **dict.fromkeys(
         (
             "catenary.span",

@@ -518,11 +518,22 @@ def test_the_equilibrium_of_the_parts_is_solved_for_once(monkeypatch):
     assert solve_periodic(made, harmonics=3).success
 
 
-def two_lines(motion, **options):
-    """Return the system of two lines to a point of a body, and the same one not taken apart."""
+def to_a_body():
+    """Return a network of two lines to a point of a body."""
     network = case_network(cases.two_line(depth=None))
     nodes = [*network.nodes[:2], Node("coupled", (-26.0, 0.0, -65.0))]
-    network = Network(nodes, network.elements, network.environment)
+    return Network(nodes, network.elements, network.environment)
+
+
+def test_two_lines_to_a_body_are_two_parts():
+    """As few as there can be."""
+    one, other = (part.cells.tolist() for part in mooring_system(to_a_body(), 8).components)
+    assert one + other == list(range(8))
+
+
+def two_lines(motion, **options):
+    """Return the system of two lines to a point of a body and a third one, and the same one not taken apart."""
+    network = to_a_body()
     made, whole = (mooring_system(network_, 8, motion=motion, **options) for network_ in [with_third_line(network)] * 2)
     whole.__dict__["components"] = ()
     return made, whole

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from solvers import InputError, Motion, mooring_system, solve_periodic, solve_time_domain
-from solvers.mooring import harmonic
+from solvers.mooring import diagnostics, harmonic
 from solvers.mooring.block_elimination import BlockFactors
 from solvers.numerics.fourier import Basis
 
@@ -214,6 +214,22 @@ def test_a_good_history_has_no_warning():
 def test_a_bad_history_warns(given, word):
     """Each by the word that its warning begins with."""
     assert word in warned(*given)
+
+
+def history_of(*tensions):
+    """Return what the check of periodicity looks at, of lines whose tensions in N are functions of the time in s."""
+    lines = [SimpleNamespace(fairlead_tension=tension) for tension in tensions]
+    made = SimpleNamespace(period=10.0, model=SimpleNamespace(is_line=False))
+    return SimpleNamespace(system=made, time=np.array([0.0, 40.0]), lines=lines)
+
+
+def test_a_line_that_stands_still_is_periodic():
+    """Beside one that moves; of two that change from period to period the worse one is named."""
+    swing = lambda t: 1e5 + 1e3 * np.sin(0.2 * np.pi * t)
+    still = lambda t: np.full(t.size, 2e5)
+    assert list(diagnostics._check_periodicity(history_of(still, swing))) == []
+    (text,) = diagnostics._check_periodicity(history_of(still, lambda t: swing(t) + 10 * t, lambda t: swing(t) + 9 * t))
+    assert text.startswith("periods: the last two differ by 0.05") and "of element 2: not periodic yet" in text
 
 
 def test_the_error_of_the_mesh_is_measured():
