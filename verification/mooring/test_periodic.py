@@ -254,6 +254,16 @@ def test_a_coarser_line_has_the_whole_load():
     assert np.allclose((load * made.s[:, None]).sum(axis=1), (other * coarse.s[:, None]).sum(axis=1), rtol=1e-12)
 
 
+def test_motion_of_a_response_at_any_time():
+    """Positions, velocities and accelerations between the samples are the series and its derivatives."""
+    response, t, h = solve_periodic(system(SURGE_5, 8), harmonics=3), np.array([0.3, 7.1]), 1e-5
+    r, v, a = response.motion_at(t)
+    assert np.allclose(r, response.at(t).T, rtol=1e-14) and np.allclose(v, response.rate_at(t).T, rtol=1e-12)
+    later, before = (response.motion_at(t + step)[1] for step in (h, -h))
+    assert np.allclose(a, (later - before) / (2 * h), rtol=0, atol=1e-8 * abs(a).max())  # (omega h)^2 / 6, and eps / h
+    assert np.allclose(a, response.acceleration_at(t).T, rtol=1e-12)
+
+
 def test_few_harmonics_and_no_mean_warn():
     """Where the last harmonics carry much, and where the constant term is left out."""
     assert any(w.startswith("harmonics") for w in solve_periodic(system(SURGE_5, 20), harmonics=2).warnings)
