@@ -321,6 +321,14 @@ REFUSED = {
 }  # fmt: skip
 
 
+def test_a_motion_into_the_seabed_is_refused():
+    """With the node, its height and the first time of those that are asked for."""
+    made = system(OC3_SEABED, 4, mesh="uniform", motion=Motion.harmonic(0.05, (0.0, 0.0, -260.0)))
+    made.path(np.array([0.0, 2.0, 6.0]))
+    with pytest.raises(InputError, match=r"node 2 to z = -329\.872 m at t = 4\.9 s, below the seabed at -320 m"):
+        made.path(np.array([0.0, 4.9, 5.0]))
+
+
 @pytest.mark.parametrize("name", REFUSED)
 def test_bad_input_is_refused(name, monkeypatch):
     """An InputError with the field, and in its words the value, the unit and what is wanted, before any solve."""

@@ -21,7 +21,7 @@ from solvers.common.body_motion import BodyMotion
 from solvers.common.outcome import Status
 from solvers.io import load_network
 from solvers.mooring.impedance import harmonic_impedance, mooring_impedance, mooring_stiffness
-from solvers.mooring.time_domain import _Run
+from solvers.mooring.time_domain import _Run, stream_line
 from solvers.numerics.modes import natural_modes
 
 from ..cases import networks as cases
@@ -555,6 +555,14 @@ def test_a_torn_line_is_named_in_whatever_part_it_is(monkeypatch):
     one, other = (solve_time_domain(system, **settings) for system in (made, whole))
     assert len(made.components) == 3 and not one.success and one.status == other.status
     assert one.event[0] == other.event[0] and {one.event[1], other.event[1]} <= set(made.layout.nodes[1].tolist())
+    path = whole.path(0.1 * np.arange(201))
+    states = stream_line(whole, dt=0.1, count=200, tolerance=1e-4, ramp=0.0, path=path, chunk=40)
+    while True:  # the same without a history
+        try:
+            next(states)
+        except StopIteration as end:
+            assert end.value[:2] == (other.status, (pytest.approx(other.event[0]), other.event[1]))
+            return
 
 
 def test_a_network_ends_with_the_part_that_fails_first(monkeypatch):

@@ -32,10 +32,12 @@ AT_REST = {
 
 @pytest.mark.parametrize("name", AT_REST)
 def test_a_line_at_rest_stays_there(name):
-    """A hundred steps without motion: no node moves faster than 1e-10 m/s."""
+    """A hundred steps without motion: no node moves faster than 1e-10 m/s; the moment is that about the origin."""
     history = solve_time_domain(AT_REST[name](), dt=0.1, duration=10.0)
     assert history.steps == 100 and abs(history.ydot).max() <= 1e-10
     assert history.iterations == 100 and history.success
+    moment = np.cross(history.r[:, -1], history.forces[:, -1], axis=0)
+    assert np.allclose(history.body_moment, moment, rtol=1e-12, atol=1e-12 * abs(moment).max())
 
 
 @pytest.mark.parametrize("case", [SURGE_5, EVERYTHING], ids=lambda case: case.name)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -88,6 +89,13 @@ def test_a_line_lands_on_its_only_response():
     elsewhere = solve_periodic(system.scaled(2.0), harmonics=7)
     rest = system.rest_state()
     assert find_landing((there, elsewhere), (rest, np.zeros_like(rest)), periods=60) == 0
+
+
+def test_a_start_whose_steps_fail_comes_to_no_response(monkeypatch):
+    """It counts as one that has not settled."""
+    monkeypatch.setattr("solvers.stability.basins.solve_time_domain", lambda *_, **__: SimpleNamespace(success=False))
+    result = find_basins(three_responses()[1], count=2)
+    assert result.landed.tolist() == [-1, -1] and result.unsettled == 2 and not result.shares.any()
 
 
 def test_bad_input_is_named():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from solvers.common.properties import CableProperties
 from solvers.harmonic_balance.residual import harmonic_residual
 from solvers.numerics.modes import natural_modes
 from solvers.stability import floquet
-from solvers.stability.leading import FLOOR, MAX_DENSE, TOLERANCE, leading_eigenvalues
+from solvers.stability.leading import BLOCK, FLOOR, MAX_DENSE, TOLERANCE, leading_eigenvalues
 from solvers.stability.monodromy import GAUSS, RADAU
 
 from ..exact import multipliers as exact
@@ -230,6 +231,15 @@ def test_leading_eigenvalues_are_those_of_the_whole_matrix():
         assert abs(leading[:, None] - eigenvalues).min(axis=1).max() <= ARNOLDI
 
 
+def test_few_that_count_take_few_disturbances():
+    """Of 400 eigenvalues of which 5 are above the floor these are returned, after some blocks and not half of all."""
+    sizes, taken = np.full(400, 1e-7), []
+    sizes[:5] = 0.9, -0.5, 0.3, 0.1, 0.01
+    period = SimpleNamespace(size=400, apply=lambda x: taken.append(x.shape[1]) or sizes[:, None] * x)
+    assert leading_eigenvalues(period) == pytest.approx(sizes[:5], abs=ARNOLDI)
+    assert sum(taken) <= 4 * BLOCK
+
+
 def test_where_little_is_damped_all_are_returned():
     """In 0.3 m of surge most multipliers are above the floor: the whole matrix is taken, and none is lost."""
     response = response_of(0.3, 0.1, cells=30)
@@ -261,6 +271,8 @@ def test_the_linearised_steps_are_the_derivative_of_the_steps():
         orbit = response.stepped_orbit(100)
         assert orbit.is_periodic
         assert derivative_error(orbit, MAP_STEP, count=2) <= MAP
+        one_metre = np.stack([np.ones_like(part) * (i == 0) for i, part in enumerate(orbit.state)])
+        assert orbit.measure(one_metre) * abs(response.z).max() == pytest.approx(1.0, rel=1e-14)
 
 
 def test_steps_over_a_damped_seabed_have_their_derivative():

@@ -23,7 +23,8 @@ from solvers.common.properties import CableProperties
 from solvers.io import load_curve, save_curve
 from solvers.stability import floquet, switch_branch
 from solvers.stability.adaptivity import more_harmonics, needed_harmonics
-from solvers.stability.continuation import Tracer
+from solvers.stability.continuation import CorrectionError, Tracer
+from solvers.stability.family import HarmonicFamily
 from solvers.stability.special_points import explain_doubt
 
 from ..cases.planar_systems import forced_oscillator
@@ -179,12 +180,19 @@ def test_needed_harmonics_are_those_above_a_tenth_of_the_accuracy():
     assert more_harmonics(3) == 5 and more_harmonics(9) == 12 and more_harmonics(10) == 14
 
 
+def test_twice_the_period_takes_twice_of_all():
+    """Harmonics, samples and multiples of the driving's period, from whichever multiple on."""
+    doubled = HarmonicFamily(resonance, 3, 12, 3).doubled()
+    assert (doubled.settings, doubled.subharmonic) == ((6, 24), 6)
+
+
 def test_more_accuracy_takes_more_harmonics():
     """From four to eight digits, and no more of them than are allowed."""
     few, many = (RESONANCE(harmonics=2, accuracy=accuracy).harmonics.max() for accuracy in (1e-4, 1e-8))
     assert few < many
     limited = RESONANCE(harmonics=2, accuracy=1e-8, max_harmonics=4)
     assert limited.harmonics.max() == 4 and limited.errors.max() > 1e-8
+    assert RESONANCE(max_harmonics=1, max_points=2).values.size == 2  # without an accuracy nobody asks for it
     with pytest.raises(InputError, match="max_harmonics: 2"):
         RESONANCE(harmonics=4, accuracy=1e-8, max_harmonics=2)
     with pytest.raises(InputError, match="accuracy: 0"):
@@ -207,6 +215,9 @@ def test_the_tangent_is_of_unit_length_in_the_weights_of_its_state():
         state, family = curve.state, curve.family
         tracer = Tracer(family, 0.8, 1e-10, state.value, state.norms)
         assert tracer.product(state.t, state.u, state.t, state.u) == pytest.approx(1.0, abs=UNIT)
+    for u in (0.0, np.inf, np.nan):  # as a singular matrix may have it
+        with pytest.raises(CorrectionError, match="no tangent"):
+            tracer._tangent(lambda *_, u=u: (0.0 * state.t, u), state.x, 1.0)
 
 
 # ---------------------------------------------------------------- what a line adds: slack, and a third direction
