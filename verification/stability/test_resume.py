@@ -23,9 +23,9 @@ from solvers.common.properties import CableProperties
 from solvers.io import load_curve, save_curve
 from solvers.stability import floquet, switch_branch
 from solvers.stability.adaptivity import more_harmonics, needed_harmonics
-from solvers.stability.continuation import CorrectionError, Tracer
+from solvers.stability.continuation import CorrectionError, Point, Tracer
 from solvers.stability.family import HarmonicFamily
-from solvers.stability.special_points import explain_doubt
+from solvers.stability.special_points import DoublingTest, explain_doubt
 
 from ..cases.planar_systems import forced_oscillator
 
@@ -200,12 +200,17 @@ def test_more_accuracy_takes_more_harmonics():
 
 
 def test_a_branch_of_a_curve_with_adapted_harmonics():
-    """A special point has the harmonics of its own place, and a branch starts from them."""
+    """A special point has the harmonics of its own place, and a branch starts from them, towards the odd ones."""
     build = lambda P: forced_oscillator(0.85, P, c=0.1, a=-1.0)
     curve = response_curve(parameter=build, start=0.02, stop=0.12, harmonics=5, accuracy=1e-9, stability=True)
     doubling = curve.special[-1]
     _, response = switch_branch(curve, doubling)
     assert response.basis.harmonics == doubling.z.shape[-1] - 1 > 10
+    tracer = Tracer(curve.family.with_harmonics(5), 0.1, 1e-10, doubling.value, curve.state.norms)
+    test = DoublingTest(tracer, lambda _: Point(tracer.pack(doubling.z[..., :11]), doubling.value, None, None, 0))
+    assert test(0.0) != 0
+    z = test.tracer.unpack(test.direction[0])  # of twice the period: the mean, then sines and cosines of 1, 2, ...
+    assert z[..., 1::4].any() and z[..., 2::4].any() and not z[..., 3::4].any() and not z[..., 0::4].any()
 
 
 def test_the_tangent_is_of_unit_length_in_the_weights_of_its_state():
