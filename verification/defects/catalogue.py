@@ -302,7 +302,7 @@ _FILES = {
         ("stability/test_curve.py", "stability/test_resume.py", "stability/test_special_points.py"),
     ),
     "stability.special_points": ("stability/test_special_points.py", "stability/test_known_curves.py"),
-    "stability.switching": ("stability/test_special_points.py",),
+    "stability.switching": ("stability/test_special_points.py", "stability/test_resume.py"),
     "stability.adaptivity": ("stability/test_resume.py",),
     "io.curve_file": ("stability/test_resume.py",),
     **dict.fromkeys(

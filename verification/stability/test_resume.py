@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache, partial
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -21,7 +22,7 @@ from solvers import (
 )
 from solvers.common.properties import CableProperties
 from solvers.io import load_curve, save_curve
-from solvers.stability import floquet, switch_branch
+from solvers.stability import floquet, switch_branch, switching
 from solvers.stability.adaptivity import more_harmonics, needed_harmonics
 from solvers.stability.continuation import CorrectionError, Point, Tracer
 from solvers.stability.family import HarmonicFamily
@@ -211,6 +212,15 @@ def test_a_branch_of_a_curve_with_adapted_harmonics():
     assert test(0.0) != 0
     z = test.tracer.unpack(test.direction[0])  # of twice the period: the mean, then sines and cosines of 1, 2, ...
     assert z[..., 1::4].any() and z[..., 2::4].any() and not z[..., 3::4].any() and not z[..., 0::4].any()
+
+
+def test_the_direction_beside_a_special_point_is_that_between_its_neighbours():
+    """Whatever harmonics each of them has, of lines with more nodes than coefficients, too."""
+    few, many = np.ones((1, 9, 5)), np.full((1, 9, 7), 3.0)
+    curve = SimpleNamespace(points=[SimpleNamespace(z=few, value=1.0), SimpleNamespace(z=many, value=2.0)])
+    tracer = SimpleNamespace(pack=lambda z: z, product=lambda *_: 4.0)
+    t, u = switching._tangent_beside(tracer, curve, SimpleNamespace(z=many, after=0))
+    assert u == 0.5 and t[0, 8].tolist() == [1.0] * 5 + [1.5] * 2
 
 
 def test_the_tangent_is_of_unit_length_in_the_weights_of_its_state():
