@@ -187,6 +187,12 @@ def test_twice_the_period_takes_twice_of_all():
     assert (doubled.settings, doubled.subharmonic) == ((6, 24), 6)
 
 
+def test_an_end_that_takes_more_harmonics_stays_the_end():
+    """The last point of long steps is solved with more harmonics at the stop itself, and not beside it."""
+    curve = RESONANCE(stop=1.0, harmonics=2, accuracy=1e-6, step=0.1, max_step=0.5)
+    assert curve.harmonics[-1] > curve.harmonics[-2] and curve.values[-1] == 1.0
+
+
 def test_more_accuracy_takes_more_harmonics():
     """From four to eight digits, and no more of them than are allowed."""
     few, many = (RESONANCE(harmonics=2, accuracy=accuracy).harmonics.max() for accuracy in (1e-4, 1e-8))
