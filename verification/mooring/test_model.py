@@ -370,8 +370,11 @@ def test_elements_of_a_calibrated_line_end_with_the_forces_of_their_catenaries()
     made = mooring_system(two_parts(environment=Environment(1025.0)), 12, calibrate=True)
     rest = made.rest_state()[..., None]
     still = np.zeros_like(rest)
-    states = made.model.at_rest(made.layout).states
-    for e, (segment, state) in enumerate(zip(made.model.segments, states, strict=True)):
+    at_rest = made.model.at_rest(made.layout)
+    for e, (segment, state) in enumerate(zip(made.model.segments, at_rest.states, strict=True)):
+        middles = (made.layout.s[e][1:] + made.layout.s[e][:-1]) / 2
+        along = state.profile(segment.length - middles if segment.reversed else middles)[2]
+        assert at_rest.tension[made.layout.cells[e]] == pytest.approx(along, rel=CATENARY)
         H, lower, upper = state.H, math.hypot(state.H, state.V_anchor), math.hypot(state.H, state.V)
         wanted = (upper, lower) if segment.reversed else (lower, upper)
         for end, expected in zip((0, -1), wanted, strict=True):

@@ -354,11 +354,17 @@ def test_a_sagging_line(lambda2):
 
 
 def test_natural_modes_are_those_of_the_tangents():
-    """The solver of natural modes, which takes the damping too, has the same frequencies where there is none."""
+    """The solver of natural modes, which takes the damping too, has the same frequencies where there is none.
+
+    Also those near a frequency that is given, about which it searches then.
+    """
     made = mooring_system(taut(2e6, 1e-3), 16, mesh="uniform", fields="planar")
     frequency, _ = modes(made)
     got = natural_modes(made, 5)
     assert abs(got.frequencies / frequency[:5] - 1).max() <= 1e-9
+    for k in (2, 4):
+        near = natural_modes(made, 1, near=1.001 * float(frequency[k])).frequencies
+        assert abs(near / frequency[k] - 1).max() <= 1e-9
 
 
 def test_natural_modes_are_damped():

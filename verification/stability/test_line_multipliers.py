@@ -275,6 +275,14 @@ def test_the_linearised_steps_are_the_derivative_of_the_steps():
         assert orbit.measure(one_metre) * abs(response.z).max() == pytest.approx(1.0, rel=1e-14)
 
 
+def test_steps_that_damp_less_have_their_derivative(monkeypatch):
+    """With all four numbers of generalized-alpha different from those of the steps over slack cells."""
+    monkeypatch.setattr("solvers.mooring.stepped_orbit.RHO_INF", 0.6)
+    orbit = solve_periodic(bridle(), harmonics=5).stepped_orbit(100)
+    assert orbit.is_periodic and all(0 < abs(number) != 1 for number in orbit.scheme)
+    assert derivative_error(orbit, MAP_STEP, count=1) <= MAP
+
+
 def test_steps_over_a_damped_seabed_have_their_derivative():
     """Nodes leave a seabed with damping and meet it again, where its force jumps: the tangents of the steps hold."""
     chain = CableProperties(EA=384.243e6, diameter=0.09, mass_per_length=77.7066, Cdn=1.6, Cdt=0.05, Ca=1.0,
