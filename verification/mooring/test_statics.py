@@ -245,6 +245,7 @@ def test_the_energy_falls_along_the_forces():
     for change in rng.normal(size=(3, 13, 2)):
         slope = (rows.energy(x + STEP * change) - rows.energy(x - STEP * change)) / (2 * STEP)
         assert slope == pytest.approx(np.vdot(rows.evaluate(x)[0], change), rel=1e-6)
+    assert not _Statics(system(OC3, 4), 0.5, np.ones(4)).line.seabed_stiffness.any()  # none is none at any share
 
 
 # ---------------------------------------------------------------- frequencies

@@ -271,8 +271,10 @@ def test_the_linearised_steps_are_the_derivative_of_the_steps():
         orbit = response.stepped_orbit(100)
         assert orbit.is_periodic
         assert derivative_error(orbit, MAP_STEP, count=2) <= MAP
-        one_metre = np.stack([np.ones_like(part) * (i == 0) for i, part in enumerate(orbit.state)])
-        assert orbit.measure(one_metre) * abs(response.z).max() == pytest.approx(1.0, rel=1e-14)
+        ones = np.ones_like(orbit.state)
+        for i, size in ((0, 1.0), (1, orbit.period / (2 * math.pi))):  # m and m/s, over the amplitude
+            change = ones * (np.arange(4) == i)[:, None, None]
+            assert orbit.measure(change) * abs(response.z).max() == pytest.approx(size, rel=1e-14)
 
 
 def test_steps_that_damp_less_have_their_derivative(monkeypatch):
