@@ -557,11 +557,15 @@ def test_a_torn_line_is_named_in_whatever_part_it_is(monkeypatch):
     assert one.event[0] == other.event[0] and {one.event[1], other.event[1]} <= set(made.layout.nodes[1].tolist())
     path = whole.path(0.1 * np.arange(201))
     states = stream_line(whole, dt=0.1, count=200, tolerance=1e-4, ramp=0.0, path=path, chunk=40)
+    numbers = []
     while True:  # the same without a history
         try:
-            next(states)
+            numbers.append(next(states)[0])
         except StopIteration as end:
-            assert end.value[:2] == (other.status, (pytest.approx(other.event[0]), other.event[1]))
+            assert numbers == [0, 1, 41] and end.value[:2] == (
+                other.status,
+                (pytest.approx(other.event[0]), other.event[1]),
+            )
             return
 
 

@@ -15,6 +15,7 @@ from solvers.common.properties import CableProperties
 from solvers.harmonic_balance.residual import harmonic_residual
 from solvers.numerics.modes import natural_modes
 from solvers.stability import floquet
+from solvers.stability.hill import line_multipliers
 from solvers.stability.leading import BLOCK, FLOOR, MAX_DENSE, TOLERANCE, leading_eigenvalues
 from solvers.stability.monodromy import GAUSS, RADAU
 
@@ -229,6 +230,16 @@ def test_leading_eigenvalues_are_those_of_the_whole_matrix():
             assert MAX_DENSE < period.size and leading.size < period.size / 2
         assert (abs(eigenvalues) >= FLOOR).sum() == (abs(leading) >= FLOOR).sum() >= 4
         assert abs(leading[:, None] - eigenvalues).min(axis=1).max() <= ARNOLDI
+
+
+def test_hills_multipliers_above_the_floor_are_returned():
+    """Of 40 exponents about which a pencil is known the four above the floor, the last of them by little."""
+    omega, sizes = 0.7, np.full(40, 1e-9)
+    sizes[:5] = 0.9, 0.5, 0.02, 1.5 * FLOOR, 0.8 * FLOOR
+    mu = omega / (2 * math.pi) * np.log(sizes)
+    series = lambda modes: np.concatenate([modes[:, None], np.zeros((40, 6, modes.shape[1]))], axis=1)
+    problem = SimpleNamespace(size=40, inverse=lambda sigma: lambda x: x / (sigma - mu), series=series)
+    assert line_multipliers(problem, omega) == pytest.approx(sizes[:4], rel=1e-8)
 
 
 def test_few_that_count_take_few_disturbances():
