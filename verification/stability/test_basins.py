@@ -10,7 +10,7 @@ import pytest
 
 from solvers import CableProperties, InputError, Motion, Scene, mooring_system, solve_periodic
 from solvers.stability import find_basins, find_landing, floquet, response_curve, responses_at
-from solvers.stability.basins import Z_95, wilson_interval
+from solvers.stability.basins import Z_95, _Metric, wilson_interval
 
 from ..cases.oscillators import duffing
 from ..exact import duffing_basins
@@ -89,6 +89,12 @@ def test_a_line_lands_on_its_only_response():
     elsewhere = solve_periodic(system.scaled(2.0), harmonics=7)
     rest = system.rest_state()
     assert find_landing((there, elsewhere), (rest, np.zeros_like(rest)), periods=60) == 0
+    moved = [abs(each.at(each.time) - rest[..., None]).max(axis=(1, 2)) for each in (there, elsewhere)]
+    moved += [
+        abs(each.rate_at(each.time)).max(axis=(1, 2)) * system.period / (2 * np.pi) for each in (there, elsewhere)
+    ]
+    sizes = _Metric((there, elsewhere)).sizes[:, 0, 0]  # positions, then velocities over the frequency, by field
+    assert sizes == pytest.approx(np.tile(np.max(moved, axis=0), 2), rel=1e-12)
 
 
 def test_a_start_whose_steps_fail_comes_to_no_response(monkeypatch):

@@ -200,6 +200,7 @@ def test_hills_problem_is_the_derivative_of_the_rows(system):
     """J, D and M on a disturbance: differences of the rows of the balance, and of series that grow."""
     response, free = solve_periodic(system, harmonics=5), ~system.order.is_prescribed
     problem, basis = response.hill_problem(), response.basis
+    assert floquet(response, method="hill").constraints == 0
     dz = np.random.default_rng(6).normal(size=problem.shape)
     dz[~free] = 0.0
     residual = harmonic_residual(system, basis)

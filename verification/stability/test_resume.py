@@ -144,6 +144,15 @@ def test_inputs_of_files_and_of_what_goes_on_are_checked(tmp_path):
 
 
 # ---------------------------------------------------------------- harmonics
+def test_errors_are_estimated_with_a_third_more_harmonics(monkeypatch):
+    """And two at least; with as many samples for each of them."""
+    asked, with_harmonics = set(), Tracer.with_harmonics
+    monkeypatch.setattr(Tracer, "with_harmonics", lambda tracer, n: asked.add(n) or with_harmonics(tracer, n))
+    RESONANCE(harmonics=3, max_points=2)
+    RESONANCE(harmonics=9, max_points=2)
+    assert asked == {5, 12}
+
+
 def test_errors_are_those_against_many_harmonics():
     """The estimate of each point against the response with four times as many harmonics at the same parameter."""
     curve = RESONANCE(harmonics=3, max_points=30)
