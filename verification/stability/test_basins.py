@@ -93,8 +93,10 @@ def test_a_line_lands_on_its_only_response():
     moved += [
         abs(each.rate_at(each.time)).max(axis=(1, 2)) * system.period / (2 * np.pi) for each in (there, elsewhere)
     ]
-    sizes = _Metric((there, elsewhere)).sizes[:, 0, 0]  # positions, then velocities over the frequency, by field
-    assert sizes == pytest.approx(np.tile(np.max(moved, axis=0), 2), rel=1e-12)
+    metric = _Metric((there, elsewhere))  # of positions, then velocities over the frequency, by field
+    assert metric.sizes[:, 0, 0] == pytest.approx(np.tile(np.max(moved, axis=0), 2), rel=1e-12)
+    velocities = there.rate_at(np.zeros(1)) * system.period / (2 * np.pi)
+    assert np.allclose(metric.states[0][len(rest) :], velocities, rtol=0, atol=1e-12 * abs(velocities).max())
 
 
 def test_a_start_whose_steps_fail_comes_to_no_response(monkeypatch):
