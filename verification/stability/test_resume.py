@@ -22,9 +22,9 @@ from solvers import (
 )
 from solvers.common.properties import CableProperties
 from solvers.io import load_curve, save_curve
-from solvers.stability import floquet, switch_branch, switching
+from solvers.stability import floquet, special_points, switch_branch, switching
 from solvers.stability.adaptivity import more_harmonics, needed_harmonics
-from solvers.stability.continuation import CorrectionError, Point, Tracer
+from solvers.stability.continuation import CorrectionError, Point, Tracer, next_step
 from solvers.stability.family import HarmonicFamily
 from solvers.stability.special_points import DoublingTest, explain_doubt
 
@@ -194,6 +194,29 @@ def test_twice_the_period_takes_twice_of_all():
     """Harmonics, samples and multiples of the driving's period, from whichever multiple on."""
     doubled = HarmonicFamily(resonance, 3, 12, 3).doubled()
     assert (doubled.settings, doubled.subharmonic) == ((6, 24), 6)
+
+
+def test_samples_stay_as_dense_as_they_are_given():
+    """For each harmonic, from the fewest on: one more than twice as many."""
+    family = HarmonicFamily(resonance, 3, 7, 1)
+    assert [family.with_harmonics(n).settings for n in (2, 3, 6)] == [(2, 5), (3, 7), (6, 14)]
+    curve = RESONANCE(harmonics=3, samples=7, max_points=2)
+    assert curve.values.size == 2
+    assert next(curve.describe()).startswith(f"2 points from 0.8 to {curve.values[1]:.6g} ")
+
+
+def test_steps_follow_the_work_of_newtons_method():
+    """Longer up to four Newton steps and no longer than allowed, the same after five, shorter from six on."""
+    assert [next_step(0.1, n, 1.0) for n in (1, 4, 5, 6)] == pytest.approx([0.15, 0.15, 0.1, 0.07])
+    assert next_step(0.1, 4, 0.12) == 0.12
+
+
+def test_a_period_doubling_is_found_by_the_secant_method(monkeypatch):
+    """Of a test function that is a line in two steps, without the multipliers' own, coarser place."""
+    monkeypatch.setattr(special_points, "DoublingTest", lambda *_: lambda s: 3.0 * (s - 0.37))
+    segment = SimpleNamespace(tracer=None, length=1.0, at=lambda s: f"at {s:.3f}")
+    kind, s, point = special_points._locate_doubling(segment, 0.3, 0.5, 0)
+    assert (kind, point) == ("period doubling", "at 0.370") and s == pytest.approx(0.37, abs=1e-12)
 
 
 def test_an_end_that_takes_more_harmonics_stays_the_end():
