@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache, partial
 from types import SimpleNamespace
 
@@ -116,6 +117,15 @@ def test_what_is_interrupted_in_the_middle_of_a_point_is_not_half_there():
     first = RESONANCE(parameter=build)
     assert first.status is Status.CURVE_INTERRUPTED and 1 < len(first.values) < len(whole("resonance").values)
     assert_same(RESONANCE(resume=first), whole("resonance"))
+
+
+@pytest.mark.parametrize("factor", [3.0, 1000.0])
+def test_a_start_that_is_no_response_is_solved_for(factor):
+    """One from which Newton's method takes many steps, and one from which it has not come in those that it has."""
+    curve = whole("resonance")
+    given = curve.response(0)
+    again = RESONANCE(first=replace(given, z=factor * given.z), max_points=1)
+    assert abs(again.z[0] - curve.z[0]).max() <= UNIT
 
 
 def test_a_curve_that_is_complete_does_not_go_on():
