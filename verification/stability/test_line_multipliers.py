@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from functools import cache
+from functools import cache, partial
 from types import SimpleNamespace
 
 import numpy as np
@@ -234,13 +234,18 @@ def test_leading_eigenvalues_are_those_of_the_whole_matrix():
 
 
 def test_hills_multipliers_above_the_floor_are_returned():
-    """Of 40 exponents about which a pencil is known the four above the floor, the last of them by little."""
+    """Of 40 exponents of a known pencil those above the floor, and of one motion those with the most central series."""
     omega, sizes = 0.7, np.full(40, 1e-9)
-    sizes[:5] = 0.9, 0.5, 0.02, 1.5 * FLOOR, 0.8 * FLOOR
-    mu = omega / (2 * math.pi) * np.log(sizes)
+    sizes[:9] = 0.9, 0.5, 0.02, 1.5 * FLOOR, 0.8 * FLOOR, 0.3, 0.3, 0.25, 0.25
+    pencil = np.diag(omega / (2 * math.pi) * np.log(sizes))
+    for i, frequency in ((5, 0.6), (7, 0.4)):  # times omega: the first pair is that of another harmonic
+        pencil[i, i + 1], pencil[i + 1, i] = frequency * omega, -frequency * omega
     series = lambda modes: np.concatenate([modes[:, None], np.zeros((40, 6, modes.shape[1]))], axis=1)
-    problem = SimpleNamespace(size=40, inverse=lambda sigma: lambda x: x / (sigma - mu), series=series)
-    assert line_multipliers(problem, omega) == pytest.approx(sizes[:4], rel=1e-8)
+    inverse = lambda sigma: partial(np.linalg.solve, sigma * np.eye(40) - pencil)
+    got = line_multipliers(SimpleNamespace(size=40, inverse=inverse, series=series), omega)
+    pair = 0.25 * np.exp(0.8j * math.pi * np.array([1, -1]))
+    wanted = np.concatenate([sizes[:2], pair, sizes[2:4]])
+    assert got.size == 6 and abs(got[:, None] - wanted).min(axis=0).max() <= 1e-8
 
 
 def test_few_that_count_take_few_disturbances():
