@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import gc
+
 import numpy as np
 import pytest
 
@@ -28,6 +30,12 @@ def pytest_configure(config):
     if settings:
         config._one_blas_thread = threadpool_limits(1)  # held for the whole run
         settings.load_profile("deep" if _is_deep(config) else "default")
+
+
+def pytest_collection_finish():
+    """Leave what was collected, thousands of tests that live to the end, out of every later garbage collection."""
+    gc.collect()
+    gc.freeze()
 
 
 def pytest_report_header(config):

@@ -14,7 +14,7 @@ from . import systems
 
 ROAD_HARMONICS, ROAD_STEPS = (3, 5, 9, 15, 25), (25, 50, 100, 200, 400, 800)
 SMOOTH = 0.002, 0.2  # m and Hz: the OC3 line in so small a surge that no cell comes near slack
-CELLS, QUICK_CELLS = (12, 25, 50, 100), (12, 25)
+CELLS, QUICK_CELLS = (25, 50, 100, 200, 400), (25, 50)
 COST_POINTS, WHOLE_POINTS = 12, 200
 COST = {"start": 0.03, "stop": 0.08, "harmonics": 9}
 TURNS = 1

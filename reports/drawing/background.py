@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
 import traceback
 from collections.abc import Callable
@@ -29,9 +30,11 @@ def for_each(work: Callable, count: int) -> list:
 
 
 def _stay():
-    """Have this process, which is one of several, start no others."""
+    """Have this process, which is one of several, start no others, and end without a word when the program ends it."""
     global _forks
     _forks = False
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # of a terminal, which the program gets as well
 
 
 def _do(i: int):

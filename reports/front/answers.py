@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -29,7 +30,7 @@ NEAR_TAUT = 0.01
 PEER = "moorpy"
 """The code of lines at rest whose answers near taut lines are told on the first page."""
 MOVING_PEER = "MoorDyn"
-AT_REST = "At rest the elastic catenary is exact to rounding, and takes no setting."
+AT_REST = "At rest there is nothing to choose: the elastic catenary is exact to rounding."
 VALIDATION = ("difference from the laboratory", "difference from OrcaFlex")
 """Labels of verdicts that compare with measurements, and with another program whose model is not the same."""
 WORDS = {
@@ -84,7 +85,7 @@ def _verified(results, verdicts: list[Verdict], folder: Path) -> tuple:
     sentences = []
     if accuracy:
         counts = analysis.summarise([row for row in accuracy["rows"] if row["set"] != "map"], analysis.OURS)
-        rounding = f"{number(counts['max'], 2)} of what rounding the inputs alone must cause"
+        rounding = f"{number(counts['max'], 3)} of what rounding the inputs alone must cause"
         sentences.append(
             f"{plural(counts['cases'], 'line')} at rest against 50 digits: {counts['wrong']} wrong, "
             f"{counts['refused']} refused; the greatest error is {rounding}, the median {number(counts['median'], 2)}."
@@ -134,8 +135,9 @@ def _method(mooring: dict | None, folder: Path) -> tuple:
         f"{_spread(best.values())} on one core.",
     ]
     if finest:
-        names = dict.fromkeys(WORDS[point["method"]] for point in finest)
-        sentences.append(f"For {100 * least:g} %: {', or '.join(names)}; {_spread(finest)}.")
+        counts = Counter(WORDS[point["method"]] for point in finest).most_common()
+        names = ", ".join(f"{name} in {plural(count, 'case')}" for name, count in counts)
+        sentences.append(f"For {100 * least:g} % the cheapest is {names}; {_spread(finest)}.")
     ratios = [row["ratio"] for row in work["ratios"] if row["method"] == MOVING_PEER]
     if ratios:
         times = f"{ratio(min(ratios))} to {ratio(max(ratios))} times as long for the same error"
@@ -143,8 +145,8 @@ def _method(mooring: dict | None, folder: Path) -> tuple:
     else:
         sentences.append(AT_REST)
     meaning = (
-        f"to {100 * level:g} %: rms error of the fairlead tension, over its range; {title.lower()}, from rest until "
-        "periodic"
+        f"to {100 * level:g} %, the numerical error of the fairlead tension (rms over its range); {title.lower()}, "
+        "from rest until periodic"
     )
     case = next(name for name, point in best.items() if point is typical)
     return seconds(typical["seconds"]), meaning, None, sentences, figures.moving_line(work, case, folder)
@@ -179,13 +181,13 @@ def _breaks(stability: dict | None, harmonic: dict | None, folder: Path) -> tupl
     sentences = [
         f"{plural(points, 'input')}, most of them far beyond use at sea: {number(totals['solved'])} solved; "
         f"{number(totals.get('warned', 0))} solved, with a warning that says what the answer lacks; "
-        f"{number(totals.get('too coarse', 0))} beyond the error that their map allows; {number(ended)} ended with a "
-        "message in place of an answer."
+        f"{number(totals.get('too coarse', 0))} too coarse, with an error above what counts as solved; "
+        f"{number(ended)} ended with a message in place of an answer."
     ]
     limit = (harmonic or {}).get("limit")
     if limit and limit["vanishes"]:
         sentences.append(
-            f"The OC3 line goes slack in surge of {number(limit['vanishes'], 3)} m: there the equations of the paper "
+            f"The OC3 line goes slack in surge of {number(limit['vanishes'], 3)} m: there the box scheme's equations "
             "end, and those of nodes and elements go on."
         )
     return (number(bad), "wrong answers given as success, or crashes", bad == 0, sentences,

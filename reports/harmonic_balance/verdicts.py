@@ -50,4 +50,4 @@ def verdicts(data: dict):
     if data.get("fields"):
         gain = fields_gain(data["fields"])
         detail = f"six fields over four, harmonic balance, wanted at least {FIELDS_GAIN:g}"
-        yield Verdict(f"{ratio(gain)} {TIMES}", "gain of the planar case", detail, gain >= FIELDS_GAIN, "harmonic")
+        yield Verdict(f"{ratio(gain)} {TIMES}", "run time, space over plane", detail, gain >= FIELDS_GAIN, "harmonic")

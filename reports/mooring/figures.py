@@ -190,18 +190,21 @@ def _laboratory_caption(data) -> str:
     rows = data["rows"]
     refined = [abs(row["finer"] / row["computed"] - 1) for row in rows if row.get("finer")]
     other = [row["other_way"] / row["maximum"] - 1 for row in rows if row.get("other_way")]
+    smooth = [abs(row["without_friction"] / row["maximum"] - 1) for row in rows if row.get("without_friction")]
     outside = sum(abs(row["deviation"]) > data["band"] for row in rows)
     text = (
         f"Lindahl's chain of {data['length']:g} m, whose upper end goes round a circle, and which goes slack and snaps "
         f"in most conditions: the mean of the maxima of the last {data['counted']} cycles, at one setting "
         f"({data['cells']} cells, {data['steps']} steps a period, {data['damping']:g} s of internal damping, a seabed "
-        f"of {data['seabed_stiffness']:g} N/m² without friction), nothing fitted. Deviation: mean "
-        f"{_percent(data['mean'], True)}, mean size {_percent(data['mean_absolute'])}, greatest "
+        f"of {data['seabed_stiffness']:g} N/m², friction {data['friction']:g} as the paper states it), nothing fitted. "
+        f"Deviation: mean {_percent(data['mean'], True)}, mean size {_percent(data['mean_absolute'])}, greatest "
         f"{_percent(data['greatest'])}; {len(rows) - outside} of {len(rows)} within {100 * data['band']:g} %."
     )
     if refined:
         change = _percent(max(refined))
         text += f" Twice the cells and steps change the maxima at the largest radius by at most {change}."
+    if smooth:
+        text += f" On a smooth seabed the greatest deviation is {_percent(max(smooth))}."
     if other:
         text += (
             " The table of the paper does not say which way the circle is turned; here the end goes away from the "

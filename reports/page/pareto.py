@@ -124,5 +124,6 @@ def summarise_fronts(fronts: list[Front]) -> str:
 def front_verdict(cases: str, fronts: list[Front], anchor: str) -> Verdict:
     """Return the verdict on the cases in which this project is the fastest at every error."""
     ahead = sum(not front.slower for front in fronts)
-    detail = f"fastest at every error of all codes, wanted {len(fronts)} of {len(fronts)}"
-    return Verdict(f"{ahead} of {len(fronts)}", f"cases, {cases}", detail, ahead == len(fronts), anchor)
+    detail = f"cases, against all other codes, wanted {len(fronts)} of {len(fronts)}"
+    value, label = f"{ahead} of {len(fronts)}", f"fastest at every error, {cases}"
+    return Verdict(value, label, detail, ahead == len(fronts), anchor)

@@ -67,6 +67,7 @@ def _module(name: str, root: Path) -> str | None:
     return next((choice for choice in choices if (root / choice).is_file()), None)
 
 
+@cache  # and no tree: many of them are long looked through for garbage
 def _passed_on(file: str | None, root: Path) -> dict[str, str]:
     """Return name -> where it comes from, of those that an __init__.py imports from its own modules."""
     if file is None or not file.endswith("/__init__.py"):
@@ -75,7 +76,6 @@ def _passed_on(file: str | None, root: Path) -> dict[str, str]:
     return {alias: name for imported in pairs for alias, name in imported}
 
 
-@cache
 def _tree(file: str, root: Path) -> ast.Module:
     return ast.parse((root / file).read_text(encoding="utf-8"))
 

@@ -20,6 +20,7 @@ NETWORKS = tuple(SCENES / "networks" / f"{name}_moving.toml" for name in ("oc3",
 """The networks that move: one line a node, joints in a body's yaw, a joint on the seabed."""
 TESTS = Path(str(files("verification")))
 PYTEST = ("pytest",) if is_repository() else ("pytest", *INSTALLED_PYTEST)
+PLUGINS = ("verification/conftest.py", "verification/conformance/plugin.py")  # pytest loads them by itself
 JUNIT = ("-p", "no:benchmark", "--junitxml={part}")
 """Without pytest-benchmark, which makes a folder of its own where the caller stands."""
 
@@ -147,7 +148,7 @@ def _claims(stems: list[str], tests: list[str], title: str, quick: bool) -> Stag
         f"tests: {title}",
         commands[0],
         f"tests/test_{name}.xml",
-        (*files, "verification/conftest.py"),
+        (*files, *PLUGINS),
         ("pyproject.toml", "conftest.py"),
         seconds=4 if quick else ALONE.get(stems[0], 40),
         codes=(0, 1),

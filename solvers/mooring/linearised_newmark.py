@@ -10,7 +10,7 @@ import numpy as np
 
 from ..numerics.compiled import compiled
 from . import linearised_steps
-from .linearised_steps import multiply_add, solve_columns
+from .linearised_steps import add_product, solve_columns
 
 
 @compiled(calls=(linearised_steps,))
@@ -24,7 +24,7 @@ def take_newmark_steps(line, order, h, scheme, factors, right_side, state):
     own, from_last, from_first = right_side
     d, v, acceleration, a = state
     nodes, n, columns = d.shape
-    column, force = np.empty((n, columns)), np.empty(d.shape)
+    column, force = np.empty((1, n, columns)), np.empty(d.shape)
     w_v, w_a = gamma / (beta * h), (1 - alpha_m) / (1 - alpha_f) / (beta * h * h)
     for step in range(diagonal.shape[0]):
         for i in range(nodes):
@@ -36,15 +36,16 @@ def take_newmark_steps(line, order, h, scheme, factors, right_side, state):
                     filtered = (1 - alpha_m) * a[i, j, k] + alpha_m * old - alpha_f * acceleration[i, j, k]
                     acceleration[i, j, k] = filtered / (1 - alpha_f)
         force[:] = 0.0
+        damping, mass, from_end, from_start = own[step, 0], own[step, 1], from_last[step, 0], from_first[step, 0]
         for i in range(nodes):
             if not order.is_prescribed[i]:
-                multiply_add(own[step, 0, i], v[i], force[i])
-                multiply_add(own[step, 1, i], acceleration[i], force[i])
+                add_product(1.0, damping, i, v, i, force, i)
+                add_product(1.0, mass, i, acceleration, i, force, i)
         for c in range(line.length.size):
             first, last = line.first[c], line.last[c]
             if not (order.is_prescribed[first] or order.is_prescribed[last]):
-                multiply_add(from_last[step, 0, c], v[last], force[first])
-                multiply_add(from_first[step, 0, c], v[first], force[last])
+                add_product(1.0, from_end, c, v, last, force, first)
+                add_product(1.0, from_start, c, v, first, force, last)
         solve_columns(order, diagonal[step], right[step], left[step], force, column)
         for i in range(nodes):
             if order.is_prescribed[i]:

@@ -70,43 +70,58 @@ def factorise_steps(line, order, orbit, kept, weights, weight_of_M, right_weight
 
 
 @compiled
-def multiply_add(block, x, y):
-    """Add the product of a block (m, n) and columns x (n, k) to y (m, k)."""
-    for j in range(y.shape[0]):
-        for p in range(x.shape[0]):
-            factor = block[j, p]
-            for k in range(y.shape[1]):
-                y[j, k] += factor * x[p, k]
+def add_product(factor, blocks, e, x, i, y, q):
+    """Add ``factor`` times the product of block e of blocks (.., m, n) and columns x[i] (n, k) to y[q] (m, k).
 
-
-@compiled
-def multiply_subtract(block, x, y):
-    """Subtract the product of a block (m, n) and columns x (n, k) from y (m, k)."""
-    for j in range(y.shape[0]):
-        for p in range(x.shape[0]):
-            factor = block[j, p]
-            for k in range(y.shape[1]):
-                y[j, k] -= factor * x[p, k]
+    Whole arrays and indices, for a slice of each costs more than the product of few columns; and up to three rows of x
+    and two of y in one loop, for a loop over few columns costs more to begin than it takes.
+    """
+    rows, n, columns = blocks.shape[1], blocks.shape[2], x.shape[2]
+    last = n - n % 3
+    for p in range(0, last, 3):
+        for j in range(0, rows - 1, 2):
+            a, b, c = factor * blocks[e, j, p], factor * blocks[e, j, p + 1], factor * blocks[e, j, p + 2]
+            f, g, h = factor * blocks[e, j + 1, p], factor * blocks[e, j + 1, p + 1], factor * blocks[e, j + 1, p + 2]
+            for k in range(columns):
+                u, v, w = x[i, p, k], x[i, p + 1, k], x[i, p + 2, k]
+                y[q, j, k] += a * u + b * v + c * w
+                y[q, j + 1, k] += f * u + g * v + h * w
+        if rows % 2:
+            j = rows - 1
+            a, b, c = factor * blocks[e, j, p], factor * blocks[e, j, p + 1], factor * blocks[e, j, p + 2]
+            for k in range(columns):
+                y[q, j, k] += a * x[i, p, k] + b * x[i, p + 1, k] + c * x[i, p + 2, k]
+    for j in range(rows):
+        if n - last == 2:
+            a, b = factor * blocks[e, j, last], factor * blocks[e, j, last + 1]
+            for k in range(columns):
+                y[q, j, k] += a * x[i, last, k] + b * x[i, last + 1, k]
+        elif n - last == 1:
+            a = factor * blocks[e, j, last]
+            for k in range(columns):
+                y[q, j, k] += a * x[i, last, k]
 
 
 @compiled
 def solve_columns(order, diagonal, right, left, x, column):
     """Replace columns x (N, m, k), zero at prescribed nodes, by the solutions, with the blocks of ``factorise``.
 
-    column (m, k): working space.
+    column (1, m, k): working space.
     """
-    nodes = x.shape[0]
+    nodes, m, columns = x.shape
     for i in range(nodes):
         for a in range(order.start[i], order.start[i + 1]):
-            multiply_subtract(left[order.edge[a]], x[i], x[order.other[a]])
+            add_product(-1.0, left, order.edge[a], x, i, x, order.other[a])
     for i in range(nodes - 1, -1, -1):
         if order.is_prescribed[i]:
             continue
-        column[:] = x[i]
+        for j in range(m):
+            for k in range(columns):
+                column[0, j, k] = x[i, j, k]
+                x[i, j, k] = 0.0
         for a in range(order.start[i], order.start[i + 1]):
-            multiply_subtract(right[order.edge[a]], x[order.other[a]], column)
-        x[i] = 0.0
-        multiply_add(diagonal[i], column, x[i])
+            add_product(-1.0, right, order.edge[a], x, order.other[a], column, 0)
+        add_product(1.0, diagonal, i, column, 0, x, i)
 
 
 @compiled
@@ -118,20 +133,23 @@ def take_steps(line, order, h, by_velocity, by_position, factors, right_side, d,
     diagonal, right, left = factors
     own, from_last, from_first = right_side
     nodes, n, columns = d.shape
-    x, column = np.empty((nodes, diagonal.shape[2], columns)), np.empty((diagonal.shape[2], columns))
+    m = diagonal.shape[2]
+    x, column = np.empty((nodes, m, columns)), np.empty((1, m, columns))
     for step in range(diagonal.shape[0]):
         x[:] = 0.0
+        own_d, own_v, last_d, last_v = own[step, 0], own[step, 1], from_last[step, 0], from_last[step, 1]
+        first_d, first_v = from_first[step, 0], from_first[step, 1]
         for i in range(nodes):
             if not order.is_prescribed[i]:
-                multiply_add(own[step, 0, i], d[i], x[i])
-                multiply_add(own[step, 1, i], v[i], x[i])
+                add_product(1.0, own_d, i, d, i, x, i)
+                add_product(1.0, own_v, i, v, i, x, i)
         for c in range(line.length.size):
             first, last = line.first[c], line.last[c]
             if not (order.is_prescribed[first] or order.is_prescribed[last]):
-                multiply_add(from_last[step, 0, c], d[last], x[first])
-                multiply_add(from_last[step, 1, c], v[last], x[first])
-                multiply_add(from_first[step, 0, c], d[first], x[last])
-                multiply_add(from_first[step, 1, c], v[first], x[last])
+                add_product(1.0, last_d, c, d, last, x, first)
+                add_product(1.0, last_v, c, v, last, x, first)
+                add_product(1.0, first_d, c, d, first, x, last)
+                add_product(1.0, first_v, c, v, first, x, last)
         solve_columns(order, diagonal[step], right[step], left[step], x, column)
         for i in range(nodes):
             for j in range(n):

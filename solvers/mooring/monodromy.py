@@ -12,13 +12,16 @@ import numpy as np
 from .linearised_newmark import take_newmark_steps
 from .linearised_steps import factorise_steps, take_steps
 
+COLUMNS = {1: 32, 2: 16, 3: 12}  # by axes, disturbances that take a period in less than twice the time of one
+
 
 class LinearisedPeriod:
     """Takes small disturbances of a moving line over one period of a MooringResponse.
 
     A disturbance is (displacement, velocity / omega) of the free nodes in the axes that are disturbed, ``size``
     numbers. scheme: nodes, weights and last weights of an implicit Runge-Kutta scheme. sideways: disturb the axis
-    across the plane of the motion alone. has_slack: whether a cell is slack at some stage of the steps.
+    across the plane of the motion alone. has_slack: whether a cell is slack at some stage of the steps. columns: of
+    disturbances that ``apply`` takes at little more than one.
     """
 
     def __init__(self, response, steps, scheme, sideways=False):
@@ -29,7 +32,7 @@ class LinearisedPeriod:
         self.line, orbit, kept = disturbed_axes(system, orbit, sideways)
         self.free = np.flatnonzero(~system.order.is_prescribed)
         self.n, nodes, cells, edges = kept.size, system.nodes, self.line.length.size, system.order.edges
-        self.size, block = 2 * self.n * self.free.size, stages * self.n
+        self.size, self.columns, block = 2 * self.n * self.free.size, COLUMNS[self.n], stages * self.n
         self.order = system.order.with_rows(block)
         self.factors = tuple(np.empty((steps, count, block, block)) for count in (nodes, edges, edges))
         self.right_side = tuple(np.empty((steps, 2, count, block, self.n)) for count in (nodes, cells, cells))
@@ -65,7 +68,7 @@ class SteppedPeriod:
         self.free = np.flatnonzero(~system.order.is_prescribed)
         steps, nodes = orbit[0].shape[:2]
         self.n, cells, edges = kept.size, self.line.length.size, system.order.edges
-        self.size, blocks = 4 * self.n * self.free.size, (self.n, self.n)
+        self.size, self.columns, blocks = 4 * self.n * self.free.size, COLUMNS[self.n], (self.n, self.n)
         self.order = system.order.with_rows(self.n)
         self.units = (2 * np.pi / (steps * h)) ** np.array([0.0, 1.0, 2.0, 2.0])[:, None, None, None]
         self.factors = tuple(np.empty((steps, count, *blocks)) for count in (nodes, edges, edges))

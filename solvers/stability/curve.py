@@ -29,7 +29,8 @@ class ResponseCurve(Outcome):
     outputs over the period; tangents (P,): share of the parameter in the unit tangent, whose sign tells which way the
     curve leads; errors (P,): the change that a third more harmonics would make, over the largest response so far.
     special: SpecialPoints of the motion in their order; unresolved: those of the truncated series, their ``doubt`` says
-    why. multipliers: an array for each point, largest first, or None; sideways: the same of disturbances across the
+    why. multipliers: an array for each point, largest first, or None; of a line with many disturbances those from
+    ``special_points.WANTED`` on, see ``floquet``, at least the first; sideways: the same of disturbances across the
     plane of a line whose motion lies in it, whose passages of the unit circle are not among the special points.
     iterations: Newton steps in total; residual_norm: largest coefficient of the rows at the last point.
     end: what ended a curve that does not reach the stop of its range, or "". Its last point is the last good one.

@@ -13,14 +13,16 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from ..common.outcome import InputError
-from ..common.validation import flags, one_of, whole_number
+from ..common.validation import flags, one_of, positive_number, whole_number
 from .hill import MAX_GROWTH, hill_exponents, line_multipliers
-from .leading import largest_first, leading_eigenvalues
+from .leading import FLOOR, largest_first, leading_eigenvalues
 from .monodromy import GAUSS, RADAU, monodromy
 
 MAX_UNKNOWNS = 600  # of a chain, or of its harmonic balance, in dense matrices
 MAX_STEPS = 10**6
 SCHEMES = {"radau": RADAU, "gauss": GAUSS}
+ABOVE = 1.1  # times the least size, from which on a multiplier of Hill's problem has its counterpart in the monodromy's
+NEAREST = 0.5  # of the smallest multiplier, from which on those of half as many steps are taken to compare with it
 NOT_PERIODIC = (
     "the time steps repeat no motion of this period near the response, whose own multipliers these are: over slack "
     "cells they are not to be trusted; take other steps, or internal damping of the line"
@@ -31,10 +33,11 @@ NOT_PERIODIC = (
 class FloquetResult:
     """Multipliers (m,), largest first, complex; by the monodromy where it was asked for, else by Hill.
 
-    Of a line with more than ``leading.MAX_DENSE`` disturbances those above ``leading.FLOOR`` alone, at least the first.
+    Of a line with more than ``leading.MAX_DENSE`` disturbances all from the ``least_size`` on, each to a residual of
+    ``leading.TOLERANCE``; in any case the largest, and some that follow it, to ``leading.RELATIVE`` of their size.
     hill: those of Hill's problem, of a chain (m,) in the same order, of a line those (h,) whose series is long enough;
     difference: largest distance between the two, which estimates the error of the worse of them. Both are None with one
-    method alone, or where Hill has none.
+    method alone, or where Hill has none; the difference also where all of Hill's are next to the least size.
     constraints: how many multipliers of 1 were taken out that belong to rows which prescribe velocities, not positions.
     sideways (k,): of disturbances across the vertical plane of a line whose motion lies in it, else None.
     step_errors (m,): of a line, the distance of each multiplier from the nearest one of half as many steps; large ones
@@ -73,6 +76,7 @@ def floquet(
     scheme: str = "radau",
     out_of_plane: bool = True,
     has_step_errors: bool = True,
+    least_size: float = FLOOR,
 ) -> FloquetResult:
     """Return the Floquet multipliers of a PeriodicResponse, and whether it is stable.
 
@@ -81,6 +85,8 @@ def floquet(
     integration in the period. scheme: "radau" damps waves that the steps do not resolve, "gauss", of lines alone, does
     not: then all of a long line's waves are returned. out_of_plane: of a line in its vertical plane the sideways
     multipliers as well. has_step_errors: of a line, whether to take half as many steps, too, for ``step_errors``.
+    least_size: below 1, of the multipliers of a line that are wanted. What a period damps to a tenth decides nothing,
+    and with 0.1 the work is linear in the cells also of a fine mesh, which has many such waves alike.
     Hill's problem takes the harmonics of the response. Of a chain both work with dense matrices, for up to
     ``MAX_UNKNOWNS`` unknowns.
     Raises InputError for bad options, and for a chain that is too long.
@@ -91,40 +97,52 @@ def floquet(
         raise InputError(problem, field="response", value=response)
     one_of("scheme", scheme, tuple(SCHEMES))
     flags(out_of_plane=out_of_plane, has_step_errors=has_step_errors)
+    if positive_number("least_size", least_size, "(of a multiplier)") >= 1:
+        problem = f"{least_size:g} must be < 1: multipliers that grow are always wanted"
+        raise InputError(problem, field="least_size", value=least_size)
     if hasattr(response, "linearised_period"):
         one_of("method", method, ("both", "monodromy", "hill", "steps"))
-        return _of_line(response, method, steps, SCHEMES[scheme], out_of_plane, has_step_errors)
+        return _of_line(response, method, steps, SCHEMES[scheme], out_of_plane, has_step_errors, least_size)
     one_of("method", method, ("both", "monodromy", "hill"))
     return _of_chain(response, method, steps)
 
 
 # ---------------------------------------------------------------- lines of nodes and elements
-def _of_line(response, method, steps, scheme, out_of_plane, has_step_errors):
+def _of_line(response, method, steps, scheme, out_of_plane, has_step_errors, least_size):
     """Return the FloquetResult of a response of lines of nodes and elements."""
     (_, period), omega = response.last_period, response.basis.omega
     if method == "hill":
-        return FloquetResult(line_multipliers(response.hill_problem(), omega), period, 0)
+        return FloquetResult(line_multipliers(response.hill_problem(), omega, least_size), period, 0)
     is_plane = out_of_plane and len(response.system.fields) == 2
+    leading = lambda linearised: leading_eigenvalues(linearised, least_size).values
     linearised = response.linearised_period(steps, scheme)
     warnings: tuple[str, ...] = ()
     if method == "steps" or linearised.has_slack:
         orbit = response.stepped_orbit(steps)
         if orbit.is_periodic:
-            multipliers = leading_eigenvalues(orbit.linearised())
-            sideways = leading_eigenvalues(orbit.linearised(sideways=True)) if is_plane else None
-            return FloquetResult(multipliers, period, 0, sideways=sideways, by_time_steps=True)
+            sideways = leading(orbit.linearised(sideways=True)) if is_plane else None
+            return FloquetResult(leading(orbit.linearised()), period, 0, sideways=sideways, by_time_steps=True)
         warnings = (NOT_PERIODIC,)
-    multipliers = leading_eigenvalues(linearised)
+    multipliers = leading(linearised)
     del linearised  # its factors
     step_errors = None
     if has_step_errors:
-        coarser = leading_eigenvalues(response.linearised_period(max(1, steps // 2), scheme))
-        step_errors = _distances(multipliers, coarser)
-    sideways = leading_eigenvalues(response.linearised_period(steps, scheme, sideways=True)) if is_plane else None
-    by_hill = line_multipliers(response.hill_problem(), omega) if method == "both" and not warnings else np.empty(0)
-    hill = by_hill if by_hill.size else None
-    difference = None if hill is None else float(_distances(hill, multipliers).max())
+        coarser = response.linearised_period(max(1, steps // 2), scheme)
+        known = leading_eigenvalues(coarser, NEAREST * abs(multipliers).min()).values
+        step_errors = _distances(multipliers, known)
+    sideways = leading(response.linearised_period(steps, scheme, sideways=True)) if is_plane else None
+    hill = difference = None
+    if method == "both" and not warnings:
+        hill, difference = _compare_hill(response, multipliers, least_size)
     return FloquetResult(multipliers, period, 0, hill, difference, sideways, step_errors, False, warnings)
+
+
+def _compare_hill(response, multipliers, least_size):
+    """Return the multipliers of Hill's problem of a line and their largest distance from others, or None for each."""
+    hill = line_multipliers(response.hill_problem(), response.basis.omega, least_size)
+    clear = hill[abs(hill) >= ABOVE * least_size]
+    difference = float(_distances(clear, multipliers).max()) if clear.size else None
+    return (hill if hill.size else None), difference
 
 
 def _distances(values, others):

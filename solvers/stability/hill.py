@@ -23,6 +23,7 @@ SHIFTS = (0.1, 0.13, 0.17)  # of the frequency: exponents are sought about the f
 FIRST_COUNT, MAX_COUNT = 12, 200  # exponents that are sought at first, and at last
 TAIL = 1e-2  # share of a mode's energy in its last two harmonics, from which on the series is too short to count
 ARNOLDI_TOLERANCE = 1e-10  # of an exponent
+LEAST_SPACE = 40  # vectors of Arnoldi between restarts: with fewer the solves vary with the cells by a factor of two
 
 
 def hill_exponents(response) -> np.ndarray:
@@ -63,14 +64,14 @@ def _rate_blocks(residual, rows):
     return start[0], cells, end[0], border
 
 
-def line_multipliers(problem, omega) -> np.ndarray:
-    """Return the multipliers (m,) above ``FLOOR`` that the series of Hill's problem of a line resolve, largest first.
+def line_multipliers(problem, omega, least_size=FLOOR) -> np.ndarray:
+    """Return the multipliers (m,) from a size on that the series of Hill's problem of a line resolve, largest first.
 
     problem: has ``size``, inverse(sigma) and series(modes), as ``mooring.hill.LineHill``. Those exponents count that
     lie between -i omega / 2 and i omega / 2, whose modes have little energy in their last harmonics: modes much faster
     than the harmonics are not among them. By shift and invert, for more and more exponents about a real shift.
     """
-    least, start = omega * np.log(FLOOR) / (2 * np.pi), np.random.default_rng(0).normal(size=problem.size)
+    least, start = omega * np.log(least_size) / (2 * np.pi), np.random.default_rng(0).normal(size=problem.size)
     shifts = (shift * omega for shift in SHIFTS)
     with one_blas_thread():
         sigma, inverse = next((s, inverse) for s in shifts if (inverse := problem.inverse(s)) is not None)
@@ -88,7 +89,8 @@ def line_multipliers(problem, omega) -> np.ndarray:
 def _nearest(size, inverse, sigma, count, start):
     """Return the exponents (m,) nearest to a shift, and their modes; fewer than ``count`` where Arnoldi has no more."""
     try:
-        inverses, modes = eigs(LinearOperator((size, size), inverse, dtype=float), count, v0=start,
+        space = min(size, max(LEAST_SPACE, 2 * count + 1))
+        inverses, modes = eigs(LinearOperator((size, size), inverse, dtype=float), count, v0=start, ncv=space,
                                tol=ARNOLDI_TOLERANCE)  # fmt: skip
     except ArpackNoConvergence as error:
         inverses, modes = error.eigenvalues, error.eigenvectors

@@ -28,6 +28,7 @@ FOLD_STEP = 1e-6  # of the step over a fold, to which it is located: the square 
 LOCATION = 1e-9  # of the step, to which other special points are located
 NOISE = 1e-6  # multipliers so near the circle are on it: those of free phases, and of motions without damping
 REAL = 1e-3  # rad from 1 or -1, within which a multiplier on the circle is taken for real
+WANTED = 0.1  # size of multipliers from which on all are known at a point: what a period damps to it decides nothing
 LEAST_SIZE = 1e-300  # of a multiplier whose logarithm is taken
 JUMPS = 0.3  # share of the change of a multiplier over a step that a 64th of it may have: 1/64, or 1/8 of a root
 BISECTIONS = 6  # of a step in which a multiplier passes the circle, before its kind is determined
@@ -99,9 +100,9 @@ class CurveSegment:
         self.on_circle = min(int((_distance(values) <= NOISE).sum()) for values in (first, last))
 
     def growth_at(self, s, k) -> float:
-        """Return the logarithm of the size of the k-th largest multiplier at s."""
+        """Return the logarithm of the size of the k-th largest multiplier at s, or the least bound that is known."""
         sizes = abs(self.multipliers_at(s))
-        return float(np.log(max(sizes[k] if k < sizes.size else 0.0, LEAST_SIZE)))
+        return float(np.log(max(sizes[k] if k < sizes.size else sizes.min(initial=WANTED), LEAST_SIZE)))
 
 
 def _distance(multipliers):

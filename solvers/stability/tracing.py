@@ -26,7 +26,7 @@ from .continuation import (
     next_step,
 )
 from .floquet import floquet
-from .special_points import FOLD, CurveSegment, SpecialPoint, explain_doubt, locate_special_points
+from .special_points import FOLD, WANTED, CurveSegment, SpecialPoint, explain_doubt, locate_special_points
 
 INSTANTS_PER_SAMPLE = 4  # instants for each sample at which outputs are taken and a state must be valid
 AT_STOP = 1e-8  # of the range: a fold so near the stop is taken to lie there
@@ -250,7 +250,8 @@ class CurveTrace:
         """Return the multipliers of a response and those sideways of a planar one, each None where there are none."""
         if not self.has_stability:
             return None, None
-        result = floquet(response, method="monodromy", out_of_plane=out_of_plane, has_step_errors=False)
+        result = floquet(response, method="monodromy", out_of_plane=out_of_plane, has_step_errors=False,
+                         least_size=WANTED)  # fmt: skip
         return result.multipliers, result.sideways
 
     def _special_points(self, point, new, multipliers, error):

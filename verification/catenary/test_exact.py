@@ -211,12 +211,12 @@ def exact_near(case: SpanCase) -> SpanTruth:
     return exact_span(case, (state.H, state.V) if state.success and state.H > 0 else None)
 
 
-HALF = settings(  # of the examples of the run, for either family; shrinking at 40 ms an example would take minutes
-    max_examples=settings().max_examples // 2, phases=(Phase.explicit, Phase.reuse, Phase.generate)
+QUARTER = settings(  # of the examples of the run, for either family; shrinking at 40 ms an example would take minutes
+    max_examples=settings().max_examples // 4, phases=(Phase.explicit, Phase.reuse, Phase.generate)
 )
 
 
-@HALF
+@QUARTER
 @given(suspended_cases())
 def test_any_free_line_agrees_with_50_digits(case):
     """The force of any line without seabed is within 100 condition limits of the exact one."""
@@ -224,7 +224,7 @@ def test_any_free_line_agrees_with_50_digits(case):
     assert not misses, misses[0]
 
 
-@HALF
+@QUARTER
 @given(seabed_cases())
 def test_any_line_over_a_seabed_agrees_with_50_digits(case):
     """So is that of any line over a seabed, with friction or with a raised anchor."""

@@ -24,21 +24,21 @@ SAME_UNIT = 1e-4  # relative: a factor that a code has typed in five digits
 def list_conventions(case: Case, values: Mapping, bad) -> dict[str, tuple[str, dict]]:
     """Return name -> (what is done, quantity -> answer), for answers of which the quantities ``bad`` are not right."""
     truth = {name: np.asarray(case.truth[name], dtype=float) for name in bad}
-    found = {}
+    answers = {}
     if truth.keys() <= set(COMPONENTS):
-        found["H_for_V"] = ("Horizontal and vertical components are exchanged.", _exchange(case, truth))
+        answers["H_for_V"] = ("Horizontal and vertical components are exchanged.", _exchange(case, truth))
         opposite = {name: -value for name, value in truth.items()}
-        found["forces_reversed"] = ("Forces have the other sign: those of the line on what holds it.", opposite)
+        answers["forces_reversed"] = ("Forces have the other sign: those of the line on what holds it.", opposite)
     if truth.keys() == {"profile"} and case.level == "statics":
         ends, profile = [case.inputs["x"], case.inputs["z"]], truth["profile"]
-        found["profile_from_fairlead"] = ("The profile is measured from the fairlead.", {"profile": profile - ends})
-        found["profile_downwards"] = ("z of the profile is positive downwards.", {"profile": profile * [1.0, -1.0]})
+        answers["profile_from_fairlead"] = ("The profile is measured from the fairlead.", {"profile": profile - ends})
+        answers["profile_downwards"] = ("z of the profile is positive downwards.", {"profile": profile * [1.0, -1.0]})
     several = sum(np.count_nonzero(one) for one in truth.values()) > 1  # one number has a factor at any rate
     if truth.keys() <= set(FORCES) and several:
         factor = _factor(case, truth, values)
         if abs(abs(factor) - 1) > NO_UNIT:
-            found[f"forces_times_{factor:.4g}"] = (_unit(factor), {name: factor * one for name, one in truth.items()})
-    return found
+            answers[f"forces_times_{factor:.4g}"] = (_unit(factor), {name: factor * one for name, one in truth.items()})
+    return answers
 
 
 def _exchange(case: Case, truth: Mapping) -> dict:

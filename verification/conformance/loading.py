@@ -101,10 +101,10 @@ def _from_package(name: str, one: str) -> Adapter:
         module = importlib.import_module(name)
     except (Exception, SystemExit) as error:
         raise ImportError(f"{name}: cannot be imported: {type(error).__name__}: {error}") from error
-    found = getattr(module, one, None)
-    if not (inspect.isclass(found) and issubclass(found, Adapter)):
+    adapter_class = getattr(module, one, None)
+    if not (inspect.isclass(adapter_class) and issubclass(adapter_class, Adapter)):
         raise ImportError(f"{name}:{one}: is no class derived from verification.conformance.Adapter or Program")
-    return make_adapter(found, module)
+    return make_adapter(adapter_class, module)
 
 
 def _as_program(name: str) -> Adapter:

@@ -15,6 +15,9 @@ _STEPS = _LINES + "test_steps_are_of_their_order"
 _HILL_LINE = _LINES + "test_hill_and_monodromy_agree_on_a_line_in_small_motion"
 _SHORT = _LINES + "test_series_that_are_too_short_do_not_count"
 _LEADING = _LINES + "test_leading_eigenvalues_are_those_of_the_whole_matrix"
+_LARGEST = _LINES + "test_eigenvalues_from_a_larger_size_on_are_the_largest"
+_PERIODS = _LINES + "test_the_periods_of_a_point_do_not_grow_with_the_cells"
+_SOLVES = _LINES + "test_the_solves_of_hills_problem_do_not_grow_with_the_cells"
 _MAP = _LINES + "test_the_linearised_steps_are_the_derivative_of_the_steps"
 _SLACK = _LINES + "test_disturbances_over_slack_cells_follow_their_multiplier_in_time"
 _RINGING = _LINES + "test_multipliers_of_a_ringing_series_are_those_of_another_motion"
@@ -103,16 +106,34 @@ DEFECTS: tuple[Defect, ...] = (
         "exponents of series that their last harmonics cut off counted", _SHORT,
     ),
     _defect(
-        "leading-block-lost", "leading", "_block_arnoldi",
-        "H[m : m + BLOCK, last] = R",
-        "H[m : m + BLOCK, last] = 0.0", "term",
+        "hill-line-little-space", "hill", "",
+        "LEAST_SPACE = 40",
+        "LEAST_SPACE = 2", "tolerance",
+        "Arnoldi's method restarted so soon that it solves more often the finer the mesh", _SOLVES,
+    ),
+    _defect(
+        "leading-block-lost", "leading", "_extend",
+        "np.hstack([np.zeros((R.shape[0], H.shape[1])), R])",
+        "np.hstack([np.zeros((R.shape[0], H.shape[1])), 0 * R])", "term",
         "what a period adds to the known disturbances left out of their matrix", _LEADING,
     ),
     _defect(
         "leading-residual-unasked", "leading", "_block_arnoldi",
-        "(residual[wanted] <= TOLERANCE * scale).all()",
+        "exact >= wanted",
         "True", "tolerance",
         "the first block's values taken as they are", _LEADING,
+    ),
+    _defect(
+        "leading-first-not-awaited", "leading", "_block_arnoldi",
+        "max(1, int((abs(values) >= least_size).sum()))",
+        "int((abs(values) >= least_size).sum())", "tolerance",
+        "a largest multiplier below the least size taken as it comes", _LARGEST,
+    ),
+    _defect(
+        "small-multipliers-awaited", "tracing", "CurveTrace._all_multipliers",
+        "least_size=WANTED",
+        "least_size=1e-3", "tolerance",
+        "waves that a period damps awaited at each point, more of them the finer the mesh", _PERIODS,
     ),
     _mooring_defect(
         "period-velocity-not-scaled-back", "monodromy", "LinearisedPeriod.apply",
@@ -146,14 +167,14 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     _mooring_defect(
         "stages-neighbour-turned", "linearised_steps", "take_steps",
-        "multiply_add(from_first[step, 0, c], d[first], x[last])",
-        "multiply_add(from_first[step, 0, c], d[last], x[last])", "index",
+        "add_product(1.0, first_d, c, d, first, x, last)",
+        "add_product(1.0, first_d, c, d, last, x, last)", "index",
         "a node pulled by itself in place of its neighbour", _TONGUE,
     ),
     _mooring_defect(
         "columns-for-rows", "linearised_steps", "solve_columns",
-        "multiply_subtract(right[order.edge[a]], x[order.other[a]], column)",
-        "multiply_subtract(left[order.edge[a]], x[order.other[a]], column)", "index",
+        "add_product(-1.0, right, order.edge[a], x, order.other[a], column, 0)",
+        "add_product(-1.0, left, order.edge[a], x, order.other[a], column, 0)", "index",
         "the blocks of the columns for those of the rows on the way back", _MAP,
     ),
     _mooring_defect(
@@ -170,7 +191,7 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     _mooring_defect(
         "newmark-mass-left-out", "linearised_newmark", "take_newmark_steps",
-        "multiply_add(own[step, 1, i], acceleration[i], force[i])",
+        "add_product(1.0, mass, i, acceleration, i, force, i)",
         "pass", "term",
         "the inertia of the known acceleration left out", _MAP,
     ),

@@ -665,6 +665,7 @@ DEFECTS = (
             "_line_type",
             "values = {'w': cable.weight_in(environment), 'EA': EA, 'friction': friction}",
             "values = {'w': cable.weight_in(environment), 'EA': EA, 'friction': pressure}",
+            where="{'CIntDamp': pressure, 'Ca': Ca, 'Cdn': Cdn, 'Cdt': Cdt}",
         ),
         "index",
         "CIntDamp is read as CB",

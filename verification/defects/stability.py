@@ -18,6 +18,7 @@ _LINE = "stability/test_curve.py::test_a_line_ends_where_it_is_solved_directly -
 _STEPS = "stability/test_special_points.py::test_special_points_do_not_depend_on_the_steps -k '{}'"
 _MIRRORED = "stability/test_special_points.py::test_both_sides_of_a_broken_symmetry"
 _CHANGES = "stability/test_special_points.py::test_stability_changes_where_special_points_are"
+_JUMP = "stability/test_special_points.py::test_a_jump_from_below_what_is_known_is_a_jump"
 _DOUBLED = "stability/test_special_points.py::test_a_doubled_branch_leads_to_the_next_doubling"
 _CIRCLE = "stability/test_special_points.py::test_multipliers_that_stay_on_the_circle_pass_nothing"
 _RESUMED = "stability/test_resume.py::test_an_interrupted_curve_goes_on_bit_for_bit"
@@ -133,8 +134,13 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     _defect(
         "crossings-not-noticed", "special_points", "CurveSegment.growth_at",
-        "sizes[k] if k < sizes.size else 0.0", "0.5", "term",
+        "sizes[k] if k < sizes.size else sizes.min(initial=WANTED)", "0.5", "term",
         "multipliers that never grow", _CHANGES,
+    ),
+    _defect(
+        "unlisted-multiplier-is-zero", "special_points", "CurveSegment.growth_at",
+        "sizes.min(initial=WANTED)", "0.0", "regime",
+        "a multiplier below those that are known taken for zero, beside which every change is small", _JUMP,
     ),
     _defect(
         "multipliers-on-the-circle-counted", "special_points", "CurveSegment.set_multipliers",

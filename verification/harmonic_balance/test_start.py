@@ -327,7 +327,7 @@ def run(*works):
         thread.start()
     return threads
 
-found, first_is_in, second_is_in, first_is_out, end = [], *(threading.Event() for _ in range(4))
+counts, first_is_in, second_is_in, first_is_out, end = [], *(threading.Event() for _ in range(4))
 
 def first():
     with one_blas_thread():
@@ -341,17 +341,17 @@ def second():
     with one_blas_thread():
         second_is_in.set()
         first_is_out.wait()
-        found.append(count())
+        counts.append(count())
 
 def alone():
     with one_blas_thread():
-        found.append(count())
+        counts.append(count())
     with threadpool_limits(1):
-        found.append(count())
+        counts.append(count())
 
 before = count()
 with one_blas_thread():
-    found.append(count())
+    counts.append(count())
 try:
     with one_blas_thread():
         raise ValueError
@@ -362,7 +362,7 @@ assert count() == before
 run(first, second)[1].join()
 after = count()
 end.set()
-print(before == after, [one <= {1} for one in found])  # none where no library can be told
+print(before == after, [one <= {1} for one in counts])  # none where no library can be told
 """
 
 

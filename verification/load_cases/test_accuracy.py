@@ -90,8 +90,8 @@ def test_a_sample_that_errs_is_told():
 
     result = accuracy.measure_accuracy(rows, table, Accuracy(0.04, 0.04), run)
     assert (result.within, result.sampled) == (3, 4)
-    found = made_of(0.2, 40).lines[0].maximum / made_of(0.1, 80, of_mesh=0.0).lines[0].maximum - 1
-    assert result.measured == pytest.approx(4 / 3 * found, rel=1e-9)
+    change = made_of(0.2, 40).lines[0].maximum / made_of(0.1, 80, of_mesh=0.0).lines[0].maximum - 1
+    assert result.measured == pytest.approx(4 / 3 * change, rel=1e-9)
 
 
 def test_pilots_are_the_fastest_and_the_widest():

@@ -13,10 +13,11 @@ import pytest
 from solvers import Motion, Scene, mooring_system, solve_time_domain
 
 DATA = files("reference_data")
-CELLS, STEPS, PERIODS, RAMP, COUNTED = 50, 400, 10, 3, 3
-MEAN_DEVIATION = 0.05  # of a few maxima: codes in the literature are 3 % off all of them in the mean, 6 % off one
+CELLS, PERIODS, RAMP, COUNTED = 50, 10, 3, 3
+CHAIN_CELLS, CHAIN_STEPS = 100, 800  # with half of each, maxima of the laboratory chain differ by up to 0.7 %
+DEVIATION = 0.06  # of a measured maximum: within what a first model of this kind kept each, before this one was run
 ACCEPTED = 0.15  # rms over the range: what the repository of OrcaFlex's histories accepts in its own test
-CONDITIONS = ("T1.25_R0.200", "T2.00_R0.125", "T3.00_R0.075", "T3.00_R0.200")
+SNAPPING = ("T1.25_R0.200", "T3.00_R0.200")
 
 
 def table(name, file="data.csv"):
@@ -46,28 +47,29 @@ def test_the_laboratory_scene_is_the_line_of_its_source():
     for name in ("diameter", "mass_per_length", "submerged_weight", "EA", "Ca", "Cdn"):
         assert getattr(case.cable, name) == line[name], name
     assert case.cable.Cdt == pytest.approx(line["drag_along"] / np.pi, rel=1e-3)
+    assert case.friction == (line["friction"],)
     assert (case.length, case.environment.rho) == (line["length"], line["rho"])
     assert np.subtract(case.fairlead, case.anchor)[[0, 2]] == pytest.approx(line["span"], abs=1e-12)
 
 
-def mean_deviation(turn):
-    """Mean size of computed over measured less 1, over CONDITIONS; turn: which way the circle is turned."""
+def greatest_deviation(turn, names):
+    """Greatest size of computed over measured less 1, over conditions; turn: which way the circle is turned."""
     rows = {row["name"]: {key: float(row[key]) for key in ("period", "radius", "maximum")}
             for row in table("laboratory_chain")[0]}  # fmt: skip
     case, deviations = scene("laboratory_chain"), []
-    for row in (rows[name] for name in CONDITIONS):
+    for row in (rows[name] for name in names or rows):
         period, radius = row["period"], row["radius"]
         motion = Motion(1 / period, [[turn * radius, 0.0, 0.0]], [[0.0, 0.0, radius]])
-        system = mooring_system(case, CELLS, motion=motion)
-        history = solve_time_domain(system, dt=period / STEPS, periods=PERIODS, ramp=RAMP * period)
-        tension = np.linalg.norm(history.fairlead_force, axis=0)[-COUNTED * STEPS :]
-        deviations.append(tension.reshape(COUNTED, STEPS).max(axis=1).mean() / row["maximum"] - 1)
-    return np.mean(np.abs(deviations))
+        system = mooring_system(case, CHAIN_CELLS, motion=motion)
+        history = solve_time_domain(system, dt=period / CHAIN_STEPS, periods=PERIODS, ramp=RAMP * period)
+        tension = np.linalg.norm(history.fairlead_force, axis=0)[-COUNTED * CHAIN_STEPS :]
+        deviations.append(tension.reshape(COUNTED, CHAIN_STEPS).max(axis=1).mean() / row["maximum"] - 1)
+    return np.max(np.abs(deviations))
 
 
-def test_the_laboratory_chain_is_met():
-    """Measured maxima of a chain that snaps are met at one setting, nothing fitted; not so the circle turned round."""
-    assert mean_deviation(1) < MEAN_DEVIATION < mean_deviation(-1)
+def test_each_maximum_of_the_laboratory_chain_is_met():
+    """All measured maxima of a chain that snaps are met at one setting, nothing fitted; not so the circle turned."""
+    assert greatest_deviation(1, None) < DEVIATION < greatest_deviation(-1, SNAPPING)
 
 
 def fairlead_rms(name, stretch=1.0):

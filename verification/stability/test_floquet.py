@@ -150,6 +150,8 @@ def test_inputs_are_checked():
         ({"scheme": "euler"}, r"scheme.*'euler'"),
         ({"steps": 0}, r"steps.*whole number"),
         ({"out_of_plane": 1}, r"out_of_plane.*True or False"),
+        ({"least_size": 0.0}, r"least_size.*must be > 0"),
+        ({"least_size": 1.5}, r"least_size.*1.5 must be < 1: multipliers that grow are always wanted"),
     ):
         with pytest.raises(InputError, match=message):
             floquet(response, **options)

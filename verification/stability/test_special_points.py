@@ -22,6 +22,7 @@ from solvers.stability.continuation import Tracer
 from solvers.stability.special_points import (
     BRANCH_POINT,
     FOLD,
+    JUMP,
     NEIMARK_SACKER,
     PERIOD_DOUBLING,
     BranchTest,
@@ -203,6 +204,18 @@ def test_multipliers_that_stay_on_the_circle_pass_nothing():
     segment = CurveSegment(tracer, at(3), at(4), lambda point: np.array([1 + 1e-9, 0.5]))
     segment.set_multipliers(np.array([1 - 1e-8, 0.5]), np.array([1 + 1e-8, 0.5]))
     assert locate_special_points(segment, True) == []
+
+
+def test_a_jump_from_below_what_is_known_is_a_jump():
+    """A multiplier that is too small to be listed where the step begins, then 0.5, jumps over the circle to 1.05."""
+    curve = curve_of("escape")
+    tracer, at = _tracer_and_points(curve)
+    first, last = at(3), at(4)
+    share = lambda point: (point.value - first.value) / (last.value - first.value)
+    listed = lambda point: np.array([1.2, 0.5 if share(point) < 0.6 else 1.05][: 1 if share(point) < 0.3 else 2])
+    segment = CurveSegment(tracer, first, last, listed)
+    segment.set_multipliers(listed(first), listed(last))
+    assert [kind for kind, *_ in locate_special_points(segment, True)] == [JUMP]
 
 
 # ---------------------------------------------------------------- a field that a curve leaves at rest

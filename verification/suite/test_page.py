@@ -480,7 +480,7 @@ from pathlib import Path
 from reports.evidence.claim_map import CLAIM_MAP
 from reports.page.section import Inputs
 names = dict.fromkeys(CLAIM_MAP.needs)
-laboratory = {"mean_absolute": float(sys.argv[2]), "rows": [1]}
+laboratory = {"greatest": float(sys.argv[2]), "band": 0.06, "rows": [1]}
 inputs = Inputs(names | {"mooring": {"laboratory": laboratory}}, {}, Path(), Path(sys.argv[1]), {}, [])
 for row in CLAIM_MAP.build(inputs).context["claim_map"].rows:
     print(row["kind"], row["value"], row["within"], sep="; ")

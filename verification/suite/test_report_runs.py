@@ -397,6 +397,22 @@ def test_a_picture_that_fails_stops_the_page(tmp_path, bad, code):
     assert ("ZeroDivisionError" in run.stderr) == (code == 1)
 
 
+SECTIONS = """
+import signal
+from reports.drawing import background
+
+signal.signal(signal.SIGTERM, signal.default_int_handler)  # as the program has it
+for _ in range(20):
+    assert background.for_each(lambda i: i, 4) == [0, 1, 2, 3]
+"""
+
+
+def test_processes_end_without_a_word():
+    """Those that build sections are ended when all is built, and show no traceback of that."""
+    run = python(SECTIONS)
+    assert (run.returncode, run.stderr) == (0, "")
+
+
 # ---------------------------------------------------------------- what cannot be done
 SCENE = "reference_data/scenes/shallow_chain.toml"
 
@@ -559,6 +575,9 @@ RUNS = {
 }
 
 
+LOADED = ("verification/conftest.py", "verification/conformance/plugin.py")  # by pytest, by itself
+
+
 def closure(*roots: str) -> set[str]:
     """What the report takes a result to depend on."""
     code = "from reports.pipeline.sources import *; import sys, json; print(json.dumps(depends_on(sys.argv[1:])))"
@@ -581,7 +600,7 @@ def test_every_file_that_is_used_is_one_that_the_result_depends_on(request, tmp_
     run = python(USED, program, *arguments, *out)
     used, code = run.stdout.splitlines()[-2:]
     assert code.endswith("0"), run.stdout + run.stderr
-    words = (program.replace(".", "/") + ".py", *arguments, "verification/conftest.py")
+    words = (program.replace(".", "/") + ".py", *arguments, *(LOADED if program == "pytest" else ()))
     files = [word for word in words if (ROOT / word).is_file()]
     assert set(json.loads(used)) <= closure(*files)
     strange = set(json.loads(used)) - closure("benchmarks/run/machine.py")

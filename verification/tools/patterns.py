@@ -7,7 +7,7 @@ import builtins
 import textwrap
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, lru_cache
 
 _FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
 _DEFINITIONS = (*_FUNCTIONS, ast.ClassDef)
@@ -43,6 +43,7 @@ def same_code(one: str, other: str) -> bool:
     return ast.dump(codes[0]) == ast.dump(codes[1])
 
 
+@lru_cache(64)  # faults are planted in one text many times
 def module_syntax(source: bytes) -> tuple[str, ...]:
     """Return the syntax of each statement of a module, without layout and comments. Raises SyntaxError.
 
