@@ -261,6 +261,16 @@ def test_few_that_count_take_few_disturbances():
     assert sum(taken) <= 4 * period.columns
 
 
+@pytest.mark.parametrize(("turn", "listed"), [(0.0, 6), (0.25, 7)], ids=["real", "pair"])
+def test_eigenvalues_that_follow_the_wanted_ones_are_whole_pairs(turn, listed):
+    """Six are returned where five are wanted, or seven where the sixth has a conjugate."""
+    matrix = np.diag([0.9, 0.8, 0.7, 0.6, 0.5, 0.3, 0.3 if turn else 0.2, *[1e-9] * 393])
+    matrix[5, 6], matrix[6, 5] = turn, -turn
+    values = leading_eigenvalues(SimpleNamespace(size=400, columns=12, apply=lambda x: matrix @ x), 0.45).values
+    assert values.size == listed and values[:5] == pytest.approx(np.diag(matrix)[:5], abs=ARNOLDI)
+    assert abs(values[5:].imag) == pytest.approx([turn] * (listed - 5), abs=ARNOLDI)
+
+
 @pytest.mark.parametrize(("amplitude", "sideways"), [(2.0, False), (3.0, False), (3.0, True)])
 def test_eigenvalues_from_a_larger_size_on_are_the_largest(amplitude, sideways):
     """Of 90 cells with a least size of 0.1: all from there on, at least the first, and no gap in those that follow."""
