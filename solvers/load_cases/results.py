@@ -149,7 +149,7 @@ def _extreme(tension, duration, reference_time) -> tuple[tuple, list[str]]:
     peaks = find_peaks(tension)
     peaks = peaks[peaks > 0]
     expected = peaks.size * reference_time / duration
-    if peaks.size < FEWEST_PEAKS or np.ptp(peaks) == 0 or expected <= math.e:
+    if peaks.size < FEWEST_PEAKS or expected <= math.e:
         return (None, None, None), [f"extreme: {peaks.size} peaks tell nothing of it: a longer duration"]
     if np.ptp(peaks) <= EQUAL_PEAKS * peaks.max():
         return (None, None, None), ["extreme: all peaks are equal: the motion is regular"]

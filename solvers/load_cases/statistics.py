@@ -113,7 +113,5 @@ def damage_equivalent_load(series, duration: float, exponent: float) -> float:
         return 0.0
     ranges, counts = np.array(counted).T
     largest = ranges.max()
-    if largest == 0:
-        return 0.0
     damage = counts @ (ranges / largest) ** exponent / (duration * REFERENCE_FREQUENCY)
     return float(largest * damage ** (1 / exponent))

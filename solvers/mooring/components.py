@@ -129,12 +129,9 @@ def merge_responses(system, responses):
     z = np.empty((len(system.axes), system.nodes, worst.basis.harmonic.size))
     for part, response in zip(system.components, responses, strict=True):
         z[:, part.nodes] = response.z
-    coarse = None
-    if all(getattr(response, "coarse", None) is not None for response in responses):
-        coarse = merge_responses(system.coarser()[0], [response.coarse for response in responses])
     counts = {name: sum(getattr(r, name) for r in responses) for name in ("iterations", "coarse_iterations")}
     norm = max(response.residual_norm for response in responses)
-    return replace(worst, system=system, z=z, residual_norm=norm, coarse=coarse, **counts)
+    return replace(worst, system=system, z=z, residual_norm=norm, **counts)
 
 
 def merge_states(system, states):

@@ -9,6 +9,7 @@ import pytest
 from scipy.integrate import quad
 
 from solvers import InputError
+from solvers.common import irregular_motion
 from solvers.common.irregular_motion import FEW_TIMES, IrregularMotion
 from solvers.common.sea_state import ResponseOperators, SeaState
 from solvers.common.spectrum import HIGHEST, Spectrum, usual_gamma
@@ -63,6 +64,7 @@ def test_moments_of_lines_are_exact():
     made = Spectrum([0.1, 0.2, 0.4], [0.0, 3.0, 1.0])
     assert made.moment(0) == pytest.approx(0.15 + 0.4, rel=EXACT)
     assert made.moment(0, lowest=0.15, highest=0.3) == pytest.approx((1.5 + 3) / 2 * 0.05 + 2.5 * 0.1, rel=EXACT)
+    assert made.moment(0, lowest=0.1, highest=0.4) == made.moment(0)  # the ends themselves
     square = sum(quad(lambda f: f * f * made.at(f), a, b)[0] for a, b in ((0.1, 0.2), (0.2, 0.4)))
     assert made.moment(2) == pytest.approx(square, rel=1e-10)  # of the quadrature
 
@@ -70,20 +72,28 @@ def test_moments_of_lines_are_exact():
 WAYS = {
     "few times": np.linspace(0.0, 700.0, FEW_TIMES),
     "one transform": 0.25 * np.arange(2 * 2920 + 7),  # more than two times of repetition
-    "one transform, later": 11.1 + 0.25 * np.arange(3000),
+    "one transform, later": 1011.1 + 730.0 / 2999 * np.arange(3000),  # 2999 such steps are 730 s but for rounding
     "products": 0.3 + 0.211 * np.arange(3000),
     "uneven": np.sort(np.random.default_rng(3).uniform(0, 900.0, 500)),
 }
 
 
-@pytest.mark.parametrize("t", WAYS.values(), ids=WAYS)
-def test_every_way_gives_the_sum(t):
-    """Displacement, velocity and acceleration are the sum and its complex-step derivatives, however they are summed."""
+@pytest.mark.parametrize(("way", "t"), WAYS.items(), ids=WAYS)
+def test_every_way_gives_the_sum(way, t, monkeypatch):
+    """Displacement, velocity and acceleration are the sum and its complex-step derivatives, however they are summed.
+
+    And it is the way named: on even times the sum as it stands would take minutes for a long sea.
+    """
+    called = []
+    for name in ("_transform", "_multiply_blocks"):
+        function = getattr(irregular_motion, name)
+        monkeypatch.setattr(irregular_motion, name, lambda *a, f=function, n=name: [called.append(n), f(*a)][1])
     chosen = np.unique(np.linspace(0, t.size - 1, 40).astype(int))
     angle = 2 * math.pi / 730.0 * np.outer(np.arange(1, 901), t[chosen])
     expected = MOTION.amplitude.real.T @ np.cos(angle) - MOTION.amplitude.imag.T @ np.sin(angle)
     r, v, a = MOTION.trajectory(t)
     assert abs(r[:, chosen] - expected).max() <= SUMS * abs(expected).max()
+    assert called == {"one": ["_transform"], "products": ["_multiply_blocks"]}.get(way.split()[0], [])
     assert abs(MOTION.velocity(t) - v).max() <= SUMS * abs(v).max()
     for value, rate in ((MOTION.displacement, v), (MOTION.velocity, a)):
         slope = value(t[chosen] + 1j * STEP).imag / STEP
@@ -132,6 +142,7 @@ def test_operators_scale_and_lead():
     six = np.concatenate([motion.translation.amplitude[k], motion.rotation.amplitude[k]])
     assert six == pytest.approx(TABLE_OF_OPERATORS[1, i] * waves[k], rel=1e-9)  # rounding of 0.1
     assert motion.reference == (1.0, 2.0, -3.0) and motion.sea is sea
+    assert sea.frequency == pytest.approx(np.arange(1, 601) / 1000.0)  # as far as the operators, not a line more
 
 
 def test_operators_between_headings_go_round():
@@ -141,6 +152,8 @@ def test_operators_between_headings_go_round():
     assert (OPERATORS.at(f, -30.0) == OPERATORS.at(f, 330.0)).all()
     mean = (OPERATORS.at(f, 0.0) + OPERATORS.at(f, 90.0)) / 2
     assert OPERATORS.at(f, 45.0) == pytest.approx(mean, rel=EXACT)
+    one = ResponseOperators(FREQUENCY, TABLE_OF_OPERATORS[:1], [30.0])
+    assert (one.at(f, 390.0 + 1e-10) == OPERATORS.at(f, 0.0)).all()  # one heading alone: to the rounding of degrees
     assert (OPERATORS.at([0.7], 0.0) == 0).all() and (OPERATORS.at([0.001], 0.0) == OPERATORS.at([0.02], 0.0)).all()
 
 
@@ -155,6 +168,7 @@ BAD = [
     (lambda: IrregularMotion(0.0, [[1.0, 2.0, 3.0]]), "repeats_after: 0 s"),
     (lambda: IrregularMotion(9.0, [[1.0, np.nan, 3.0]]), "amplitude[0, 1]"),
     (lambda: ResponseOperators([0.1, 0.2], np.ones((2, 2, 6))), "(1, 2, 6)"),
+    (lambda: ResponseOperators([0.1, 0.1], np.ones((1, 2, 6))), "frequency: must be one row of increasing numbers"),
     (lambda: OPERATORS.at([0.1], math.nan), "heading"),
     (lambda: ResponseOperators([0.1, 0.2], np.ones((1, 2, 6)), [30.0]).at([0.1], 31.0), "31 degrees"),
     (lambda: SeaState(Spectrum.jonswap(1.0, 8.0), ResponseOperators([0.1, 0.2], np.ones((1, 2, 6))), 1, 60.0),
@@ -182,5 +196,6 @@ def test_operators_that_end_at_rest_lose_nothing():
     assert SeaState(sea, ResponseOperators(frequency, table), 1, 600.0).motion().translation is not None
     table[0, -1, 0] = 0.02
     assert not ResponseOperators(frequency, table).ends_at_rest
-    with pytest.raises(InputError, match=r"of the energy of the waves lies above 0\.15 Hz"):
+    lost = f"{100 * sea.moment(0, lowest=0.15) / sea.moment(0):.2g} %"
+    with pytest.raises(InputError, match=rf"{lost} of the energy of the waves lies above 0\.15 Hz"):
         SeaState(sea, ResponseOperators(frequency, table), 1, 600.0)

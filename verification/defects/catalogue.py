@@ -189,7 +189,7 @@ _FILES = {
     "mooring.samples": ("mooring/test_periodic.py", "mooring/test_network.py"),
     "mooring.harmonic": ("mooring/test_periodic.py", "mooring/test_layout.py", "mooring/test_network.py"),
     "mooring.history": ("mooring/test_slack.py", "mooring/test_time_domain.py", "mooring/test_periodic.py"),
-    "mooring.diagnostics": ("mooring/test_periodic.py",),
+    "mooring.diagnostics": ("mooring/test_periodic.py", "io/test_plausibility.py"),
     **dict.fromkeys(
         (
             "catenary.span",
@@ -273,7 +273,8 @@ _FILES = {
         ("common.motion", "common.motion_arrays"),
         ("common/test_motion.py", "io/test_scene.py", "time_domain/test_solve.py"),
     ),
-    **dict.fromkeys(("io.keys", "io.schema"), ("io/test_schema.py",)),
+    "io.keys": ("io/test_schema.py", "io/test_case_file.py"),
+    "io.schema": ("io/test_schema.py",),
     "io.map_writer": ("io/test_map_writer.py",),
     "io.plausibility": ("io/test_plausibility.py",),
     "io.motion_file": ("io/test_motion_file.py",),
@@ -301,7 +302,7 @@ _FILES = {
         ("stability/test_curve.py", "stability/test_resume.py", "stability/test_special_points.py"),
     ),
     "stability.special_points": ("stability/test_special_points.py", "stability/test_known_curves.py"),
-    "stability.switching": ("stability/test_special_points.py",),
+    "stability.switching": ("stability/test_special_points.py", "stability/test_resume.py"),
     "stability.adaptivity": ("stability/test_resume.py",),
     "io.curve_file": ("stability/test_resume.py",),
     **dict.fromkeys(

@@ -12,7 +12,7 @@ from solvers import BodyMotion, InputError, Scene
 from solvers.common.load_case import RAMP
 from solvers.common.sea_state import SeaMotion, SeaState
 from solvers.io import load_network
-from solvers.io.case_file import describe_columns, load_system, read_load_cases, read_records, write_rows
+from solvers.io.case_file import describe_columns, load_case_of, load_system, read_load_cases, read_records, write_rows
 from solvers.io.keys import CASES
 from solvers.io.sea_file import load_response_operators, load_spectrum
 from verification import ROOT
@@ -42,9 +42,14 @@ def test_operators_arrive_in_radians(folder):
 
 
 def test_operators_of_headings_and_periods(folder):
-    """Rows of any order, periods in s in place of frequencies."""
+    """Rows of any order, periods in s in place of frequencies; the steepest roll and a whole turn, as they are rounded.
+
+    0.322 rad/m at 0.1 Hz is 8 times the slope of the wave, (2 pi 0.1)^2 / 9.80665.
+    """
     path = folder / "headings.csv"
-    path.write_text("heading,period,heave\n90,10,0.3\n0,10,0.1\n0,5,0.2\n90,5,0.4\n")
+    path.write_text(
+        "heading,period,heave,roll,roll_phase\n90,10,0.3,0.3,6.283186\n0,10,0.1,0,0\n0,5,0.2,0,0\n90,5,0.4,0,0\n"
+    )
     made = load_response_operators(path)
     assert made.frequency == pytest.approx([0.1, 0.2]) and made.heading.tolist() == [0, 90]
     assert made.operators[:, :, 2].real.tolist() == [[0.1, 0.2], [0.3, 0.4]]
@@ -68,6 +73,15 @@ def test_motion_from_a_spectrum(folder, kind):
     assert motion.reference == (0.0, 0.0, -10.0 if kind == "network" else 0.0)
     assert motion.sea.spectrum.significant_height == pytest.approx(3.0)
     assert isinstance(load_system(path), type(load_network(path) if kind == "network" else Scene.load(path)))
+
+
+def test_the_sea_of_a_system_is_a_case(folder):
+    """Over the time after which its waves repeat, after a ramp; a system without one is refused."""
+    system = load_system(folder / "moving.toml")
+    case = load_case_of(system)
+    assert case.motion is system.motion.sea and (case.name, case.duration) == ("Hs 3 m, seed 4", 600.0)
+    with pytest.raises(InputError, match="is no sea: give a table of load cases"):
+        load_case_of(load_system(folder / "still.toml"))
 
 
 def test_rows_become_cases(folder):
@@ -103,6 +117,7 @@ ROWS = [
     ("duration,Hs,Tp,seed\n600,6,9\n", ":2: 3 values where there are 4 columns"),
     ("duration,Hs,Tp,seed,surge\n600,6,9,1,2\n", "given: a sea and a regular motion"),
     ("duration,surge\n600,2\n", "period: None s must be > 0"),
+    ("duration,period,surge\n600,0,2\n", "period: 0.0 s must be > 0"),
     ("duration,name\n600,x\n", "given: none"),
     ("duration,Hs,Tp,seed,operators\n600,6,9,1,none.csv\n", "none.csv: cannot be read"),
     ("duration,motion\n600,none.csv\n", "none.csv: cannot be read"),
@@ -134,6 +149,8 @@ FILES = [
     (load_spectrum, "frequency\n0.1\n", "has no column 'density'"),
     (load_spectrum, "frequency,density\n0.1,1\n0.1,2\n", "must increase"),
     (load_response_operators, "frequency,surge\n0.1,-1\n", "its sign belongs to surge_phase"),
+    (load_response_operators, "frequency,surge,surge_phase\n0.1,1,6.2832\n", "6.2832 rad is more than a turn"),
+    (load_response_operators, "frequency,roll\n0.1,0.33\n", "roll: 0.33 rad/m at 0.1 Hz"),
     (load_response_operators, "surge\n1\n", "either frequency (Hz) or period (s)"),
     (load_response_operators, "period,surge\n0,1\n", "period: 0 s must be > 0"),
     (load_response_operators, "heading,frequency\n0,0.1\n0,0.2\n90,0.1\n", "each heading takes the same frequencies"),
@@ -198,6 +215,7 @@ def test_every_column_is_described_and_read(folder):
     lines = dict(line.split(": ", 1) for line in describe_columns().splitlines())
     assert [name.partition(" (")[0] for name in lines] == list(CASES)
     assert "Hs (m)" in lines and "pitch_deg (degrees)" in lines and "seed" in lines
+    assert f"; {RAMP:g} where it is empty." in lines["ramp (s)"]
     path = folder / "cases.csv"
     for name, key in CASES.items():
         path.write_text(f"{name}\nword\n")

@@ -104,6 +104,7 @@ def test_every_column_arrives(tmp_path):
     assert (environment.rho, environment.g, environment.depth) == (1025.0, 9.81, 320.0)
     assert environment.seabed_stiffness == pytest.approx(3e6 * 0.09, rel=1e-15)  # of the thicker line
     assert environment.seabed_damping == pytest.approx(3e5 * 0.09, rel=1e-15)
+    assert load_moordyn(written(tmp_path, OC3 + "as sent\nby the yard\non Monday\n")) == network  # after its end
 
 
 def test_damping_is_a_time_whichever_way_it_is_given(tmp_path):

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import re
+import runpy
+import sys
 import tomllib
 from importlib.resources import files
 from pathlib import Path
@@ -115,13 +117,17 @@ def test_the_usual_name_leads_to_the_key(table, key, likely):
         keys.check_keys(f"[{table}]", {key: 1.0}, keys.SCENE[table])
 
 
-def test_the_command_says_what_it_does(tmp_path, capsys):
+def test_the_command_says_what_it_does(tmp_path, capsys, monkeypatch):
     """--help writes nothing, a folder that is not there is named, and one that is there gets both files."""
     with pytest.raises(SystemExit) as end:
         schema.main(["--help"])
-    assert end.value.code == 0 and "scene.schema.json" in capsys.readouterr().out
+    said = " ".join(capsys.readouterr().out.split())
+    assert end.value.code == 0 and "scene.schema.json" in said and schema.__doc__.splitlines()[0] in said
     with pytest.raises(SystemExit) as end:
         schema.main([str(tmp_path / "none")])
     assert end.value.code == 2 and "there is no such folder" in capsys.readouterr().err
-    assert schema.main([str(tmp_path)]) == 0
+    monkeypatch.setattr(sys, "argv", ["schema", str(tmp_path)])
+    with pytest.warns(RuntimeWarning, match="found in sys.modules"):  # it is imported above
+        runpy.run_module("solvers.io.schema", run_name="__main__")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["network.schema.json", "scene.schema.json"]
+    assert schema.main([str(tmp_path)]) == 0

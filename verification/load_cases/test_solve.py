@@ -9,9 +9,10 @@ import signal
 import subprocess
 import sys
 import time
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import BrokenExecutor, Executor, ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
+from importlib.machinery import SourceFileLoader
 
 import numpy as np
 import pytest
@@ -34,10 +35,11 @@ from solvers.common.load_case import LoadCase
 from solvers.common.sea_state import SeaState
 from solvers.common.spectrum import Spectrum
 from solvers.io.case_file import read_records
-from solvers.load_cases import CaseResult, integration, solve_load_cases
+from solvers.load_cases import Accuracy, CaseResult, integration, solve_load_cases
 from solvers.load_cases.envelope import find_envelopes
-from solvers.load_cases.fingerprint import fingerprint
+from solvers.load_cases.fingerprint import _sources, fingerprint
 from solvers.load_cases.integration import CHUNK, integrate_case
+from solvers.load_cases.solve import MOST_RESTARTS
 from verification import ROOT
 
 from ..exact.gaussian import narrow_band_load, rayleigh_extreme
@@ -46,6 +48,7 @@ from .systems import CATENARY, CHAIN, OVER_SEABED, SURGE, TAUT, TWO_LINES, sea_c
 LINEAR = 0.02  # relative: inertia and drag of a light rope that is moved slowly, and its second order in the motion
 ERRORS = 3.5  # standard errors of an average: once in two thousand
 ROUNDING = 1e-9  # relative: chunks of steps begin with a new factorisation, and Newton stops at 1e-4 of a change
+SAME = 1e-9  # relative, of the same numbers by another sum
 NEWTON = 1e-3  # of a change of tension: two iterations that each stop at 1e-4 of it, over many steps
 NEWTON_SHARE = 0.1  # of the error of a step: a tolerance of 1 leaves 0.12 to 0.22
 JOINT = 0.02  # of the tension at a joint, between the ends of two sections: weight and inertia of the node
@@ -104,6 +107,18 @@ def test_a_row_is_what_time_stepping_gives(system, monkeypatch):
         assert 20 < kept.grounded.min() < kept.grounded.max() < 200
 
 
+def test_a_cell_that_crosses_the_seabed_counts_in_proportion():
+    """Its part below the surface lies, one that ends at the surface as a whole; a cell shorter than itself is slack."""
+    line = mooring_system(CATENARY, 4, mesh="uniform").line
+    assert line.floor == -50.0 and (line.length == 55.0).all()
+    heights = np.array([[-0.5, -0.5, 0.0, 0.5, 1.0], [-0.5, 0.25, 0.5, 1.0, 2.0]])
+    r = np.stack([np.broadcast_to(60.0 * np.arange(5.0), (2, 5)), heights - 50.0], axis=-1)
+    r[1, :, 0] *= 0.9  # cells of 54 m
+    grounded, slack = np.empty(2), np.empty(2, dtype=bool)
+    integration.observe(line, np.arange(4), r, np.zeros_like(r), grounded, slack)
+    assert grounded == pytest.approx([110.0, 55.0 * 0.5 / 0.75], rel=SAME) and slack.tolist() == [False, True]
+
+
 @pytest.mark.parametrize("system", [CATENARY, TWO_LINES, TAUT], ids=["line", "network", "taut"])
 def test_one_iteration_of_a_step_is_enough(system, monkeypatch):
     """What Newton's method leaves at the tolerance of load cases is small beside the error of the step itself."""
@@ -135,14 +150,12 @@ def test_a_rough_seabed_sustains_no_oscillation():
     assert one.iterations <= FEW * case.whole_duration / 0.09
 
 
-SAME = 1e-9  # relative, of the same numbers by another sum
-
-
 @pytest.mark.parametrize("system", [CATENARY, TWO_LINES], ids=["line", "network"])
-def test_extremes_along_the_lines_are_those_of_the_history(system):
+def test_extremes_along_the_lines_are_those_of_the_history(system, monkeypatch):
     """Least, mean and greatest tension of each cell, and the places of its nodes, against stored time steps."""
+    monkeypatch.setattr(integration, "CHUNK", 100)  # of 250 steps: the states come in three parts
     case = LoadCase("surge", BodyMotion.harmonic(0.1, (1.5, 0, 0, 0, 0, 0)), 40.0, 10.0)
-    lines = find_envelopes(system, case, **SETTING, times=[0.2, 7.4])
+    lines = find_envelopes(system, case, **SETTING, times=[0.2, 7.4, 40.0])
     history = solve_time_domain(mooring_system(system, SETTING["cells"], mesh="touchdown", motion=case.motion),
                                 dt=0.2, duration=50.0, ramp=10.0)  # fmt: skip
     series = integrate_case(system, case, **SETTING)
@@ -152,7 +165,7 @@ def test_extremes_along_the_lines_are_those_of_the_history(system):
         for name, value in (("low", after.min(axis=1)), ("mean", after.mean(axis=1)), ("high", after.max(axis=1))):
             assert getattr(line, name) == pytest.approx(value, rel=NEWTON), name
         assert line.s.size == after.shape[0] and 0 < line.s[0] < line.s[-1] < 220.0
-        for pose, step in zip(line.poses, (52, 88), strict=True):
+        for pose, step in zip(line.poses, (52, 88, 250), strict=True):
             np.testing.assert_allclose(pose, element.r[..., step], rtol=0, atol=NEWTON * 220.0)
         ends = [line.rest[:, 0], line.rest[:, -1]]
         wanted = [system.anchor, system.fairlead] if system is CATENARY else None
@@ -160,7 +173,10 @@ def test_extremes_along_the_lines_are_those_of_the_history(system):
 
 
 def test_a_line_of_sections_has_a_row_for_each():
-    """Each section's own tension, and the names of its ends; the fairlead is that of the line as a whole."""
+    """Each section's own tension, and the names of its ends; the fairlead is that of the line as a whole.
+
+    In a sea the mesh is fitted to the range of the motion, and has a node where the sections meet.
+    """
     nodes = (
         Node("fixed", (-205.0, 0.0, -50.0)),
         Node("free", (-100.0, 0.0, -48.0)),
@@ -169,7 +185,9 @@ def test_a_line_of_sections_has_a_row_for_each():
     weight = CHAIN.weight_in(OVER_SEABED)
     elements = tuple(Element(weight, CHAIN.EA, 110.0, ends, 0.0, CHAIN) for ends in ((0, 1), (1, 2)))
     case = LoadCase("surge", BodyMotion.harmonic(0.1, (1.0, 0, 0, 0, 0, 0)), 40.0, 10.0)
-    lower, upper = solve_load_cases(Network(nodes, elements, OVER_SEABED), [case], **SETTING).cases[0].lines
+    regular, in_sea = solve_load_cases(Network(nodes, elements, OVER_SEABED), [case, SEAS[0]], **SETTING).cases
+    assert in_sea.success, in_sea.message
+    lower, upper = regular.lines
     assert (lower.line, upper.line) == ("line 1", "line 2")
     assert lower.maximum < upper.maximum
     assert upper.anchor_maximum == pytest.approx(lower.maximum, rel=JOINT)
@@ -251,6 +269,29 @@ def test_a_killed_process_loses_nothing(tmp_path):
     assert table.cases == solve_load_cases(CATENARY, cases, **SETTING).cases
 
 
+class BrokenPool(Executor):
+    """An executor that takes nothing."""
+
+    made = 0
+
+    def __init__(self):
+        BrokenPool.made += 1
+        assert BrokenPool.made <= MOST_RESTARTS + 1
+
+    def submit(self, *_, **__):
+        """Refuse."""
+        raise BrokenExecutor("broken from the start")
+
+
+def test_an_executor_that_always_breaks_is_given_up():
+    """One that was made for the table is replaced some times, one that was given not at all."""
+    for executor, made in ((BrokenPool, MOST_RESTARTS + 1), (BrokenPool(), 0)):
+        BrokenPool.made = 0
+        with pytest.raises(BrokenExecutor, match="broken from the start"):
+            solve_load_cases(CATENARY, SEAS[:1], **SETTING, executor=executor)
+        assert BrokenPool.made == made
+
+
 # ---------------------------------------------------------------- bad rows
 def test_a_bad_row_spoils_no_other():
     """Rows below the seabed, out of reach or that raise have their status; the others are as without them."""
@@ -291,10 +332,10 @@ def test_bad_settings_are_refused(arguments, message):
 
 # ---------------------------------------------------------------- what is kept
 def test_progress_counts_rows():
-    """It is called with none done, then after each row."""
+    """It is called with none done, then after each row; where step and cells are given no other is looked at."""
     counts = []
-    solve_load_cases(CATENARY, SEAS[:3], **SETTING, progress=lambda done, total: counts.append((done, total)))
-    assert counts == [(0, 3), (1, 3), (2, 3), (3, 3)]
+    table = solve_load_cases(CATENARY, SEAS[:3], **SETTING, progress=lambda done, total: counts.append((done, total)))
+    assert counts == [(0, 3), (1, 3), (2, 3), (3, 3)] and table.accuracy == Accuracy()
 
 
 def test_rows_of_other_inputs_are_not_taken(tmp_path):
@@ -370,11 +411,16 @@ def test_a_killed_table_goes_on(tmp_path):
     assert rows.read_bytes().count(b"\n") == 24  # no row that was kept is computed again
 
 
-def test_fingerprints_tell_inputs_apart():
-    """Equal content has one, and a changed digit anywhere another."""
+def test_fingerprints_tell_inputs_apart(monkeypatch):
+    """Equal content has one, and a changed digit anywhere another, in the text of a solver, too."""
     assert fingerprint(CATENARY, SEAS[0]) == fingerprint(replace(CATENARY), replace(SEAS[0]))
     others = [(CATENARY, SEAS[1]), (TAUT, SEAS[0]), (CATENARY, replace(SEAS[0], duration=100.1)), (CATENARY,)]
     others.append((CATENARY, replace(SEAS[0], motion=replace(SEAS[0].motion, seed=99))))
     other = replace(SURGE, operators=1.01 * SURGE.operators)
     others.append((CATENARY, replace(SEAS[0], motion=replace(SEAS[0].motion, operators=other))))
     assert len({fingerprint(*pair) for pair in [(CATENARY, SEAS[0]), *others]}) == 7
+    text_of, now = SourceFileLoader.get_source, _sources.__wrapped__()
+    monkeypatch.setattr(
+        SourceFileLoader, "get_source", lambda self, name: text_of(self, name) + "#" * name.endswith(".mooring.steps")
+    )
+    assert _sources.__wrapped__() != now

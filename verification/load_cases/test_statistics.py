@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from solvers.load_cases.integration import LineSeries
+from solvers.load_cases.results import line_result
 from solvers.load_cases.statistics import (
     FEWEST_PEAKS,
     WeibullFit,
@@ -117,6 +119,27 @@ def test_peaks_are_one_between_up_crossings():
     series = 5.0 + np.sin(0.2 * math.pi * t - 0.5) + 0.05 * np.sin(4.1 * math.pi * t)
     assert find_peaks(series).size == 29  # of 30 periods, between 30 crossings
     assert find_peaks(np.linspace(0, 1, 50)).size == 0
+    for periods in (30, 3):  # samples on the mean itself
+        assert find_peaks(np.tile([0.0, 1.0, 0.0, -1.0], periods)).tolist() == [1.0] * (periods - 2)
+
+
+FORCE = 1e5  # N, of a deviation or amplitude: limits are shares of it, and no numbers of newtons
+TIME = STEP * np.arange(2000)
+NO_EXTREME = {
+    "few expected": (gaussian(5, 0.05, 0.15), 10.0, "tell nothing of it"),
+    "regular": (np.sin(0.2 * math.pi * TIME) * (1 + 2e-4 * np.sin(0.03 * TIME)), HOUR, "the motion is regular"),
+    "equal": (np.sin(0.2 * math.pi * TIME), HOUR, "the motion is regular"),
+    "still": (np.zeros(2000), HOUR, "0 peaks tell nothing of it"),
+}
+
+
+@pytest.mark.parametrize(("tension", "reference_time", "why"), NO_EXTREME.values(), ids=NO_EXTREME)
+def test_a_series_without_an_extreme_says_why(tension, reference_time, why):
+    """Less than e peaks in the reference time, peaks that are equal or none; of no other fault is there a warning."""
+    still = np.zeros(tension.size)
+    series = LineSeries(FORCE * (5 + tension), still, still, still.astype(bool))
+    result = line_result("line", series, STEP, 3.0, reference_time)
+    assert result.extreme is None and len(result.warnings) == 1 and why in result.warnings[0]
 
 
 def test_a_largest_peak_beyond_the_others_is_seen():

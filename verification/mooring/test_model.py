@@ -100,6 +100,8 @@ def test_without_a_seabed_nothing_bears():
     line = system(OC3, 10).line
     assert not line.seabed_stiffness.any() and not line.seabed_damping.any() and line.floor == -math.inf
     assert line.current == (0.0, 0.0) and abs(-line.load[:, -1].sum() / (698.094 * 902.2) - 1) < 1e-14
+    bed = system(replace(OC3_SEABED, seabed_stiffness=0.0), 10).line
+    assert not bed.seabed_stiffness.any() and not bed.seabed_damping.any()
     friction = system(OC3_SEABED, 10).line.friction
     assert not friction.any()
     rough = replace(scene(OC3_SEABED), friction=(0.6, 0.2))
@@ -333,6 +335,14 @@ REFUSED = {
 }  # fmt: skip
 
 
+def test_a_motion_into_the_seabed_is_refused():
+    """With the node, its height and the first time of those that are asked for."""
+    made = system(OC3_SEABED, 4, mesh="uniform", motion=Motion.harmonic(0.05, (0.0, 0.0, -260.0)))
+    made.path(np.array([0.0, 2.0, 6.0]))
+    with pytest.raises(InputError, match=r"node 2 to z = -329\.872 m at t = 4\.9 s, below the seabed at -320 m"):
+        made.path(np.array([0.0, 4.9, 5.0]))
+
+
 @pytest.mark.parametrize("name", REFUSED)
 def test_bad_input_is_refused(name, monkeypatch):
     """An InputError with the field, and in its words the value, the unit and what is wanted, before any solve."""
@@ -374,8 +384,11 @@ def test_elements_of_a_calibrated_line_end_with_the_forces_of_their_catenaries()
     made = mooring_system(two_parts(environment=Environment(1025.0)), 12, calibrate=True)
     rest = made.rest_state()[..., None]
     still = np.zeros_like(rest)
-    states = made.model.at_rest(made.layout).states
-    for e, (segment, state) in enumerate(zip(made.model.segments, states, strict=True)):
+    at_rest = made.model.at_rest(made.layout)
+    for e, (segment, state) in enumerate(zip(made.model.segments, at_rest.states, strict=True)):
+        middles = (made.layout.s[e][1:] + made.layout.s[e][:-1]) / 2
+        along = state.profile(segment.length - middles if segment.reversed else middles)[2]
+        assert at_rest.tension[made.layout.cells[e]] == pytest.approx(along, rel=CATENARY)
         H, lower, upper = state.H, math.hypot(state.H, state.V_anchor), math.hypot(state.H, state.V)
         wanted = (upper, lower) if segment.reversed else (lower, upper)
         for end, expected in zip((0, -1), wanted, strict=True):

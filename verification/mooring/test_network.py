@@ -18,8 +18,10 @@ from scipy.interpolate import CubicSpline
 
 from solvers import Motion, Network, Node, mooring_system, solve_network, solve_periodic, solve_time_domain
 from solvers.common.body_motion import BodyMotion
+from solvers.common.outcome import Status
 from solvers.io import load_network
 from solvers.mooring.impedance import harmonic_impedance, mooring_impedance, mooring_stiffness
+from solvers.mooring.time_domain import _Run, stream_line
 from solvers.numerics.modes import natural_modes
 
 from ..cases import networks as cases
@@ -499,7 +501,8 @@ def test_a_network_is_taken_apart_where_nodes_are_prescribed():
     start[0][:, made.prescribed_nodes] = made.path(np.zeros(1))[0, 0].T
     for options in ({"periods": 1}, {"duration": 2.0, "start": start, "rho_inf": 0.8}):
         assert_alike(*(solve_time_domain(one, dt=0.1, tolerance=1e-10, **options) for one in (made, whole)))
-    assert_alike(*(solve_periodic(one, harmonics=4) for one in (made, whole)))
+    for corrected in (False, True):
+        assert_alike(*(solve_periodic(one, harmonics=4, deferred_correction=corrected) for one in (made, whole)))
     history = solve_time_domain(made, dt=0.1, periods=1)
     assert_alike(*(solve_periodic(one, harmonics=4, start=history) for one in (made, whole)))
 
@@ -517,11 +520,22 @@ def test_the_equilibrium_of_the_parts_is_solved_for_once(monkeypatch):
     assert solve_periodic(made, harmonics=3).success
 
 
-def two_lines(motion, **options):
-    """Return the system of two lines to a point of a body, and the same one not taken apart."""
+def to_a_body():
+    """Return a network of two lines to a point of a body."""
     network = case_network(cases.two_line(depth=None))
     nodes = [*network.nodes[:2], Node("coupled", (-26.0, 0.0, -65.0))]
-    network = Network(nodes, network.elements, network.environment)
+    return Network(nodes, network.elements, network.environment)
+
+
+def test_two_lines_to_a_body_are_two_parts():
+    """As few as there can be."""
+    one, other = (part.cells.tolist() for part in mooring_system(to_a_body(), 8).components)
+    assert one + other == list(range(8))
+
+
+def two_lines(motion, **options):
+    """Return the system of two lines to a point of a body and a third one, and the same one not taken apart."""
+    network = to_a_body()
     made, whole = (mooring_system(network_, 8, motion=motion, **options) for network_ in [with_third_line(network)] * 2)
     whole.__dict__["components"] = ()
     return made, whole
@@ -543,6 +557,36 @@ def test_a_torn_line_is_named_in_whatever_part_it_is(monkeypatch):
     one, other = (solve_time_domain(system, **settings) for system in (made, whole))
     assert len(made.components) == 3 and not one.success and one.status == other.status
     assert one.event[0] == other.event[0] and {one.event[1], other.event[1]} <= set(made.layout.nodes[1].tolist())
+    path = whole.path(0.1 * np.arange(201))
+    states = stream_line(whole, dt=0.1, count=200, tolerance=1e-4, ramp=0.0, path=path, chunk=40)
+    numbers = []
+    while True:  # the same without a history
+        try:
+            numbers.append(next(states)[0])
+        except StopIteration as end:
+            assert numbers == [0, 1, 41] and end.value[:2] == (
+                other.status,
+                (pytest.approx(other.event[0]), other.event[1]),
+            )
+            return
+
+
+def test_a_network_ends_with_the_part_that_fails_first(monkeypatch):
+    """Between two stored steps, the parts have the stored ones before: those of the network that is not taken apart."""
+    advance = _Run.advance
+
+    def fail_after_ten_steps(run, t, record, every, path=None):
+        takes_all = run.system.model.name.endswith(("element 1", "element 3"))
+        return advance(run, t if takes_all else t[:11], record, every, path)
+
+    monkeypatch.setattr(_Run, "advance", fail_after_ten_steps)
+    made, whole = two_lines(BodyMotion.harmonic(0.02, (2.0, 0.0, 0.0, 0.0, 0.0, 0.0)))
+    settings = {"dt": 0.1, "duration": 2.0, "tolerance": 1e-10, "every": 4, "throw": False}
+    one, other = (solve_time_domain(system, **settings) for system in (made, whole))
+    assert one.status is other.status is Status.STEP_FAILED and one.steps == other.steps == 10
+    assert one.event[0] == other.event[0] == pytest.approx(1.0)
+    assert one.time == pytest.approx([0.0, 0.4, 0.8]) and other.time == pytest.approx([0.0, 0.4, 0.8, 1.0])
+    assert abs(one.r - other.r[..., :3]).max() <= PARTS * made.length
 
 
 def test_parts_report_the_time_that_all_have_reached():

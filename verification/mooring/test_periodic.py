@@ -11,7 +11,7 @@ import pytest
 
 from solvers import InputError, Motion, mooring_system, solve_periodic, solve_time_domain
 from solvers.harmonic_balance.start import history_coefficients
-from solvers.mooring import harmonic
+from solvers.mooring import diagnostics, harmonic
 from solvers.mooring.block_elimination import BlockFactors
 from solvers.numerics.fourier import Basis
 
@@ -217,6 +217,22 @@ def test_a_bad_history_warns(given, word):
     assert word in warned(*given)
 
 
+def history_of(*tensions):
+    """Return what the check of periodicity looks at, of lines whose tensions in N are functions of the time in s."""
+    lines = [SimpleNamespace(fairlead_tension=tension) for tension in tensions]
+    made = SimpleNamespace(period=10.0, model=SimpleNamespace(is_line=False))
+    return SimpleNamespace(system=made, time=np.array([0.0, 40.0]), lines=lines)
+
+
+def test_a_line_that_stands_still_is_periodic():
+    """Beside one that moves; of two that change from period to period the worse one is named."""
+    swing = lambda t: 1e5 + 1e3 * np.sin(0.2 * np.pi * t)
+    still = lambda t: np.full(t.size, 2e5)
+    assert list(diagnostics._check_periodicity(history_of(still, swing))) == []
+    (text,) = diagnostics._check_periodicity(history_of(still, lambda t: swing(t) + 10 * t, lambda t: swing(t) + 9 * t))
+    assert text.startswith("periods: the last two differ by 0.05") and "of element 2: not periodic yet" in text
+
+
 def test_the_error_of_the_mesh_is_measured():
     """mesh_error is the rms change that half as many cells make, for histories and responses alike."""
     made = system(SURGE_5, 24, mesh="uniform", calibrate=False)
@@ -237,6 +253,16 @@ def test_a_coarser_line_has_the_whole_load():
     assert coarse.nodes == 10 and other.shape == (2, 10, 2)
     assert np.allclose(load.sum(axis=1), other.sum(axis=1), rtol=1e-12)
     assert np.allclose((load * made.s[:, None]).sum(axis=1), (other * coarse.s[:, None]).sum(axis=1), rtol=1e-12)
+
+
+def test_motion_of_a_response_at_any_time():
+    """Positions, velocities and accelerations between the samples are the series and its derivatives."""
+    response, t, h = solve_periodic(system(SURGE_5, 8), harmonics=3), np.array([0.3, 7.1]), 1e-5
+    r, v, a = response.motion_at(t)
+    assert np.allclose(r, response.at(t).T, rtol=1e-14) and np.allclose(v, response.rate_at(t).T, rtol=1e-12)
+    later, before = (response.motion_at(t + step)[1] for step in (h, -h))
+    assert np.allclose(a, (later - before) / (2 * h), rtol=0, atol=1e-8 * abs(a).max())  # (omega h)^2 / 6, and eps / h
+    assert np.allclose(a, response.acceleration_at(t).T, rtol=1e-12)
 
 
 def test_few_harmonics_and_no_mean_warn():

@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 
 from solvers import CableProperties, Element, Environment, Motion, Network, Node, mooring_system, solve_time_domain
+from solvers.mooring.steps import law_after_step
 
 from ..cases.cables import OC3
 from ..exact.elastic_bounce import ElasticBounce
 from ..tools.orders import assert_order
-from .problems import hanging_mass, system
+from .problems import hanging_mass, random_state, system
 
 G = 9.80665
 BOUNCES = {
@@ -161,3 +162,16 @@ def test_steps_of_slack_lines_end_in_balance(name):
     assert history.slack
     left = np.linalg.norm(history.forces[:, 1:-1, 1:], axis=0).max()
     assert left <= most * history.tension.max()
+
+
+def test_the_law_after_a_step_is_that_of_elastic_damped_cells():
+    """Strain and its rate where the step has been taken, by numpy: taut cells and slack ones, that open or close."""
+    state, rng = random_state("tension and damping", 3), np.random.default_rng(5)
+    line, step = state.line, 0.1 * rng.normal(size=state.r.shape)
+    d, opening = (np.diff(part - by * step, axis=0) for part, by in ((state.r, 1.0), (state.v, 2.5)))
+    distance = np.linalg.norm(d, axis=1)
+    wanted = line.EA * (
+        distance / line.length - 1 + line.damping * (d * opening).sum(axis=1) / (distance * line.length)
+    )
+    got = [law_after_step(line, c, state.r, state.v, step, 2.5) for c in range(line.length.size)]
+    assert min(wanted) < 0 < max(wanted) and got == pytest.approx(wanted, rel=1e-12)

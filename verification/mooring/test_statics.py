@@ -22,6 +22,7 @@ from solvers import (
     solve_network,
     solve_static,
 )
+from solvers.mooring.statics import _Statics
 from solvers.numerics.modes import natural_modes
 
 from ..cases.cables import OC3, OC3_SEABED, SHORT_CHAIN
@@ -34,6 +35,7 @@ CELLS = (25, 50, 100)
 DIGITS = 25
 CEILING = 8e-5  # on 100 cells, of the force or the length: twice the largest measured, 3.7e-5
 JOINTS = 6e-6  # of joints on 240 cells, of the length: twice the largest measured, 2.6e-6
+STEP = 1e-4  # m, of differences of an energy that is piecewise nearly quadratic
 UNBALANCED = 1e-8  # of the tension: a rounding of a position times EA/l
 
 
@@ -185,7 +187,10 @@ def test_lines_of_several_materials_rest_as_their_network(name):
 
 
 # ---------------------------------------------------------------- cells calibrated on the catenaries
-@pytest.mark.parametrize("case", [OC3, SAGGING, SLACK_TOP, LEANING], ids=lambda case: case.name)
+TANK = replace(LEANING, name="turned, in a tank", length=9.022, fairlead=tuple(x / 100 for x in LEANING.fairlead))
+
+
+@pytest.mark.parametrize("case", [OC3, SAGGING, SLACK_TOP, TANK], ids=lambda case: case.name)
 def test_calibrated_cells_rest_on_the_catenary(case):
     """On twenty cells that are calibrated the nodes stand on the catenary, and the end forces are its forces."""
     level = replace(case, fairlead=(math.hypot(*case.fairlead[:2]), 0.0, case.fairlead[2]))
@@ -229,6 +234,18 @@ def test_limp_lines_and_lines_in_strong_currents_rest(name):
     line, depth = state.system.line, np.maximum(-water.depth - state.r[2], 0.0)
     carried = (state.forces[2, [0, -1]]).sum() + weight * length - line.seabed_stiffness @ depth
     assert abs(carried) <= UNBALANCED * weight * length or any(current)  # which lifts the line
+
+
+def test_the_energy_falls_along_the_forces():
+    """Its slope in any direction is that of the rows: of taut and of slack cells, of loads and in the seabed."""
+    made, rng = system(OC3_SEABED, 12), np.random.default_rng(4)
+    rows, x = _Statics(made, 1.0, np.zeros(12)), made.rest.y.T + rng.normal(size=(13, 2))
+    tension, depth = rows.evaluate(x)[1], made.line.floor - x[:, -1]
+    assert (tension > 0).any() and (tension <= 0).any() and (depth > 0.1).any()
+    for change in rng.normal(size=(3, 13, 2)):
+        slope = (rows.energy(x + STEP * change) - rows.energy(x - STEP * change)) / (2 * STEP)
+        assert slope == pytest.approx(np.vdot(rows.evaluate(x)[0], change), rel=1e-6)
+    assert not _Statics(system(OC3, 4), 0.5, np.ones(4)).line.seabed_stiffness.any()  # none is none at any share
 
 
 # ---------------------------------------------------------------- frequencies
@@ -338,11 +355,17 @@ def test_a_sagging_line(lambda2):
 
 
 def test_natural_modes_are_those_of_the_tangents():
-    """The solver of natural modes, which takes the damping too, has the same frequencies where there is none."""
+    """The solver of natural modes, which takes the damping too, has the same frequencies where there is none.
+
+    Also those near a frequency that is given, about which it searches then.
+    """
     made = mooring_system(taut(2e6, 1e-3), 16, mesh="uniform", fields="planar")
     frequency, _ = modes(made)
     got = natural_modes(made, 5)
     assert abs(got.frequencies / frequency[:5] - 1).max() <= 1e-9
+    for k in (2, 4):
+        near = natural_modes(made, 1, near=1.001 * float(frequency[k])).frequencies
+        assert abs(near / frequency[k] - 1).max() <= 1e-9
 
 
 def test_natural_modes_are_damped():

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from solvers import Element, FunctionMotion, Motion, Network, Node, mooring_system, solve_time_domain
+from solvers.mooring.time_domain import _Run
 
 from ..cable import problems as box
 from ..cases.cables import EVERYTHING, OC3, OC3_SEABED, SURGE_5, SWAY_5
@@ -32,10 +33,12 @@ AT_REST = {
 
 @pytest.mark.parametrize("name", AT_REST)
 def test_a_line_at_rest_stays_there(name):
-    """A hundred steps without motion: no node moves faster than 1e-10 m/s."""
+    """A hundred steps without motion: no node moves faster than 1e-10 m/s; the moment is that about the origin."""
     history = solve_time_domain(AT_REST[name](), dt=0.1, duration=10.0)
     assert history.steps == 100 and abs(history.ydot).max() <= 1e-10
     assert history.iterations == 100 and history.success
+    moment = np.cross(history.r[:, -1], history.forces[:, -1], axis=0)
+    assert np.allclose(history.body_moment, moment, rtol=1e-12, atol=1e-12 * abs(moment).max())
 
 
 @pytest.mark.parametrize("case", [SURGE_5, EVERYTHING], ids=lambda case: case.name)
@@ -359,3 +362,15 @@ def test_factors_are_taken_anew_where_steps_converge_slowly():
     line = system(SURGE_5, 10)
     history = solve_time_domain(line, dt=line.period / 25, periods=3)
     assert history.cut == 0 and history.iterations <= FEW_ITERATIONS * history.steps
+
+
+def test_the_error_of_steps_is_that_of_newmark_over_the_displacements():
+    """h^2 |beta - 1/6| times the largest change of an acceleration, over the largest displacement so far."""
+    made, h = system(OC3, 4), 0.2
+    run = _Run(made, 0.8, 1e-4, 1e-3, tuple(np.zeros((5, 2)) for _ in range(5)))
+    still, a = np.zeros((2, 5, 2)), np.zeros((2, 5, 2))
+    a[0, 2, 1], a[1, 2, 1] = 1.0, -2.0
+    expected = h**2 * abs(run.scheme[2] - 1 / 6) * 3.0 / 4.0
+    for displacement in (4.0, 2.0):
+        record = made.rest.y.T + np.array([0.0, displacement])[:, None, None], still, a
+        assert run._step_error(record, still[0], h) == pytest.approx(expected, rel=1e-12)

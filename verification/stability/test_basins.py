@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from solvers import CableProperties, InputError, Motion, Scene, mooring_system, solve_periodic
 from solvers.stability import find_basins, find_landing, floquet, response_curve, responses_at
-from solvers.stability.basins import Z_95, wilson_interval
+from solvers.stability.basins import Z_95, _Metric, wilson_interval
 
 from ..cases.oscillators import duffing
 from ..exact import duffing_basins
@@ -88,6 +89,21 @@ def test_a_line_lands_on_its_only_response():
     elsewhere = solve_periodic(system.scaled(2.0), harmonics=7)
     rest = system.rest_state()
     assert find_landing((there, elsewhere), (rest, np.zeros_like(rest)), periods=60) == 0
+    moved = [abs(each.at(each.time) - rest[..., None]).max(axis=(1, 2)) for each in (there, elsewhere)]
+    moved += [
+        abs(each.rate_at(each.time)).max(axis=(1, 2)) * system.period / (2 * np.pi) for each in (there, elsewhere)
+    ]
+    metric = _Metric((there, elsewhere))  # of positions, then velocities over the frequency, by field
+    assert metric.sizes[:, 0, 0] == pytest.approx(np.tile(np.max(moved, axis=0), 2), rel=1e-12)
+    velocities = there.rate_at(np.zeros(1)) * system.period / (2 * np.pi)
+    assert np.allclose(metric.states[0][len(rest) :], velocities, rtol=0, atol=1e-12 * abs(velocities).max())
+
+
+def test_a_start_whose_steps_fail_comes_to_no_response(monkeypatch):
+    """It counts as one that has not settled."""
+    monkeypatch.setattr("solvers.stability.basins.solve_time_domain", lambda *_, **__: SimpleNamespace(success=False))
+    result = find_basins(three_responses()[1], count=2)
+    assert result.landed.tolist() == [-1, -1] and result.unsettled == 2 and not result.shares.any()
 
 
 def test_bad_input_is_named():

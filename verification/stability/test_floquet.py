@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from importlib.resources import files
 
 import numpy as np
@@ -13,7 +14,7 @@ from solvers import InputError, Scene, cable_system, solve_periodic
 from solvers.stability import floquet
 from solvers.stability.curve import as_response
 from solvers.stability.family import HarmonicFamily
-from solvers.stability.floquet import MAX_UNKNOWNS
+from solvers.stability.floquet import MAX_UNKNOWNS, FloquetResult
 from solvers.stability.monodromy import monodromy
 
 from ..cases import planar_systems as cases
@@ -166,3 +167,15 @@ def test_infinite_exponents_of_algebraic_rows_are_left_out():
     assert np.isfinite(by_hill.multipliers).all() and both.stable
     assert both.difference > WITH_FEW
     assert np.array_equal(both.multipliers, monodromy_alone.multipliers[: both.multipliers.size])
+
+
+def test_exponents_of_algebraic_rows_are_left_out(monkeypatch):
+    """Those of more than 50 times the frequency, whatever the frequency is, and it is said."""
+    response = solve_periodic(duffing(1.2, 0.1), harmonics=3)
+    exponents = 1.2 * np.array([49.0, 51.0, -60.0]) + 0j
+    monkeypatch.setattr(sys.modules["solvers.stability.floquet"], "hill_exponents", lambda _: exponents)
+    assert floquet(response, method="monodromy", steps=1).multipliers.size == 3  # the fewest steps
+    assert not FloquetResult(np.array([1.0, 0.5]), 1.0, 0).stable  # what stays as it is does not decay
+    result = floquet(response, method="hill")
+    assert np.log(result.multipliers.real) == pytest.approx([2 * np.pi * 49, -2 * np.pi * 60], rel=1e-12)
+    assert len(result.warnings) == 1 and result.warnings[0].startswith("1 exponents of Hill's problem are too large")

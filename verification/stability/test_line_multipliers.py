@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from functools import cache
+from functools import cache, partial
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -103,7 +104,7 @@ def test_sideways_growth_is_that_of_mathieu(detuning, damping):
     omega, damping = 2 * NATURAL * (1 + detuning * CHANGE), damping * NATURAL
     result = floquet(solve_periodic(taut_line(CHANGE, omega, damping), harmonics=3))
     expected = exact.parametric_growth(omega, NATURAL, CHANGE, damping).real
-    assert result.sideways[0].real < -1 and not result.stable
+    assert result.sideways[0].real < -1 and not result.stable and result.constraints == 0
     largest = exact.parametric_growth(2 * NATURAL, NATURAL, CHANGE).real
     assert growth_of(result.sideways, result.period) == pytest.approx(expected, abs=FIRST_ORDER * largest)
     assert result.difference <= ROADS
@@ -203,6 +204,7 @@ def test_hills_problem_is_the_derivative_of_the_rows(system):
     """J, D and M on a disturbance: differences of the rows of the balance, and of series that grow."""
     response, free = solve_periodic(system, harmonics=5), ~system.order.is_prescribed
     problem, basis = response.hill_problem(), response.basis
+    assert floquet(response, method="hill").constraints == 0
     dz = np.random.default_rng(6).normal(size=problem.shape)
     dz[~free] = 0.0
     residual = harmonic_residual(system, basis)
@@ -233,6 +235,40 @@ def test_leading_eigenvalues_are_those_of_the_whole_matrix():
             assert MAX_DENSE < period.size and leading.size < period.size / 2
         assert (abs(eigenvalues) >= FLOOR).sum() == (abs(leading) >= FLOOR).sum() >= 4
         assert abs(leading[:, None] - eigenvalues).min(axis=1).max() <= ARNOLDI
+
+
+def test_hills_multipliers_above_the_floor_are_returned():
+    """Of 40 exponents of a known pencil those above the floor, and of one motion those with the most central series."""
+    omega, sizes = 0.7, np.full(40, 1e-9)
+    sizes[:9] = 0.9, 0.5, 0.02, 1.5 * FLOOR, 0.8 * FLOOR, 0.3, 0.3, 0.25, 0.25
+    pencil = np.diag(omega / (2 * math.pi) * np.log(sizes))
+    for i, frequency in ((5, 0.6), (7, 0.4)):  # times omega: the first pair is that of another harmonic
+        pencil[i, i + 1], pencil[i + 1, i] = frequency * omega, -frequency * omega
+    series = lambda modes: np.concatenate([modes[:, None], np.zeros((40, 6, modes.shape[1]))], axis=1)
+    inverse = lambda sigma: partial(np.linalg.solve, sigma * np.eye(40) - pencil)
+    got = line_multipliers(SimpleNamespace(size=40, inverse=inverse, series=series), omega)
+    pair = 0.25 * np.exp(0.8j * math.pi * np.array([1, -1]))
+    wanted = np.concatenate([sizes[:2], pair, sizes[2:4]])
+    assert got.size == 6 and abs(got[:, None] - wanted).min(axis=0).max() <= 1e-8
+
+
+def test_few_that_count_take_few_disturbances():
+    """Of 400 eigenvalues of which 5 are above the floor these are returned, after some blocks and not half of all."""
+    sizes, taken = np.full(400, 1e-7), []
+    sizes[:5] = 0.9, -0.5, 0.3, 0.1, 0.01
+    period = SimpleNamespace(size=400, columns=12, apply=lambda x: taken.append(x.shape[1]) or sizes[:, None] * x)
+    assert leading_eigenvalues(period).values[:5] == pytest.approx(sizes[:5], abs=ARNOLDI)
+    assert sum(taken) <= 4 * period.columns
+
+
+@pytest.mark.parametrize(("turn", "listed"), [(0.0, 6), (0.25, 7)], ids=["real", "pair"])
+def test_eigenvalues_that_follow_the_wanted_ones_are_whole_pairs(turn, listed):
+    """Six are returned where five are wanted, or seven where the sixth has a conjugate."""
+    matrix = np.diag([0.9, 0.8, 0.7, 0.6, 0.5, 0.3, 0.3 if turn else 0.2, *[1e-9] * 393])
+    matrix[5, 6], matrix[6, 5] = turn, -turn
+    values = leading_eigenvalues(SimpleNamespace(size=400, columns=12, apply=lambda x: matrix @ x), 0.45).values
+    assert values.size == listed and values[:5] == pytest.approx(np.diag(matrix)[:5], abs=ARNOLDI)
+    assert abs(values[5:].imag) == pytest.approx([turn] * (listed - 5), abs=ARNOLDI)
 
 
 @pytest.mark.parametrize(("amplitude", "sideways"), [(2.0, False), (3.0, False), (3.0, True)])
@@ -317,6 +353,18 @@ def test_the_linearised_steps_are_the_derivative_of_the_steps():
         orbit = response.stepped_orbit(100)
         assert orbit.is_periodic
         assert derivative_error(orbit, MAP_STEP, count=2) <= MAP
+        ones = np.ones_like(orbit.state)
+        for i, size in ((0, 1.0), (1, orbit.period / (2 * math.pi))):  # m and m/s, over the amplitude
+            change = ones * (np.arange(4) == i)[:, None, None]
+            assert orbit.measure(change) * abs(response.z).max() == pytest.approx(size, rel=1e-14)
+
+
+def test_steps_that_damp_less_have_their_derivative(monkeypatch):
+    """With all four numbers of generalized-alpha different from those of the steps over slack cells."""
+    monkeypatch.setattr("solvers.mooring.stepped_orbit.RHO_INF", 0.6)
+    orbit = solve_periodic(bridle(), harmonics=5).stepped_orbit(100)
+    assert orbit.is_periodic and all(0 < abs(number) != 1 for number in orbit.scheme)
+    assert derivative_error(orbit, MAP_STEP, count=1) <= MAP
 
 
 def test_steps_over_a_damped_seabed_have_their_derivative():
@@ -340,6 +388,7 @@ def test_disturbances_over_slack_cells_follow_their_multiplier_in_time(amplitude
     response = response_of(amplitude, frequency)
     result = floquet(response, steps=steps)
     assert result.by_time_steps and result.multipliers[0].real == pytest.approx(expected, abs=DECAY)
+    assert result.constraints == 0
     assert result.stable == (abs(expected) < 1)
     orbit = response.stepped_orbit(steps)
     period, state = orbit.linearised(), orbit.state

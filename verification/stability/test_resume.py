@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache, partial
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -21,9 +23,11 @@ from solvers import (
 )
 from solvers.common.properties import CableProperties
 from solvers.io import load_curve, save_curve
-from solvers.stability import floquet, switch_branch
-from solvers.stability.continuation import Tracer
-from solvers.stability.special_points import explain_doubt
+from solvers.stability import floquet, special_points, switch_branch, switching
+from solvers.stability.adaptivity import more_harmonics, needed_harmonics
+from solvers.stability.continuation import CorrectionError, Point, Tracer, next_step
+from solvers.stability.family import HarmonicFamily
+from solvers.stability.special_points import DoublingTest, explain_doubt
 
 from ..cases.planar_systems import forced_oscillator
 
@@ -115,6 +119,15 @@ def test_what_is_interrupted_in_the_middle_of_a_point_is_not_half_there():
     assert_same(RESONANCE(resume=first), whole("resonance"))
 
 
+@pytest.mark.parametrize("factor", [3.0, 1000.0])
+def test_a_start_that_is_no_response_is_solved_for(factor):
+    """One from which Newton's method takes many steps, and one from which it has not come in those that it has."""
+    curve = whole("resonance")
+    given = curve.response(0)
+    again = RESONANCE(first=replace(given, z=factor * given.z), max_points=1)
+    assert abs(again.z[0] - curve.z[0]).max() <= UNIT
+
+
 def test_a_curve_that_is_complete_does_not_go_on():
     """It is refused: nothing is left to do."""
     curve = whole("resonance")
@@ -141,6 +154,15 @@ def test_inputs_of_files_and_of_what_goes_on_are_checked(tmp_path):
 
 
 # ---------------------------------------------------------------- harmonics
+def test_errors_are_estimated_with_a_third_more_harmonics(monkeypatch):
+    """And two at least; with as many samples for each of them."""
+    asked, with_harmonics = set(), Tracer.with_harmonics
+    monkeypatch.setattr(Tracer, "with_harmonics", lambda tracer, n: asked.add(n) or with_harmonics(tracer, n))
+    RESONANCE(harmonics=3, max_points=2)
+    RESONANCE(harmonics=9, max_points=2)
+    assert asked == {5, 12}
+
+
 def test_errors_are_those_against_many_harmonics():
     """The estimate of each point against the response with four times as many harmonics at the same parameter."""
     curve = RESONANCE(harmonics=3, max_points=30)
@@ -168,12 +190,58 @@ def test_harmonics_follow_the_accuracy(accuracy):
     assert curve.response(at_resonance).basis.harmonics == curve.harmonics[at_resonance]
 
 
+def test_needed_harmonics_are_those_above_a_tenth_of_the_accuracy():
+    """By hand: over the norm of their field, all that are left out together; one at least."""
+    z, norms = np.zeros((2, 3, 9)), np.array([2.0, 0.5])[:, None, None]
+    assert needed_harmonics(z, norms, 0.1) == 1
+    z[0, 1, 1:3], z[1, 2, 4], z[1, 0, 7] = 2.0, 4e-4, 3e-4  # of harmonics 1, 2 and 4: together 1e-3 of the second field
+    for accuracy, needed in ((0.0101, 1), (0.0099, 2), (0.0061, 2), (0.0059, 4)):
+        assert needed_harmonics(z, norms, accuracy) == needed
+    assert more_harmonics(3) == 5 and more_harmonics(9) == 12 and more_harmonics(10) == 14
+
+
+def test_twice_the_period_takes_twice_of_all():
+    """Harmonics, samples and multiples of the driving's period, from whichever multiple on."""
+    doubled = HarmonicFamily(resonance, 3, 12, 3).doubled()
+    assert (doubled.settings, doubled.subharmonic) == ((6, 24), 6)
+
+
+def test_samples_stay_as_dense_as_they_are_given():
+    """For each harmonic, from the fewest on: one more than twice as many."""
+    family = HarmonicFamily(resonance, 3, 7, 1)
+    assert [family.with_harmonics(n).settings for n in (2, 3, 6)] == [(2, 5), (3, 7), (6, 14)]
+    curve = RESONANCE(harmonics=3, samples=7, max_points=2)
+    assert curve.values.size == 2
+    assert next(curve.describe()).startswith(f"2 points from 0.8 to {curve.values[1]:.6g} ")
+
+
+def test_steps_follow_the_work_of_newtons_method():
+    """Longer up to four Newton steps and no longer than allowed, the same after five, shorter from six on."""
+    assert [next_step(0.1, n, 1.0) for n in (1, 4, 5, 6)] == pytest.approx([0.15, 0.15, 0.1, 0.07])
+    assert next_step(0.1, 4, 0.12) == 0.12
+
+
+def test_a_period_doubling_is_found_by_the_secant_method(monkeypatch):
+    """Of a test function that is a line in two steps, without the multipliers' own, coarser place."""
+    monkeypatch.setattr(special_points, "DoublingTest", lambda *_: lambda s: 3.0 * (s - 0.37))
+    segment = SimpleNamespace(tracer=None, length=1.0, at=lambda s: f"at {s:.3f}")
+    kind, s, point = special_points._locate_doubling(segment, 0.3, 0.5, 0)
+    assert (kind, point) == ("period doubling", "at 0.370") and s == pytest.approx(0.37, abs=1e-12)
+
+
+def test_an_end_that_takes_more_harmonics_stays_the_end():
+    """The last point of long steps is solved with more harmonics at the stop itself, and not beside it."""
+    curve = RESONANCE(stop=1.0, harmonics=2, accuracy=1e-6, step=0.1, max_step=0.5)
+    assert curve.harmonics[-1] > curve.harmonics[-2] and curve.values[-1] == 1.0
+
+
 def test_more_accuracy_takes_more_harmonics():
     """From four to eight digits, and no more of them than are allowed."""
     few, many = (RESONANCE(harmonics=2, accuracy=accuracy).harmonics.max() for accuracy in (1e-4, 1e-8))
     assert few < many
     limited = RESONANCE(harmonics=2, accuracy=1e-8, max_harmonics=4)
     assert limited.harmonics.max() == 4 and limited.errors.max() > 1e-8
+    assert RESONANCE(max_harmonics=1, max_points=2).values.size == 2  # without an accuracy nobody asks for it
     with pytest.raises(InputError, match="max_harmonics: 2"):
         RESONANCE(harmonics=4, accuracy=1e-8, max_harmonics=2)
     with pytest.raises(InputError, match="accuracy: 0"):
@@ -181,12 +249,26 @@ def test_more_accuracy_takes_more_harmonics():
 
 
 def test_a_branch_of_a_curve_with_adapted_harmonics():
-    """A special point has the harmonics of its own place, and a branch starts from them."""
+    """A special point has the harmonics of its own place, and a branch starts from them, towards the odd ones."""
     build = lambda P: forced_oscillator(0.85, P, c=0.1, a=-1.0)
     curve = response_curve(parameter=build, start=0.02, stop=0.12, harmonics=5, accuracy=1e-9, stability=True)
     doubling = curve.special[-1]
     _, response = switch_branch(curve, doubling)
     assert response.basis.harmonics == doubling.z.shape[-1] - 1 > 10
+    tracer = Tracer(curve.family.with_harmonics(5), 0.1, 1e-10, doubling.value, curve.state.norms)
+    test = DoublingTest(tracer, lambda _: Point(tracer.pack(doubling.z[..., :11]), doubling.value, None, None, 0))
+    assert test(0.0) != 0
+    z = test.tracer.unpack(test.direction[0])  # of twice the period: the mean, then sines and cosines of 1, 2, ...
+    assert z[..., 1::4].any() and z[..., 2::4].any() and not z[..., 3::4].any() and not z[..., 0::4].any()
+
+
+def test_the_direction_beside_a_special_point_is_that_between_its_neighbours():
+    """Whatever harmonics each of them has, of lines with more nodes than coefficients, too."""
+    few, many = np.ones((1, 9, 5)), np.full((1, 9, 7), 3.0)
+    curve = SimpleNamespace(points=[SimpleNamespace(z=few, value=1.0), SimpleNamespace(z=many, value=2.0)])
+    tracer = SimpleNamespace(pack=lambda z: z, product=lambda *_: 4.0)
+    t, u = switching._tangent_beside(tracer, curve, SimpleNamespace(z=many, after=0))
+    assert u == 0.5 and t[0, 8].tolist() == [1.0] * 5 + [1.5] * 2
 
 
 def test_the_tangent_is_of_unit_length_in_the_weights_of_its_state():
@@ -196,6 +278,9 @@ def test_the_tangent_is_of_unit_length_in_the_weights_of_its_state():
         state, family = curve.state, curve.family
         tracer = Tracer(family, 0.8, 1e-10, state.value, state.norms)
         assert tracer.product(state.t, state.u, state.t, state.u) == pytest.approx(1.0, abs=UNIT)
+    for u in (0.0, np.inf, np.nan):  # as a singular matrix may have it
+        with pytest.raises(CorrectionError, match="no tangent"):
+            tracer._tangent(lambda *_, u=u: (0.0 * state.t, u), state.x, 1.0)
 
 
 # ---------------------------------------------------------------- what a line adds: slack, and a third direction
