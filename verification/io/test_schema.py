@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-import runpy
+import subprocess
 import sys
 import tomllib
 from importlib.resources import files
@@ -15,6 +15,7 @@ import pytest
 
 from solvers import InputError, Scene
 from solvers.io import keys, load_network, schema
+from verification import ROOT
 
 FOLDER = Path(str(files("reference_data") / "scenes"))
 FILES = sorted(FOLDER.rglob("*.toml"))
@@ -117,7 +118,7 @@ def test_the_usual_name_leads_to_the_key(table, key, likely):
         keys.check_keys(f"[{table}]", {key: 1.0}, keys.SCENE[table])
 
 
-def test_the_command_says_what_it_does(tmp_path, capsys, monkeypatch):
+def test_the_command_says_what_it_does(tmp_path, capsys):
     """--help writes nothing, a folder that is not there is named, and one that is there gets both files."""
     with pytest.raises(SystemExit) as end:
         schema.main(["--help"])
@@ -126,8 +127,6 @@ def test_the_command_says_what_it_does(tmp_path, capsys, monkeypatch):
     with pytest.raises(SystemExit) as end:
         schema.main([str(tmp_path / "none")])
     assert end.value.code == 2 and "there is no such folder" in capsys.readouterr().err
-    monkeypatch.setattr(sys, "argv", ["schema", str(tmp_path)])
-    with pytest.warns(RuntimeWarning, match="found in sys.modules"):  # it is imported above
-        runpy.run_module("solvers.io.schema", run_name="__main__")
+    subprocess.run([sys.executable, "-m", "solvers.io.schema", str(tmp_path)], cwd=ROOT, check=True, timeout=60)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["network.schema.json", "scene.schema.json"]
     assert schema.main([str(tmp_path)]) == 0
