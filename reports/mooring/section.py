@@ -214,19 +214,19 @@ def _line_table(data, tables) -> Table:
 
 
 def _agreement(data, folder, tables) -> dict:
-    """Return what the methods agree to in words, and a row for each line."""
+    """Return what the methods agree to in words, a row for each line, and the reasons of those that do not."""
     columns = {"name": "line", "motion": "motion", "contact": "on the bed", "undamped": "undamped",
-               "damped": "damped", "effect": "damping", "harmonics": "harmonics", "difference": "in time",
-               "peer": "rms", "peer_greatest": "greatest", "peer_steps": "half the step here",
-               "reason": "why they differ"}  # fmt: skip
-    groups = (("", 2), ("swing, harmonic", 1), ("shorter steps, % of the range", 2), ("effect, %", 1),
-              ("harmonic balance", 2), ("MoorDyn, %", 3), ("", 1))  # fmt: skip
+               "damped": "damped", "effect": "damping", "harmonics": "Nh", "difference": "rms",
+               "peer": "rms", "peer_greatest": "greatest", "peer_steps": "half step"}  # fmt: skip
+    groups = (("", 2), ("swing, harmonic", 1), ("half the step, %", 2), ("effect, %", 1),
+              ("harmonic balance, %", 2), ("MoorDyn, %", 3))  # fmt: skip
     formats = dict.fromkeys(("undamped", "damped", "effect", "difference", "peer", "peer_steps"), two_digits)
     formats |= {"contact": _whole, "peer_greatest": two_digits}
     rows = [_agreement_row(row) for row in data["rows"]]
     table = _table(tables, "agreement", "Two methods and MoorDyn over a seabed", rows, columns, formats=formats,
                    groups=groups)  # fmt: skip
-    return {"text": _agreement_words(data), "table": table}
+    reasons = [f"{row['name']}: {row['reason']}" for row in rows if row["reason"]]
+    return {"text": _agreement_words(data), "table": table, "reasons": reasons}
 
 
 def _agreement_row(row) -> dict:
@@ -254,8 +254,8 @@ def _agreement_words(data) -> str:
         f"of k/(m + ma); where no damping ends that, shorter steps excite more of it and neither method has a limit. "
         f"So the seabed here has the damping that is critical for the line as it lies, grown over the depth to which "
         f"it sinks; its effect on the tension stands beside. Time: {first} steps a period, then {refined[0]} and "
-        f"{refined[1]}, extrapolated. Harmonic balance starts from the history, with {data['samples']} samples for "
-        f"each harmonic: {len(alike)} of {plural(len(solved), 'response')} are within "
+        f"{refined[1]}, extrapolated. Harmonic balance of Nh harmonics starts from the history, with "
+        f"{data['samples']} samples for each harmonic: {len(alike)} of {plural(len(solved), 'response')} are within "
         f"{number(100 * data['agreed'], 1)} % of the range of the history (rms), the farthest {farthest} %. MoorDyn: "
         f"equal cells, {data['peer_steps']} coupling steps a period, no damping of the seabed and no friction in "
         f"either, for its laws are others. Beside it stands what half the step changes here on those cells: where that "
