@@ -300,7 +300,7 @@ UNSEEN = {
     ),
     "of a place in the record": ("step + 1", "step + (-(1))"),
     "after fifteen iterations": ("auxiliary[:] = T",),
-    "of how far the seabed is from converged": ("line.floor", "R[i, n - 1]", "r1[i, n - 1]"),
+    "of how far the seabed is from converged": ("line.floor", "R[i, n - 1]", "r1[i, n - 1]", "v1[i, n - 1]"),
 }
 """Signs that runs of a taut line, all of whose steps succeed, do not show: parts of their faults, by reason."""
 
