@@ -160,7 +160,7 @@ def agreement(quick: bool):
     rows, known = [], read_moordyn()
     with one_blas_thread():
         for name, motion in list(MOTIONS.items())[: 2 if quick else None]:
-            rows.append(compare(name, *motion) | {"moordyn": beside_moordyn(name, known[name])})
+            rows.append(compare(name, *motion) | {"moordyn": compare_with_moordyn(name, known[name])})
             yield None
             if name in SOFTER:
                 rows.append(compare(name, *motion, SOFTER[name]) | {"moordyn": None})
@@ -170,7 +170,7 @@ def agreement(quick: bool):
 
 
 # ---------------------------------------------------------------- MoorDyn
-def beside_moordyn(name: str, tension) -> dict:
+def compare_with_moordyn(name: str, tension) -> dict:
     """Return how far MoorDyn's tension (PEER_INSTANTS,) in N is from this core's on equal cells, the seabed undamped.
 
     rms and greatest: of their difference and of that of their greatest values, over the range; steps: what half the

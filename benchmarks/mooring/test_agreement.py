@@ -117,9 +117,9 @@ def test_moordyns_tensions_are_near_those_of_this_core():
     known = agreement.read_moordyn()
     assert set(known) == set(seabed.LINES) == set(agreement.MOTIONS)
     for name, within in (("oc3", 1.5e-3), ("wire", 3e-3)):
-        beside = agreement.beside_moordyn(name, known[name])
-        assert beside["rms"] <= within and abs(beside["greatest"]) <= within and beside["steps"] <= 1e-4
-        assert agreement.beside_moordyn(name, np.roll(known[name], 2))["rms"] > 5 * within
+        compared = agreement.compare_with_moordyn(name, known[name])
+        assert compared["rms"] <= within and abs(compared["greatest"]) <= within and compared["steps"] <= 1e-4
+        assert agreement.compare_with_moordyn(name, np.roll(known[name], 2))["rms"] > 5 * within
 
 
 @pytest.mark.skipif("moordyn" not in peers.adapters(), reason="the optional peer is not installed")

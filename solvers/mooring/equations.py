@@ -114,7 +114,7 @@ def seabed(line, r, v, i, R):
     n, penetration = len(line.current), line.floor - r[i, -1]
     if penetration.real <= 0:
         return
-    damping = line.seabed_damping[i] + 0.0 * penetration
+    damping = line.seabed_damping[i] + 0.0 * penetration  # of the type of the state, which may be complex
     if penetration.real < line.contact_depth:
         damping *= penetration / line.contact_depth
     normal = line.seabed_stiffness[i] * penetration - damping * v[i, -1]

@@ -41,9 +41,9 @@ def _evaluate_polynomials(coefficients, before, dt, t):
     """Return the values at times t (S,) in s, each of the polynomial that has ``before`` of its points before t."""
     values = np.empty(t.size)
     for k in range(t.size):
-        place = t[k] / dt
-        first = min(max(int(place) - before, 0), coefficients.shape[0] - 1)
-        x, value = place - (first + before), 0.0
+        steps = t[k] / dt
+        first = min(max(int(steps) - before, 0), coefficients.shape[0] - 1)
+        x, value = steps - (first + before), 0.0
         for power in range(coefficients.shape[1] - 1, -1, -1):
             value = value * x + coefficients[first, power]
         values[k] = value

@@ -122,8 +122,8 @@ def test_the_command_says_what_it_does(tmp_path, capsys):
     """--help writes nothing, a folder that is not there is named, and one that is there gets both files."""
     with pytest.raises(SystemExit) as end:
         schema.main(["--help"])
-    said = " ".join(capsys.readouterr().out.split())
-    assert end.value.code == 0 and "scene.schema.json" in said and schema.__doc__.splitlines()[0] in said
+    printed = " ".join(capsys.readouterr().out.split())
+    assert end.value.code == 0 and "scene.schema.json" in printed and schema.__doc__.splitlines()[0] in printed
     with pytest.raises(SystemExit) as end:
         schema.main([str(tmp_path / "none")])
     assert end.value.code == 2 and "there is no such folder" in capsys.readouterr().err
