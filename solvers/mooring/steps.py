@@ -21,7 +21,7 @@ from .equations import residual, tangents
 MAX_ITERATIONS = 30  # of one step
 FULL_STEPS = 15  # of Newton's method, before they are halved
 MAX_CONTRACTION = 0.03  # with a slack cell: contraction above which new factors are cheaper than more iterations
-LEFT = 0.1  # of the tolerance: less is what the iterations to come would change, judged by the contraction of the last
+REMAINDER = 0.1  # of the tolerance: what iterations to come may change, judged by the contraction of the last
 LEAST_CONTRACTION = 0.02  # that is trusted: the first iteration takes what is stiff and linear away, which is most
 REMEMBERED = 0.9  # of the wear of old factors, from a step that begins with new ones to the next: they are tried again
 
@@ -139,9 +139,9 @@ def integrate(
                     for i in range(nodes):
                         lies[i] = r1[i, n - 1] < line.floor
                 solve(order, diagonal, right, left, R, column)
-                largest_step, largest_force, is_finite, turned, slack = 0.0, 0.0, True, False, False
+                largest_step, largest_force, is_finite, regime_changed, slack = 0.0, 0.0, True, False, False
                 for i in range(nodes):
-                    turned = turned or (r1[i, n - 1] < line.floor) != lies[i]
+                    regime_changed = regime_changed or (r1[i, n - 1] < line.floor) != lies[i]
                     depth = line.floor - min(r1[i, n - 1], r1[i, n - 1] - R[i, n - 1])
                     if depth > 0:
                         speed = max(abs(v1[i, n - 1]), abs(v1[i, n - 1] - by_v * R[i, n - 1]))
@@ -150,7 +150,7 @@ def integrate(
                         largest_step = max(largest_step, abs(R[i, k]))
                         is_finite = is_finite and abs(R[i, k]) < np.inf
                 for c in range(cells):
-                    slack, turned = slack or T[c] == 0, turned or (T[c] != 0) != taut[c]
+                    slack, regime_changed = slack or T[c] == 0, regime_changed or (T[c] != 0) != taut[c]
                     change = 0.0
                     for k in range(n):
                         change -= unit[c, k] * (R[line.last[c], k] - R[line.first[c], k])
@@ -171,8 +171,8 @@ def integrate(
                     wear = contraction / age
                 solved = error <= limit
                 if iteration > 0 and not slack:
-                    solved = solved or max(contraction, LEAST_CONTRACTION) * error <= LEFT * limit
-                if solved and turned:  # old factors are far too stiff for a cell gone slack, or a node that has lifted
+                    solved = solved or max(contraction, LEAST_CONTRACTION) * error <= REMAINDER * limit
+                if solved and regime_changed:  # old factors are too stiff where cells went slack, nodes lifted
                     solved, factorised = False, False
                 part = 1.0 if solved or iteration < FULL_STEPS else 0.5  # cells that turn taut and slack by turns
                 for i in range(nodes):

@@ -320,7 +320,7 @@ DEFECTS = (
     ),
     Defect(
         "steps that end with factors that are too stiff",
-        Fault("mooring.steps", "integrate", "solved and turned", "False"),
+        Fault("mooring.steps", "integrate", "solved and regime_changed", "False"),
         "stale",
         "nodes have lifted and cells gone slack since: the small steps that stiff factors give look converged",
         "mooring/test_random_networks.py::test_steps_do_not_end_with_factors_that_are_too_stiff",
