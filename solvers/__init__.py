@@ -6,8 +6,8 @@ from importlib.metadata import version as _version
 from .cable.statics import StaticState, solve_static
 from .cable.system import CableSystem, cable_system
 from .catenary.span import CatenaryBatch, CatenaryState, Regime, Span, solve_span, solve_spans
-from .common.body_motion import BodyMotion
-from .common.motion import FunctionMotion, Motion, SampledMotion
+from .common.motions.body_motion import BodyMotion
+from .common.motions.motion import FunctionMotion, Motion, SampledMotion
 from .common.outcome import ConvergenceError, InputError, Status
 from .common.properties import CableProperties, Environment
 from .harmonic_balance.solve import PeriodicResponse, solve_periodic
@@ -16,7 +16,7 @@ from .load_cases.solve import solve_load_cases
 from .mooring.system import MooringSystem, mooring_system
 from .network.model import Element, Network, Node
 from .network.solve import NetworkState, solve_network
-from .stability.curve import ResponseCurve, response_curve
+from .stability.curves.curve import ResponseCurve, response_curve
 from .time_domain.history import TimeHistory
 from .time_domain.solve import solve_time_domain
 

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from solvers import Motion, solve_span
-from solvers.common.motion import Ramped
+from solvers.common.motions.motion import Ramped
 from solvers.harmonic_balance.solve import solve_periodic
 from solvers.time_domain.solve import solve_time_domain
 from verification import registry

@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from solvers.common.motion import Ramped
+from solvers.common.motions.motion import Ramped
 from solvers.numerics.threads import one_blas_thread
 from verification.registry import PROBLEMS
 

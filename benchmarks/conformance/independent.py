@@ -20,7 +20,7 @@ TOLERANCE = 1e-8  # of a step; what it leaves is far below the bounds of a case
 
 
 class RampedHarmonics(RigidMotion):
-    """Translation by harmonics that grow from rest as ``solvers.common.motion.Ramped`` has it, with rates."""
+    """Translation by harmonics that grow from rest as ``solvers.common.motions.motion.Ramped`` has it, with rates."""
 
     def __new__(cls, *_):
         return object.__new__(cls)

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from solvers.cable.system import cable_system
-from solvers.common.motion import Motion
+from solvers.common.motions.motion import Motion
 from solvers.harmonic_balance.solve import solve_periodic
 from verification.cases.oscillators import cubic_chain
 from verification.registry import instants, last_period_tension

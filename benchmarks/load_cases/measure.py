@@ -17,8 +17,8 @@ from dataclasses import replace
 import numpy as np
 
 from solvers.common.load_case import LoadCase
-from solvers.common.sea_state import ResponseOperators, SeaState
-from solvers.common.spectrum import Spectrum
+from solvers.common.motions.sea_state import ResponseOperators, SeaState
+from solvers.common.motions.spectrum import Spectrum
 from solvers.io import Scene, load_network
 from solvers.load_cases import solve_load_cases
 from solvers.load_cases.integration import integrate_case

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from solvers import Status, mooring_system, solve_periodic, solve_time_domain
-from solvers.common.motion import Ramped
+from solvers.common.motions.motion import Ramped
 from solvers.numerics.threads import one_blas_thread
 from verification.registry import instants, last_period_tension
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from solvers import InputError, Motion, mooring_system, solve_time_domain
-from solvers.common.motion import Ramped
+from solvers.common.motions.motion import Ramped
 from verification.registry import INSTANTS, instants
 
 from .. import peers

@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 
 from solvers import solve_periodic, solve_time_domain
-from solvers.common.motion import Ramped
+from solvers.common.motions.motion import Ramped
 from solvers.common.outcome import ConvergenceError
 from solvers.numerics.threads import one_blas_thread
 from verification.registry import last_period_tension

@@ -192,7 +192,7 @@ def _system(network, cells, options, damping_ratio, coupled):
 
 def _write(file, network, cells, damping_ratio, options):
     """Write a solvers.Network, by this project's own writer."""
-    from solvers.io.moordyn_writer import write_moordyn
+    from solvers.io.moordyn.writer import write_moordyn
 
     try:
         write_moordyn(file, network, cells, damping_ratio=damping_ratio, options=options)

@@ -1,6 +1,6 @@
 """Input files of MoorDyn 2 for the networks of conformance cases, from their plain attributes.
 
-Networks of this project have a writer of their own, solvers.io.moordyn_writer; an outside code is judged without it.
+Networks of this project have a writer of their own, solvers.io.moordyn.writer; an outside code is judged without it.
 """
 
 from __future__ import annotations

@@ -14,9 +14,10 @@ import math
 import numpy as np
 
 from solvers import solve_time_domain
-from solvers.stability import find_landing, floquet, responses_at
-from solvers.stability.monodromy import RADAU
-from solvers.stability.special_points import BRANCH_POINT, FOLD, PERIOD_DOUBLING
+from solvers.stability import find_landing, responses_at
+from solvers.stability.curves.special_points import BRANCH_POINT, FOLD, PERIOD_DOUBLING
+from solvers.stability.multipliers import floquet
+from solvers.stability.multipliers.monodromy import RADAU
 
 DISTURBANCE = (
     0.01  # of the largest displacement: small enough to be linear, larger than what steps and harmonics err by

@@ -8,7 +8,7 @@ import numpy as np
 
 from solvers import ConvergenceError
 from solvers.stability import response_curve, switch_branch
-from solvers.stability.special_points import BRANCH_POINT, PERIOD_DOUBLING
+from solvers.stability.curves.special_points import BRANCH_POINT, PERIOD_DOUBLING
 
 from .confirm import confirm
 from .systems import CurveCase

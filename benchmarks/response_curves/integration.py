@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from solvers import solve_time_domain
-from solvers.stability.family import build_family
+from solvers.stability.curves.family import build_family
 
 PERIODS, KEPT_PERIODS = 12, 2  # integrated from rest, and the last of them, in which tensions are taken
 STEPS = 100  # in a period

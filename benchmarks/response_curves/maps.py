@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from solvers import solve_periodic
-from solvers.stability import find_basins, floquet, response_curve, responses_at
+from solvers.stability import find_basins, response_curve, responses_at
+from solvers.stability.multipliers import floquet
 
 from . import systems
 

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from solvers import ConvergenceError, InputError, Motion, Scene, mooring_system
-from solvers.common.body_motion import BodyMotion
+from solvers.common.motions.body_motion import BodyMotion
 from solvers.io.curve_file import load_curve, save_curve
 from solvers.stability import response_curve
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from importlib.resources import files
 
 from solvers import CableProperties, Element, Environment, Motion, Network, Node, Scene, mooring_system
-from solvers.common.body_motion import BodyMotion
+from solvers.common.motions.body_motion import BodyMotion
 
 SHALLOW = files("reference_data") / "scenes" / "dynamics" / "shallow_chain_surge.toml"
 CHAIN = CableProperties(EA=384.243e6, diameter=0.09, mass_per_length=77.7066, Cdn=1.6)

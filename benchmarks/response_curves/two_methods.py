@@ -8,7 +8,8 @@ import time
 import numpy as np
 
 from solvers import solve_periodic
-from solvers.stability import floquet, response_curve
+from solvers.stability import response_curve
+from solvers.stability.multipliers import floquet
 
 from . import systems
 

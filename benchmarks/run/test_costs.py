@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import pytest
 
 from solvers import solve_periodic, solve_time_domain
-from solvers.mooring import harmonic
+from solvers.mooring.periodic import harmonic
 
 from .. import peers
 from ..cable import work_precision as cable_work

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from solvers import solve_periodic
-from solvers.common.motion import Ramped
+from solvers.common.motions.motion import Ramped
 from verification.cases.spans import NAMED
 from verification.registry import last_period_tension
 

@@ -10,7 +10,7 @@ import time
 import numpy as np
 
 from solvers import ConvergenceError, Scene, Status, cable_system, solve_periodic, solve_static, solve_time_domain
-from solvers.common.motion import Ramped
+from solvers.common.motions.motion import Ramped
 from solvers.numerics.modes import natural_modes
 from verification.registry import INSTANTS, instants, last_period_tension
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from solvers import ConvergenceError, InputError, Scene, solve_span
-from solvers.common.sea_state import SeaMotion
+from solvers.common.motions.sea_state import SeaMotion
 from verification.cases.spans import SpanCase
 from verification.reference import SpanTruth, force_error
 

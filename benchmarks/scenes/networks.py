@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from solvers import ConvergenceError, InputError, mooring_system, solve_network
-from solvers.common.sea_state import SeaMotion
+from solvers.common.motions.sea_state import SeaMotion
 from solvers.numerics.threads import one_blas_thread
 
 from ..cable.work_precision import least_seconds

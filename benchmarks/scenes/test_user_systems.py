@@ -22,7 +22,7 @@ from benchmarks.scenes import measure, networks
 from benchmarks.scenes.network_files import load
 from solvers import InputError, Scene, mooring_system, solve_network, solve_span, solve_static
 from solvers.common.load_case import LoadCase
-from solvers.common.sea_state import SeaMotion
+from solvers.common.motions.sea_state import SeaMotion
 from solvers.io.case_file import load_case_of, load_system, read_load_cases
 from solvers.load_cases import solve_load_cases
 

@@ -15,7 +15,8 @@ import numpy as np
 from solvers import CableProperties, Environment, Motion, Scene, mooring_system, solve_periodic
 from solvers.common.outcome import ConvergenceError
 from solvers.numerics.modes import natural_modes
-from solvers.stability import floquet, response_curve
+from solvers.stability import response_curve
+from solvers.stability.multipliers import floquet
 
 from ..run import console, results
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import make_interp_spline
 
 from ..common.diagnostics import check_drag
-from ..common.motion import Ramped
+from ..common.motions.motion import Ramped
 from ..common.outcome import InputError
 from ..common.properties import CableProperties, Environment
 from ..common.types import Movement, Vector

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from .body_motion import BodyMotion
+from .motions.body_motion import BodyMotion
+from .motions.sea_state import SeaState
 from .outcome import InputError
-from .sea_state import SeaState
 from .types import Vector
 from .validation import non_negative_number, positive_number, vector
 

@@ -2,14 +2,14 @@
 
 from .case_file import load_system, read_load_cases
 from .curve_file import load_curve, save_curve
-from .map_file import read_map_file
-from .map_writer import write_map_file
-from .moordyn_file import load_moordyn
-from .moordyn_writer import write_moordyn
-from .motion_file import load_body_motion
+from .map_plus_plus.reader import read_map_file
+from .map_plus_plus.writer import write_map_file
+from .moordyn.reader import load_moordyn
+from .moordyn.writer import write_moordyn
 from .network_scene import load_network
 from .scene import Scene
-from .sea_file import load_response_operators, load_spectrum
+from .series.motion_file import load_body_motion
+from .series.sea_file import load_response_operators, load_spectrum
 
 __all__ = [
     "Scene",

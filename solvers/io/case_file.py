@@ -3,7 +3,7 @@
 A table of load cases has a header with the names of its columns, those of ``keys.CASES``: a duration, and one of
   a sea: Hs, Tp and seed, or spectrum and seed; gamma, heading, amplitudes, and operators where the system names none
   a regular motion: period and amplitudes surge, sway, heave, roll or roll_deg, ...
-  a series: motion, a CSV file, see solvers/io/motion_file.py
+  a series: motion, a CSV file, see solvers/io/series/motion_file.py
 with ramp, current and offset. Files are relative to that of the table; a cell may be empty. CSV has no schema for
 editors: ``describe_columns`` says what there is, and a wrong name gets the nearest column.
 """
@@ -18,16 +18,16 @@ import os
 from os import PathLike
 from pathlib import Path
 
-from ..common.body_motion import BodyMotion
 from ..common.load_case import LoadCase
+from ..common.motions.body_motion import BodyMotion
+from ..common.motions.sea_state import SeaMotion
 from ..common.outcome import InputError
-from ..common.sea_state import SeaMotion
-from .csv_columns import read_rows
 from .keys import CASES, SEA
-from .motion_file import COORDINATES, load_body_motion
 from .network_scene import load_network
 from .scene import Scene, read_tables
-from .sea_file import sea_from_settings
+from .series.csv_columns import read_rows
+from .series.motion_file import COORDINATES, load_body_motion
+from .series.sea_file import sea_from_settings
 
 _TEXTS = tuple(name for name, key in CASES.items() if key.kind in ("text", "amplitudes"))
 _SEA = tuple(key for key in SEA if key != "duration")

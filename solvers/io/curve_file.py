@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from ..common.outcome import InputError, Status
-from ..stability.curve import ResponseCurve, assemble_curve
-from ..stability.family import HarmonicFamily, build_family
-from ..stability.special_points import SpecialPoint
-from ..stability.tracing import CurvePoint, TraceState
+from ..stability.curves.curve import ResponseCurve, assemble_curve
+from ..stability.curves.family import HarmonicFamily, build_family
+from ..stability.curves.special_points import SpecialPoint
+from ..stability.curves.tracing import CurvePoint, TraceState
 
 FORMAT = 2  # of the file; another number is refused
 _ARRAYS = "z", "greatest", "least"

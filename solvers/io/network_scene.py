@@ -14,10 +14,10 @@ frequency = 0.1              Hz, or period (s)
 amplitude = [2.0, 0.0, 0.0, 0.0, 0.05, 0.0]
                              surge, sway, heave (m), roll, pitch, yaw (rad), of sin(2 pi f t + phase); phase (rad): 0;
                              or sine and cosine: lists of rows of six, one for each harmonic of the frequency
-file = "series.csv"          in place of all these but reference: a series, see solvers/io/motion_file.py
+file = "series.csv"          in place of all these but reference: a series, see solvers/io/series/motion_file.py
 spectrum = "jonswap"         in place of them: waves, or "pierson_moskowitz", or a CSV file; Hs (m), Tp (s), gamma;
 operators = "raos.csv"       seed, duration (s) until they repeat, heading (degrees); amplitudes = "rayleigh" or
-                             "deterministic"; response amplitude operators: see solvers/io/sea_file.py
+                             "deterministic"; response amplitude operators: see solvers/io/series/sea_file.py
 """
 
 from __future__ import annotations
@@ -27,13 +27,12 @@ from difflib import get_close_matches
 from os import PathLike
 from pathlib import Path
 
-from ..common.body_motion import BodyMotion
 from ..common.diagnostics import check_drag
+from ..common.motions.body_motion import BodyMotion
 from ..common.outcome import InputError
 from ..common.properties import CableProperties, Environment, missing_seabed_stiffness
 from ..network.model import Element, Network, Node
 from .keys import NETWORK, SECTION, check_keys
-from .motion_file import motion_from_table
 from .plausibility import suspect_angles, suspect_heights, suspect_phases, suspect_section
 from .scene import (  # one wording of errors for all scene files
     _point,
@@ -41,6 +40,7 @@ from .scene import (  # one wording of errors for all scene files
     read_safety_factors,
     read_tables,
 )
+from .series.motion_file import motion_from_table
 
 _LOADS = ("mass", "volume", "force", "CdA", "Ca")
 

@@ -32,17 +32,17 @@ from typing import Any
 import numpy as np
 
 from ..catenary.span import Span
-from ..common.body_motion import BodyMotion
 from ..common.diagnostics import check_drag
-from ..common.motion import Motion
+from ..common.motions.body_motion import BodyMotion
+from ..common.motions.motion import Motion
 from ..common.outcome import InputError
 from ..common.properties import CableProperties, Environment, missing_seabed_stiffness
 from ..common.types import Vector, as_system
 from ..common.validation import positive_number, real_number, vector
 from ..mooring.system import mooring_system
 from .keys import SCENE, SECTION, check_keys
-from .motion_file import motion_from_table
 from .plausibility import suspect_heights, suspect_phases, suspect_rest, suspect_section
+from .series.motion_file import motion_from_table
 
 
 @dataclass(frozen=True)

@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from ..common.irregular_motion import IrregularMotion
 from ..common.load_case import LoadCase
+from ..common.motions.irregular_motion import IrregularMotion
+from ..common.motions.sea_state import SeaState
 from ..common.outcome import ConvergenceError, InputError
-from ..common.sea_state import SeaState
 from .results import QUANTITIES, Accuracy, CaseResult
 
 COARSEST = 0.4, 12  # s, cells: where the search begins

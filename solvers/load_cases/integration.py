@@ -8,17 +8,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..common.body_motion import BodyMotion
+from ..common.motions.body_motion import BodyMotion
+from ..common.motions.sea_state import SeaMotion, SeaState
 from ..common.outcome import InputError, Status
 from ..common.properties import MAX_STRAIN
 from ..common.response import ROUNDING
-from ..common.sea_state import SeaMotion, SeaState
 from ..mooring import equations
 from ..mooring.equations import node_forces
-from ..mooring.mesh import build_mesh
-from ..mooring.model import build_model
+from ..mooring.lines.mesh import build_mesh
+from ..mooring.lines.model import build_model
+from ..mooring.stepping.time_domain import stream_line
 from ..mooring.system import mooring_system
-from ..mooring.time_domain import stream_line
 from ..network.model import Network
 from ..numerics.compiled import compiled
 

@@ -11,10 +11,11 @@ import numpy as np
 
 from ..common.outcome import Outcome, Status, describe_vector
 from ..numerics.continuation import continue_in_load
+from ..numerics.lu import elimination
 from ..numerics.newton import Step, relaxed_newton
-from . import elimination, equations
-from .components import merge_states
+from . import equations
 from .diagnostics import exact_pretension, friction_warnings, rest_warnings
+from .lines.components import merge_states
 
 TOLERANCE = 1e-13  # largest change of a position over the length: some hundred roundings of a coordinate
 SOFT_STRAIN = 0.1  # of the greatest tension, where the continuation begins

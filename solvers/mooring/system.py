@@ -14,19 +14,19 @@ from ..common.properties import MAX_STRAIN
 from ..common.types import as_system
 from ..common.validation import non_negative_number, positive_number
 from ..network.model import Network
-from .assembly import assemble_line, evaluate_forces, find_axes, take_end_cell
-from .calibration import calibrate_line, element_end_load, is_to_be_calibrated
-from .coarsening import coarsen, prolong, share_loads
-from .components import Component, integrate_components, merge_responses, split_system
-from .harmonic import MooringHarmonics, MooringResponse, full_then_damped_newton, solve_extrapolated, start_from_time
-from .history import MooringHistory
-from .layout import number_nodes, plan_elimination
-from .mesh import build_mesh
-from .model import build_model
-from .modes import LinePencil
-from .prescribed_motion import move_points, ramp_motion, require_above_seabed, require_motion
+from .linearised.modes import LinePencil
+from .lines.assembly import assemble_line, evaluate_forces, find_axes, take_end_cell
+from .lines.calibration import calibrate_line, element_end_load, is_to_be_calibrated
+from .lines.coarsening import coarsen, prolong, share_loads
+from .lines.components import Component, integrate_components, merge_responses, split_system
+from .lines.layout import number_nodes, plan_elimination
+from .lines.mesh import build_mesh
+from .lines.model import build_model
+from .lines.prescribed_motion import move_points, ramp_motion, require_above_seabed, require_motion
+from .periodic import harmonic
 from .statics import MooringState, solve_rest
-from .time_domain import integrate_line
+from .stepping.history import MooringHistory
+from .stepping.time_domain import integrate_line
 
 SLIP_SPEED = 0.01  # m/s, at which the regularised friction reaches 0.7 of Coulomb's
 
@@ -146,7 +146,7 @@ class MooringSystem:
             part.system.source = lambda t, nodes=part.nodes: self.source(t)[:, nodes]
         return parts
 
-    def merge_responses(self, responses) -> MooringResponse:
+    def merge_responses(self, responses) -> harmonic.MooringResponse:
         """Return the periodic response of the network from those of its components."""
         return merge_responses(self, responses)
 
@@ -167,9 +167,9 @@ class MooringSystem:
         """Return the discrete equilibrium, as ``solvers.solve_static`` does."""
         return self.rest if throw else solve_rest(self, throw=False)
 
-    def solve_extrapolated(self, **options) -> MooringResponse:
+    def solve_extrapolated(self, **options) -> harmonic.MooringResponse:
         """Return the periodic response whose end forces are extrapolated from two meshes, as solve_periodic asks."""
-        return solve_extrapolated(self, **options)
+        return harmonic.solve_extrapolated(self, **options)
 
     def integrate(self, **settings) -> MooringHistory:
         """Return the motion over time, as ``solvers.solve_time_domain`` asks with settings that it has validated."""
@@ -187,16 +187,16 @@ class MooringSystem:
         return LinePencil(self)
 
     # ------------------------------------------------------------ what solve_periodic asks
-    newton = staticmethod(full_then_damped_newton)
-    periodic_response = MooringResponse
+    newton = staticmethod(harmonic.full_then_damped_newton)
+    periodic_response = harmonic.MooringResponse
 
-    def harmonic_residual(self, basis, mirror, iterative) -> MooringHarmonics:
+    def harmonic_residual(self, basis, mirror, iterative) -> harmonic.MooringHarmonics:
         """Return the rows in Fourier coefficients; neither a mirror nor an iterative solver is used."""
-        return MooringHarmonics(self, basis)
+        return harmonic.MooringHarmonics(self, basis)
 
     def periodic_start(self, basis, harmonics_of_driving) -> tuple[np.ndarray, int]:
         """Return coefficients z (n, N, C) from a short time integration, and the Newton steps that it took."""
-        return start_from_time(self, basis)
+        return harmonic.start_from_time(self, basis)
 
     def mirror(self):
         """Return None: no symmetry is used."""

@@ -1,10 +1,10 @@
 """Response curves over a parameter, their special points, and the stability of periodic responses of any system."""
 
-from .basins import BasinShares, find_basins, find_landing, responses_at
-from .curve import ResponseCurve, response_curve
-from .floquet import FloquetResult, floquet
-from .special_points import SpecialPoint
-from .switching import BranchStart, switch_branch
+from .curves.basins import BasinShares, find_basins, find_landing, responses_at
+from .curves.curve import ResponseCurve, response_curve
+from .curves.special_points import SpecialPoint
+from .curves.switching import BranchStart, switch_branch
+from .multipliers.floquet import FloquetResult, floquet
 
 __all__ = [
     "BasinShares",

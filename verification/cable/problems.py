@@ -33,7 +33,9 @@ def scene(case: CableCase, of=SOLVERS):
         case.anchor,
         case.fairlead,
         of.common.properties.Environment(case.rho, **water),
-        motion=of.common.motion.Motion(case.frequency, [case.amplitude], [case.quadrature]) if case.amplitude else None,
+        motion=of.common.motions.motion.Motion(case.frequency, [case.amplitude], [case.quadrature])
+        if case.amplitude
+        else None,
     )
 
 

@@ -23,9 +23,9 @@ from solvers import (
     solve_time_domain,
 )
 from solvers.io import load_network
-from solvers.mooring.impedance import mooring_stiffness
+from solvers.mooring.linearised.impedance import mooring_stiffness
 from solvers.numerics.modes import natural_modes
-from solvers.stability import floquet
+from solvers.stability.multipliers import floquet
 
 SCENES = files("reference_data") / "scenes"
 MOST_LINES = 5  # of what a result shows of itself

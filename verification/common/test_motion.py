@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from solvers import FunctionMotion, InputError, Motion, SampledMotion
-from solvers.common.motion import Ramped
+from solvers.common.motions.motion import Ramped
 
 from ..reference import EPS
 

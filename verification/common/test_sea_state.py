@@ -9,10 +9,10 @@ import pytest
 from scipy.integrate import quad
 
 from solvers import InputError
-from solvers.common import irregular_motion
-from solvers.common.irregular_motion import FEW_TIMES, IrregularMotion
-from solvers.common.sea_state import ResponseOperators, SeaState
-from solvers.common.spectrum import HIGHEST, Spectrum, usual_gamma
+from solvers.common.motions import irregular_motion
+from solvers.common.motions.irregular_motion import FEW_TIMES, IrregularMotion
+from solvers.common.motions.sea_state import ResponseOperators, SeaState
+from solvers.common.motions.spectrum import HIGHEST, Spectrum, usual_gamma
 
 STEP = 1e-30  # of a complex step: its error is the rounding of the derivative
 DERIVATIVE = 1e-11  # relative: the sum of a thousand terms whose angles are some thousand radians

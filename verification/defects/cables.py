@@ -308,42 +308,49 @@ DEFECTS = (
     # ------------------------------------------------------------ motion
     Defect(
         "velocity of the cosines",
-        Fault("common.motion", "Motion._rates", "-self._omega", "self._omega"),
+        Fault("common.motions.motion", "Motion._rates", "-self._omega", "self._omega"),
         "sign",
         "d/dt cos = + sin",
         _RATES,
     ),
     Defect(
         "hertz for radians per second",
-        Fault("common.motion", "Motion._omega", "2 * math.pi * self.frequency", "self.frequency"),
+        Fault("common.motions.motion", "Motion._omega", "2 * math.pi * self.frequency", "self.frequency"),
         "unit",
         "the frequency is used as the angular one",
         "common/test_motion.py::test_harmonic_motion_is_a_sine_with_phase",
     ),
     Defect(
         "harmonics counted from zero",
-        Fault("common.motion", "Motion._omega", "np.arange(1, self.harmonics + 1)", "np.arange(self.harmonics)"),
+        Fault(
+            "common.motions.motion", "Motion._omega", "np.arange(1, self.harmonics + 1)", "np.arange(self.harmonics)"
+        ),
         "index",
         "the first harmonic stands still, the second moves with the first's frequency",
         "common/test_motion.py::test_harmonic_motion_is_a_sine_with_phase",
     ),
     Defect(
         "rate of the ramp per step, not per second",
-        Fault("common.motion", "Ramped._ramp", "30 * x**2 * (1 - x) ** 2 / self.duration", "30 * x**2 * (1 - x) ** 2"),
+        Fault(
+            "common.motions.motion",
+            "Ramped._ramp",
+            "30 * x**2 * (1 - x) ** 2 / self.duration",
+            "30 * x**2 * (1 - x) ** 2",
+        ),
         "unit",
         "dq/dt of the ramp is dq/dx",
         _RATES,
     ),
     Defect(
         "product rule without its 2",
-        Fault("common.motion", "Ramped.acceleration", "2 * q_t", "q_t"),
+        Fault("common.motions.motion", "Ramped.acceleration", "2 * q_t", "q_t"),
         "factor",
         "acceleration of a ramped motion",
         _RATES,
     ),
     Defect(
         "ramp that jumps",
-        Fault("common.motion", "Ramped._ramp", "6 * x**2", "7 * x**2"),
+        Fault("common.motions.motion", "Ramped._ramp", "6 * x**2", "7 * x**2"),
         "factor",
         "the ramp ends at 2 and the motion at 1",
         _RATES,
@@ -351,7 +358,7 @@ DEFECTS = (
     Defect(
         "spline one piece further",
         Fault(
-            "common.motion",
+            "common.motions.motion",
             "SampledMotion._locate",
             'np.searchsorted(self.time, t.real, side="right") - 1',
             'np.searchsorted(self.time, t.real, side="right")',
@@ -363,7 +370,7 @@ DEFECTS = (
     Defect(
         "everything moves in a plane",
         Fault(
-            "common.motion_arrays",
+            "common.motions.motion_arrays",
             "spanning_vectors",
             "_SAME_DIRECTION * max(extent[0], np.finfo(float).tiny)",
             "0.5 * max(extent[0], np.finfo(float).tiny)",
@@ -374,28 +381,28 @@ DEFECTS = (
     ),
     Defect(
         "product rule of rotations without its 2",
-        Fault("common.body_motion", "_product", "2 * A[1] @ B[1]", "A[1] @ B[1]"),
+        Fault("common.motions.body_motion", "_product", "2 * A[1] @ B[1]", "A[1] @ B[1]"),
         "factor",
         "accelerations of a body that turns about two axes at once lack half of the Coriolis term",
         "common/test_body_motion.py::test_rates_are_derivatives",
     ),
     Defect(
         "yaw taken before pitch before roll",
-        Fault("common.body_motion", "_rotation", "yaw @ pitch @ roll", "roll @ pitch @ yaw"),
+        Fault("common.motions.body_motion", "_rotation", "yaw @ pitch @ roll", "roll @ pitch @ yaw"),
         "order",
         "rotations of a body are composed about its own axes",
         "common/test_body_motion.py::test_roll_is_taken_before_pitch_before_yaw",
     ),
     Defect(
         "left-handed rotations",
-        Fault("common.body_motion", "_axis_rotation", "1.0, -1.0", "-1.0, 1.0"),
+        Fault("common.motions.body_motion", "_axis_rotation", "1.0, -1.0", "-1.0, 1.0"),
         "sign",
         "positive angles turn a body clockwise",
         "common/test_body_motion.py::test_one_rotation_is_a_circle",
     ),
     Defect(
         "body without centripetal acceleration",
-        Fault("common.body_motion", "_axis_rotation", "rate**2 * (sin * J + cos * turning)", "0.0"),
+        Fault("common.motions.body_motion", "_axis_rotation", "rate**2 * (sin * J + cos * turning)", "0.0"),
         "term",
         "a body that turns uniformly has no acceleration",
         "common/test_body_motion.py::test_one_rotation_is_a_circle",

@@ -18,30 +18,31 @@ def _defect(name, module, function, old, new, kind, what, check, **place):
 
 DEFECTS = (
     _defect(
-        "a sea of the wrong height", "common.spectrum", "Spectrum.jonswap", "Hs**2 / 16 / made.moment(0)",
+        "a sea of the wrong height", "common.motions.spectrum", "Spectrum.jonswap", "Hs**2 / 16 / made.moment(0)",
         "Hs**2 / 8 / made.moment(0)", "factor", "the energy of a sea is that of a sine of its height",
         f"{_SEA}moments_of_a_developed_sea",
     ),
     _defect(
-        "moments of one order", "common.spectrum", "Spectrum.moment", "x**order * y", "x * y", "symbol",
+        "moments of one order", "common.motions.spectrum", "Spectrum.moment", "x**order * y", "x * y", "symbol",
         "all moments but one are the first", f"{_SEA}moments_of_lines_are_exact",
     ),
     _defect(
-        "one transform without its start", "common.irregular_motion", "IrregularMotion._evaluate",
+        "one transform without its start", "common.motions.irregular_motion", "IrregularMotion._evaluate",
         "rows * np.exp(self._rates * first)", "rows", "term", "even times are taken to begin at zero",
         f"{_SEA}every_way_gives_the_sum",
     ),
     _defect(
-        "velocity of another sign", "common.irregular_motion", "IrregularMotion._rates",
+        "velocity of another sign", "common.motions.irregular_motion", "IrregularMotion._rates",
         "2j * math.pi / self.repeats_after", "-2j * math.pi / self.repeats_after", "sign",
         "the waves run backwards in the exponent", f"{_SEA}every_way_gives_the_sum",
     ),
     _defect(
-        "amplitudes of half the energy", "common.sea_state", "SeaState.waves", "math.sqrt(2) * deviation", "deviation",
-        "factor", "a sine of this amplitude has half the variance", f"{_SEA}a_realisation_has_the_energy_of_its_sea",
+        "amplitudes of half the energy", "common.motions.sea_state", "SeaState.waves", "math.sqrt(2) * deviation",
+        "deviation", "factor", "a sine of this amplitude has half the variance",
+        f"{_SEA}a_realisation_has_the_energy_of_its_sea",
     ),
     _defect(
-        "a heading between two taken as one", "common.sea_state", "ResponseOperators.at",
+        "a heading between two taken as one", "common.motions.sea_state", "ResponseOperators.at",
         "(1 - share) * rows + share * self.operators[lower + 1]", "rows + share * self.operators[lower + 1]", "term",
         "between two headings operators add up", f"{_SEA}operators_between_headings_go_round",
     ),
@@ -51,13 +52,14 @@ DEFECTS = (
         f"{_SOLVE}a_row_is_what_time_stepping_gives",
     ),
     _defect(
-        "a short line of a table let through", "io.csv_columns", "_numbers", "len(cells) != len(names)",
+        "a short line of a table let through", "io.series.csv_columns", "_numbers", "len(cells) != len(names)",
         "len(cells) > len(names)", "input", "a row with a value missing ends in an error of the interpreter",
         "io/test_motion_file.py",
     ),
     _defect(
-        "phases in degrees for radians", "io.sea_file", "_one_operator", 'np.radians(columns[f"{name}_phase_deg"])',
-        'columns[f"{name}_phase_deg"]', "unit", "phases in degrees are taken for radians",
+        "phases in degrees for radians", "io.series.sea_file", "_one_operator",
+        'np.radians(columns[f"{name}_phase_deg"])', 'columns[f"{name}_phase_deg"]', "unit",
+        "phases in degrees are taken for radians",
         f"{_FILE}operators_arrive_in_radians",
     ),
     _defect(
@@ -115,12 +117,13 @@ DEFECTS = (
         "input", "systems that differ in an array have one digest", f"{_SOLVE}fingerprints_tell_inputs_apart",
     ),
     _defect(
-        "a touchdown away from itself", "mooring.mesh", "_surplus", "segment.length - s if segment.reversed else s",
-        "s if segment.reversed else segment.length - s", "sign", "nodes stand close at the other end of the line",
+        "a touchdown away from itself", "mooring.lines.mesh", "_surplus",
+        "segment.length - s if segment.reversed else s", "s if segment.reversed else segment.length - s", "sign",
+        "nodes stand close at the other end of the line",
         "mooring/test_model.py::test_a_touchdown_mesh_is_dense_where_the_touchdown_travels",
     ),
     _defect(
-        "usual names of columns not looked up", "io.csv_columns", "_check_names",
+        "usual names of columns not looked up", "io.series.csv_columns", "_check_names",
         'describe_likely_key(name, known, "columns") if isinstance(known, dict) else _nearest(name, known)',
         "_nearest(name, known)", "input", "peak_period is said to be period, the nearest in letters",
         f"{_FILE}an_unknown_column_gets_the_nearest_one",

@@ -140,7 +140,7 @@ DEFECTS = (
     Defect(
         "tangents of one sample",
         Fault(
-            "mooring.samples",
+            "mooring.periodic.samples",
             "sampled_tangents",
             "diagonal[d, j, k, i, s] = D[d, i, j, k]",
             "diagonal[d, k, j, i, s] = D[d, i, j, k]",
@@ -153,7 +153,7 @@ DEFECTS = (
     Defect(
         "elimination with the block until_stored",
         Fault(
-            "mooring.elimination",
+            "numerics.lu.elimination",
             "factorise",
             "left[e, j, p] * right[e, p, k]",
             "left[e, j, p] * right[e, k, p]",
@@ -164,7 +164,7 @@ DEFECTS = (
     ),
     Defect(
         "a prescribed node that yields",
-        Fault("mooring.layout", "plan_elimination", "is_prescribed[p] or is_prescribed[q]", "is_prescribed[p]"),
+        Fault("mooring.lines.layout", "plan_elimination", "is_prescribed[p] or is_prescribed[q]", "is_prescribed[p]"),
         "boundary",
         "a prescribed node is a later neighbour of a free one, and its row is solved for",
         "mooring/test_equations.py::test_blocks_are_eliminated",
@@ -172,7 +172,7 @@ DEFECTS = (
     Defect(
         "blocks between neighbours exchanged",
         Fault(
-            "mooring.elimination",
+            "numerics.lu.elimination",
             "factorise",
             "left[e, j, p] * right[f, p, k]",
             "left[f, j, p] * right[e, p, k]",
@@ -183,7 +183,7 @@ DEFECTS = (
     ),
     Defect(
         "pairs of the pivot itself",
-        Fault("mooring.layout", "plan_elimination", "pair.append(later[one][two])", "pair.append(later[p][two])"),
+        Fault("mooring.lines.layout", "plan_elimination", "pair.append(later[one][two])", "pair.append(later[p][two])"),
         "index",
         "what a pivot adds between two neighbours goes to the block beside the pivot",
         "mooring/test_equations.py::test_blocks_are_eliminated",
@@ -191,7 +191,7 @@ DEFECTS = (
     Defect(
         "pairs of the pivot before",
         Fault(
-            "mooring.block_elimination",
+            "numerics.lu.block_elimination",
             "_factorise",
             "pair += 1",
             "pair += int(a == order.start[i])",
@@ -203,7 +203,7 @@ DEFECTS = (
     Defect(
         "one side of the pairs",
         Fault(
-            "mooring.block_elimination",
+            "numerics.lu.block_elimination",
             "_factorise",
             "blas.gemm(right[e], left[f], left[between])",
             "blas.gemm(right[f], left[e], left[between])",
@@ -214,7 +214,7 @@ DEFECTS = (
     ),
     Defect(
         "exchanges of rows in their order",
-        Fault("mooring.block_elimination", "_solve", "range(m - 1, -1, -1)", "range(m)"),
+        Fault("numerics.lu.block_elimination", "_solve", "range(m - 1, -1, -1)", "range(m)"),
         "index",
         "the last step of a solve exchanges rows from the first on, as the factorisation does",
         "mooring/test_layout.py::test_changes_of_prescribed_nodes_are_taken_over",
@@ -222,7 +222,7 @@ DEFECTS = (
     Defect(
         "a triangle of the wrong sort",
         Fault(
-            "mooring.block_elimination",
+            "numerics.lu.block_elimination",
             "_factorise",
             "blas.trsm(LOWER, TRANSPOSED, UNIT, lu, one)",
             "blas.trsm(LOWER, PLAIN, UNIT, lu, one)",
@@ -234,7 +234,7 @@ DEFECTS = (
     Defect(
         "prescribed motion of the last node",
         Fault(
-            "mooring.block_elimination",
+            "numerics.lu.block_elimination",
             "_solve",
             "blas.gemv(TRANSPOSED, right[c], x[q], x[p])",
             "blas.gemv(PLAIN, right[c], x[q], x[p])",
@@ -247,7 +247,7 @@ DEFECTS = (
     Defect(
         "numbers against the run of an element",
         Fault(
-            "mooring.layout",
+            "mooring.lines.layout",
             "_Numbers.interior",
             "inner if self.ends[e][0] == start else inner[::-1]",
             "inner",
@@ -258,14 +258,14 @@ DEFECTS = (
     ),
     Defect(
         "joints among the others",
-        Fault("mooring.layout", "number_nodes", 'p.kind == "free" and d > 2', 'p.kind == "free" and d > 5'),
+        Fault("mooring.lines.layout", "number_nodes", 'p.kind == "free" and d > 2', 'p.kind == "free" and d > 5'),
         "order",
         "a joint of three lines is numbered where the first of them ends",
         "mooring/test_layout.py::test_elimination_adds_few_blocks",
     ),
     Defect(
         "cells to the next number",
-        Fault("mooring.layout", "number_nodes", "np.stack([n[:-1], n[1:]])", "np.stack([n[:-1], n[:-1] + 1])"),
+        Fault("mooring.lines.layout", "number_nodes", "np.stack([n[:-1], n[1:]])", "np.stack([n[:-1], n[:-1] + 1])"),
         "index",
         "a cell ends at the next number, as in a line, not at the joint",
         "mooring/test_layout.py::test_every_node_and_cell_has_one_number",
@@ -273,7 +273,7 @@ DEFECTS = (
     # ------------------------------------------------------------ steps
     Defect(
         "accelerations of one kind",
-        Fault("mooring.steps", "integrate", "alpha_f * acceleration[i, k]", "alpha_f * a[i, k]"),
+        Fault("mooring.stepping.steps", "integrate", "alpha_f * acceleration[i, k]", "alpha_f * a[i, k]"),
         "order",
         "the acceleration that balanced the forces of the step before is taken for the algorithmic one",
         _IN_DT,
@@ -281,7 +281,7 @@ DEFECTS = (
     Defect(
         "acceleration with the weight of positions",
         Fault(
-            "mooring.steps",
+            "mooring.stepping.steps",
             "integrate",
             "(1 - alpha_m) * a1[i, k] + alpha_m * a[i, k]",
             "(1 - alpha_f) * a1[i, k] + alpha_f * a[i, k]",
@@ -292,35 +292,35 @@ DEFECTS = (
     ),
     Defect(
         "states a step late",
-        Fault("mooring.steps", "integrate", "(step + 1) % every == 0", "step % every == 0"),
+        Fault("mooring.stepping.steps", "integrate", "(step + 1) % every == 0", "step % every == 0"),
         "index",
         "of every n-th step the one after it is kept",
         "mooring/test_time_domain.py::test_states_are_kept_every_so_often",
     ),
     Defect(
         "old factors for ever",
-        Fault("mooring.steps", "integrate", "wear *= REMEMBERED\nfactorised = False", "pass"),
+        Fault("mooring.stepping.steps", "integrate", "wear *= REMEMBERED\nfactorised = False", "pass"),
         "stale",
         "a step begins with the factors of an earlier one, however slowly they made that converge",
         "mooring/test_time_domain.py::test_factors_are_taken_anew_where_steps_converge_slowly",
     ),
     Defect(
         "old factors for a whole step",
-        Fault("mooring.steps", "integrate", "if is_slow:\n    factorised = False", "pass"),
+        Fault("mooring.stepping.steps", "integrate", "if is_slow:\n    factorised = False", "pass"),
         "stale",
         "a step that converges slowly, or whose cells turn taut and slack, keeps its factors",
         "mooring/test_slack.py::test_steps_of_slack_lines_end_in_balance",
     ),
     Defect(
         "steps that end by the contraction of their first iteration",
-        Fault("mooring.steps", "integrate", "max(contraction, LEAST_CONTRACTION)", "contraction"),
+        Fault("mooring.stepping.steps", "integrate", "max(contraction, LEAST_CONTRACTION)", "contraction"),
         "tolerance",
         "the first iteration of a stiff line takes nearly all away, and what is left falls more slowly",
         "mooring/test_slack.py::test_steps_of_slack_lines_end_in_balance",
     ),
     Defect(
         "steps that end with factors that are too stiff",
-        Fault("mooring.steps", "integrate", "solved and regime_changed", "False"),
+        Fault("mooring.stepping.steps", "integrate", "solved and regime_changed", "False"),
         "stale",
         "nodes have lifted and cells gone slack since: the small steps that stiff factors give look converged",
         "mooring/test_random_networks.py::test_steps_do_not_end_with_factors_that_are_too_stiff",
@@ -328,14 +328,14 @@ DEFECTS = (
     # ------------------------------------------------------------ time_domain
     Defect(
         "a scheme of first order",
-        Fault("mooring.steps", "newmark_parameters", "0.5 - alpha_m + alpha_f", "0.5 + alpha_m - alpha_f"),
+        Fault("mooring.stepping.steps", "newmark_parameters", "0.5 - alpha_m + alpha_f", "0.5 + alpha_m - alpha_f"),
         "order",
         "gamma has the signs of another convention",
         "mooring/test_order.py::test_order_in_dt_of_each_scheme",
     ),
     Defect(
         "slack cells that a step may stretch",
-        Fault("mooring.steps", "integrate", "max(largest_force, law)", "largest_force"),
+        Fault("mooring.stepping.steps", "integrate", "max(largest_force, law)", "largest_force"),
         "tolerance",
         "a step ends with a cell that its last Newton step stretches far beyond what balances",
         "mooring/test_slack.py::test_steps_of_slack_lines_end_in_balance",
@@ -343,7 +343,7 @@ DEFECTS = (
     Defect(
         "contact that no step waits for",
         Fault(
-            "mooring.steps",
+            "mooring.stepping.steps",
             "integrate",
             "max(largest_force, seabed_after_step(line, i, depth, speed, R, by_v))",
             "largest_force",
@@ -354,7 +354,12 @@ DEFECTS = (
     ),
     Defect(
         "positions judged by the largest tension",
-        Fault("mooring.steps", "integrate", "largest_step / scale[1] * max(1.0, scale[2])", "largest_step / scale[1]"),
+        Fault(
+            "mooring.stepping.steps",
+            "integrate",
+            "largest_step / scale[1] * max(1.0, scale[2])",
+            "largest_step / scale[1]",
+        ),
         "tolerance",
         "after a snap positions may err by as much as tensions then do",
         "mooring/test_slack.py::test_steps_of_slack_lines_end_in_balance",
@@ -368,7 +373,7 @@ DEFECTS = (
     ),
     Defect(
         "coarser lines that keep the first nodes",
-        Fault("mooring.coarsening", "common_nodes", "nodes[_every_second(s)]", "nodes[: coarse_nodes.size]"),
+        Fault("mooring.lines.coarsening", "common_nodes", "nodes[_every_second(s)]", "nodes[: coarse_nodes.size]"),
         "index",
         "the nodes that a coarser line has are taken from one end of the fine one",
         "mooring/test_layout.py::test_coarser_lines_keep_every_second_node",
@@ -376,7 +381,10 @@ DEFECTS = (
     Defect(
         "a start without its load",
         Fault(
-            "mooring.time_domain", "balancing_acceleration", "R -= system.source_at(np.zeros(1)).sum(axis=0)", "pass"
+            "mooring.stepping.time_domain",
+            "balancing_acceleration",
+            "R -= system.source_at(np.zeros(1)).sum(axis=0)",
+            "pass",
         ),
         "term",
         "the acceleration at the start does not know the load of a manufactured solution",
@@ -384,7 +392,7 @@ DEFECTS = (
     ),
     Defect(
         "kept states shifted by a stop",
-        Fault("mooring.time_domain", "_Run.advance", "until_stored = -done % every", "until_stored = 0"),
+        Fault("mooring.stepping.time_domain", "_Run.advance", "until_stored = -done % every", "until_stored = 0"),
         "index",
         "after the steps stopped at a slack cell every n-th state is counted anew",
         "mooring/test_slack.py::test_states_are_kept_at_their_times",
@@ -392,7 +400,10 @@ DEFECTS = (
     Defect(
         "a load at the beginning of the step",
         Fault(
-            "mooring.time_domain", "_Run._integrate", "self.system.source_at(t[1:])", "self.system.source_at(t[:-1])"
+            "mooring.stepping.time_domain",
+            "_Run._integrate",
+            "self.system.source_at(t[1:])",
+            "self.system.source_at(t[:-1])",
         ),
         "order",
         "the source is taken where the step begins, the forces where it ends",
@@ -401,7 +412,7 @@ DEFECTS = (
     # ------------------------------------------------------------ model, mesh, system
     Defect(
         "a catenary from the wrong end",
-        Fault("mooring.model", "Segment.profile", "self.length - s if self.reversed else s", "s"),
+        Fault("mooring.lines.model", "Segment.profile", "self.length - s if self.reversed else s", "s"),
         "index",
         "arc lengths of an element that runs backward count from its other end",
         "mooring/test_model.py::test_a_segment_may_run_backward",
@@ -409,7 +420,10 @@ DEFECTS = (
     Defect(
         "the fairlead first",
         Fault(
-            "mooring.model", "_from_network", 'network.nodes[i].kind == "coupled"', 'network.nodes[i].kind == "free"'
+            "mooring.lines.model",
+            "_from_network",
+            'network.nodes[i].kind == "coupled"',
+            'network.nodes[i].kind == "free"',
         ),
         "index",
         "a line given as a network begins at its fairlead",
@@ -417,21 +431,21 @@ DEFECTS = (
     ),
     Defect(
         "cells of one material short",
-        Fault("mooring.mesh", "_apportion_cells", "counts + 1", "np.maximum(counts, 1)"),
+        Fault("mooring.lines.mesh", "_apportion_cells", "counts + 1", "np.maximum(counts, 1)"),
         "index",
         "the cell that each material is given first is not counted",
         "mooring/test_model.py::test_meshes_have_their_cells_and_joints",
     ),
     Defect(
         "a mesh for the line at rest alone",
-        Fault("mooring.mesh", "_cumulative_density", "motion is not None and period is not None", "False"),
+        Fault("mooring.lines.mesh", "_cumulative_density", "motion is not None and period is not None", "False"),
         "regime",
         "the travel of the touchdown is not meshed",
         "mooring/test_model.py::test_a_fitted_mesh_covers_the_travel_of_the_touchdown",
     ),
     Defect(
         "a buoy without its water",
-        Fault("mooring.assembly", "assemble_line", "point.mass - rho * point.volume", "point.mass"),
+        Fault("mooring.lines.assembly", "assemble_line", "point.mass - rho * point.volume", "point.mass"),
         "term",
         "the volume of a point mass displaces nothing",
         f"{_NETWORKS} -k 'buoy or clump'",
@@ -439,7 +453,7 @@ DEFECTS = (
     Defect(
         "tangential drag without pi",
         Fault(
-            "mooring.assembly",
+            "mooring.lines.assembly",
             "assemble_line",
             "rho * math.pi * cable.diameter * cable.Cdt / 2",
             "rho * cable.diameter * cable.Cdt / 2",
@@ -450,28 +464,30 @@ DEFECTS = (
     ),
     Defect(
         "whole cells on the last nodes",
-        Fault("mooring.assembly", "assemble_line", "per_length * counted / 2", "per_length * counted"),
+        Fault("mooring.lines.assembly", "assemble_line", "per_length * counted / 2", "per_length * counted"),
         "factor",
         "a node carries both of its cells whole",
         _ARRAYS,
     ),
     Defect(
         "a buoy without its added mass",
-        Fault("mooring.assembly", "assemble_line", "point.mass + point.Ca * rho * point.volume", "point.mass"),
+        Fault("mooring.lines.assembly", "assemble_line", "point.mass + point.Ca * rho * point.volume", "point.mass"),
         "term",
         "a moving point accelerates no water",
         f"{_INTEGRATOR} -k 4",
     ),
     Defect(
         "drag of nodes with twice its area",
-        Fault("mooring.assembly", "assemble_line", "rho * point.CdA / 2", "rho * point.CdA"),
+        Fault("mooring.lines.assembly", "assemble_line", "rho * point.CdA / 2", "rho * point.CdA"),
         "factor",
         "the drag of a point lacks the half of the dynamic pressure",
         f"{_INTEGRATOR} -k 4",
     ),
     Defect(
         "a clump above the seabed",
-        Fault("mooring.model", "MooringModel._sinkage", "np.maximum(weight / length, 0.0)", "0.0 * weight / length"),
+        Fault(
+            "mooring.lines.model", "MooringModel._sinkage", "np.maximum(weight / length, 0.0)", "0.0 * weight / length"
+        ),
         "regime",
         "the search for rest starts with a heavy point at the surface of the seabed, out of contact",
         "mooring/test_network.py::test_a_clump_weight_rests_on_the_seabed",
@@ -491,7 +507,7 @@ DEFECTS = (
     Defect(
         "points without arms",
         Fault(
-            "mooring.prescribed_motion",
+            "mooring.lines.prescribed_motion",
             "move_points",
             "motion.trajectory(points, t)",
             "motion.trajectory(0 * points, t)",
@@ -502,7 +518,7 @@ DEFECTS = (
     ),
     Defect(
         "arms from the origin",
-        Fault("common.body_motion", "BodyMotion._arms", "array - self.reference", "array"),
+        Fault("common.motions.body_motion", "BodyMotion._arms", "array - self.reference", "array"),
         "term",
         "a body turns about the origin, not about its reference point",
         _BODY,
@@ -529,14 +545,14 @@ DEFECTS = (
     ),
     Defect(
         "calibrated without stretch",
-        Fault("mooring.calibration", "calibrate_line", "1 + tension / line.EA", "1"),
+        Fault("mooring.lines.calibration", "calibrate_line", "1 + tension / line.EA", "1"),
         "term",
         "calibrated cells have the stretched length",
         "mooring/test_statics.py::test_calibrated_cells_rest_on_the_catenary",
     ),
     Defect(
         "modes that damping feeds",
-        Fault("mooring.modes", "LinePencil.inverse", "self.M @ q + self.C @ p", "self.M @ q - self.C @ p"),
+        Fault("mooring.linearised.modes", "LinePencil.inverse", "self.M @ q + self.C @ p", "self.M @ q - self.C @ p"),
         "sign",
         "the damping has the other sign in one part of the pencil",
         "mooring/test_statics.py::test_natural_modes_are_damped",
@@ -544,7 +560,7 @@ DEFECTS = (
     Defect(
         "modes without the coupling until_stored",
         Fault(
-            "mooring.modes",
+            "mooring.linearised.modes",
             "LinePencil.whole_matrix",
             "np.concatenate([np.arange(nodes), line.last, line.first])",
             "np.concatenate([np.arange(nodes), line.first, line.last])",
@@ -557,7 +573,7 @@ DEFECTS = (
     Defect(
         "accelerations of the fundamental",
         Fault(
-            "mooring.harmonic",
+            "mooring.periodic.harmonic",
             "MooringHarmonics.__init__",
             "(basis.omega * basis.harmonic) ** 2",
             "basis.omega**2 * basis.harmonic",
@@ -568,7 +584,7 @@ DEFECTS = (
     ),
     Defect(
         "no damper in the predicted tensions",
-        Fault("mooring.samples", "predict_tensions", "line.damping[c] * (t[k] * change + turned)", "0.0"),
+        Fault("mooring.periodic.samples", "predict_tensions", "line.damping[c] * (t[k] * change + turned)", "0.0"),
         "term",
         "tensions after a step leave the rate of strain out",
         "mooring/test_periodic.py::test_tensions_of_a_step_are_predicted_to_second_order",
@@ -576,7 +592,7 @@ DEFECTS = (
     Defect(
         "a start of any network as of a line in deep water",
         Fault(
-            "mooring.harmonic",
+            "mooring.periodic.harmonic",
             "start_from_time",
             "system.model.is_line and not system.line.seabed_stiffness.any()",
             "True",
@@ -587,7 +603,12 @@ DEFECTS = (
     ),
     Defect(
         "a start that has not settled",
-        Fault("mooring.harmonic", "start_from_time", "change > SETTLED * abs(history.y - y_at_rest).max()", "False"),
+        Fault(
+            "mooring.periodic.harmonic",
+            "start_from_time",
+            "change > SETTLED * abs(history.y - y_at_rest).max()",
+            "False",
+        ),
         "regime",
         "a lightly damped line starts from two periods, too",
         "mooring/test_periodic.py::test_a_start_that_does_not_settle_takes_one_more_period",
@@ -595,7 +616,7 @@ DEFECTS = (
     Defect(
         "single precision throughout",
         Fault(
-            "mooring.harmonic",
+            "mooring.periodic.harmonic",
             "MooringHarmonics.linearise",
             "self.linearisations <= SINGLE_PRECISION_STEPS",
             "True",
@@ -613,7 +634,7 @@ DEFECTS = (
     ),
     Defect(
         "a Jacobian without mass",
-        Fault("mooring.harmonic", "MooringHarmonics.jacobian", "parts[2:]", "()"),
+        Fault("mooring.periodic.harmonic", "MooringHarmonics.jacobian", "parts[2:]", "()"),
         "derivative",
         "the Jacobian leaves the mass out",
         "mooring/test_periodic.py::test_jacobian_blocks_are_differences_of_the_rows",
@@ -621,7 +642,7 @@ DEFECTS = (
     Defect(
         "extrapolated the wrong way",
         Fault(
-            "mooring.harmonic",
+            "mooring.periodic.harmonic",
             "MooringResponse.end_force_at",
             "force + (force - self.coarse.end_force_at(t, end, element)) / 3",
             "force - (force - self.coarse.end_force_at(t, end, element)) / 3",
@@ -634,7 +655,10 @@ DEFECTS = (
     Defect(
         "parts apart at joints",
         Fault(
-            "mooring.components", "split_system", 'model.points[p].kind == "free"', 'model.points[p].kind == "coupled"'
+            "mooring.lines.components",
+            "split_system",
+            'model.points[p].kind == "free"',
+            'model.points[p].kind == "coupled"',
         ),
         "regime",
         "lines that meet at a free point are parted there, and those on a body are not",
@@ -642,35 +666,42 @@ DEFECTS = (
     ),
     Defect(
         "equilibria of parts in their own order",
-        Fault("mooring.components", "merge_states", "y[:, part.nodes] = state.y", "y[:, : part.nodes.size] = state.y"),
+        Fault(
+            "mooring.lines.components",
+            "merge_states",
+            "y[:, part.nodes] = state.y",
+            "y[:, : part.nodes.size] = state.y",
+        ),
         "index",
         "every part rests where the first one does",
         "mooring/test_network.py::test_a_network_is_taken_apart_where_nodes_are_prescribed",
     ),
     Defect(
         "the first part speaks for all",
-        Fault("mooring.components", "integrate_components", "not history.success", "history.steps < shortest.steps"),
+        Fault(
+            "mooring.lines.components", "integrate_components", "not history.success", "history.steps < shortest.steps"
+        ),
         "regime",
         "a part that is torn, which takes all steps, does not fail the network",
         "mooring/test_network.py::test_a_torn_line_is_named_in_whatever_part_it_is",
     ),
     Defect(
         "starts of parts in their own order",
-        Fault("mooring.components", "integrate_components", "y[:, part.nodes]", "y[:, : part.nodes.size]"),
+        Fault("mooring.lines.components", "integrate_components", "y[:, part.nodes]", "y[:, : part.nodes.size]"),
         "index",
         "every part starts with the first nodes of the network",
         "mooring/test_network.py::test_a_network_is_taken_apart_where_nodes_are_prescribed",
     ),
     Defect(
         "moments without the force at rest",
-        Fault("mooring.impedance", "mooring_impedance", "Z[k, 3:, 3:] -= _cross(F) @ _cross(arm)", "pass"),
+        Fault("mooring.linearised.impedance", "mooring_impedance", "Z[k, 3:, 3:] -= _cross(F) @ _cross(arm)", "pass"),
         "term",
         "a body that turns carries the points where the lines pull, and with them the moment of the tension at rest",
         f"{_IMPEDANCE}",
     ),
     Defect(
         "impedance of another harmonic motion",
-        Fault("mooring.impedance", "mooring_impedance", "1j * w * C", "-1j * w * C"),
+        Fault("mooring.linearised.impedance", "mooring_impedance", "1j * w * C", "-1j * w * C"),
         "sign",
         "damping feeds the motion",
         f"{_IMPEDANCE}",
@@ -678,7 +709,7 @@ DEFECTS = (
     Defect(
         "a moment about the reference point at rest",
         Fault(
-            "mooring.prescribed_motion",
+            "mooring.lines.prescribed_motion",
             "reference_point",
             "np.array(motion.reference)[:, None] + motion.pose(t)[0]",
             "np.array(motion.reference)[:, None] + 0 * motion.pose(t)[0]",
@@ -690,14 +721,14 @@ DEFECTS = (
     # ------------------------------------------------------------ history, diagnostics
     Defect(
         "polynomials of degree four between the steps",
-        Fault("mooring.history", "", "_STENCIL = 6", "_STENCIL = 5"),
+        Fault("mooring.stepping.history", "", "_STENCIL = 6", "_STENCIL = 5"),
         "order",
         "the tension between the steps is of an order less",
         "mooring/test_time_domain.py::test_tension_between_steps_is_of_degree_five",
     ),
     Defect(
         "slack that ends a state late",
-        Fault("mooring.history", "MooringHistory.slack", "some[:-1] & ~some[1:]", "some[1:] & ~some[:-1]"),
+        Fault("mooring.stepping.history", "MooringHistory.slack", "some[:-1] & ~some[1:]", "some[1:] & ~some[:-1]"),
         "index",
         "times of slack end where they begin",
         "mooring/test_slack.py::test_times_of_slack_are_those_of_the_bounce",

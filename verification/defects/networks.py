@@ -1,4 +1,4 @@
-"""Defects of networks and of the readers of their files: catenary_excursion, network*, map_file."""
+"""Defects of networks and of the readers of their files: catenary_excursion, network*, map_plus_plus."""
 
 from __future__ import annotations
 
@@ -595,10 +595,15 @@ DEFECTS = (
         "weights follow the default density and gravity, not those of the file",
         "io/test_network_scene.py::test_weights_follow_the_environment_of_the_file",
     ),
-    # ------------------------------------------------------------ map_file
+    # ------------------------------------------------------------ map_plus_plus
     Defect(
         "copies turned the other way",
-        Fault("io.map_file", "_turned", "(c * x + s * y, c * y - s * x, z)", "(c * x - s * y, c * y + s * x, z)"),
+        Fault(
+            "io.map_plus_plus.reader",
+            "_turned",
+            "(c * x + s * y, c * y - s * x, z)",
+            "(c * x - s * y, c * y + s * x, z)",
+        ),
         "sign",
         "repeat turns nodes counter-clockwise",
         "io/test_map_file.py::test_repeat_turns_clockwise_from_above",
@@ -606,7 +611,7 @@ DEFECTS = (
     Defect(
         "forces stay where they were",
         Fault(
-            "io.map_file",
+            "io.map_plus_plus.reader",
             "_turned",
             "replace(node, r=(c * x + s * y, c * y - s * x, z), force=(c * fx + s * fy, c * fy - s * fx, fz))",
             "replace(node, r=(c * x + s * y, c * y - s * x, z), force=(fx, fy, fz))",
@@ -618,7 +623,7 @@ DEFECTS = (
     Defect(
         "degrees for radians",
         Fault(
-            "io.map_file",
+            "io.map_plus_plus.reader",
             "_turned",
             "math.cos(math.radians(degrees)), math.sin(math.radians(degrees))",
             "math.cos(degrees), math.sin(degrees)",
@@ -629,7 +634,7 @@ DEFECTS = (
     ),
     Defect(
         "nodes counted from one",
-        Fault("io.map_file", "_element", 'int(row["NodeFair"]) - 1', 'int(row["NodeFair"])'),
+        Fault("io.map_plus_plus.reader", "_element", 'int(row["NodeFair"]) - 1', 'int(row["NodeFair"])'),
         "index",
         "the fairlead is the node after the one that the file names",
         _MAP,
@@ -637,7 +642,7 @@ DEFECTS = (
     Defect(
         "mass and volume exchanged",
         Fault(
-            "io.map_file",
+            "io.map_plus_plus.reader",
             "_node",
             'row.checked(Node, kind, r, row.number("M"), row.number("B"), tuple(loads))',
             'row.checked(Node, kind, r, row.number("B"), row.number("M"), tuple(loads))',
@@ -649,7 +654,7 @@ DEFECTS = (
     Defect(
         "guessed reactions are loads",
         Fault(
-            "io.map_file",
+            "io.map_plus_plus.reader",
             "_node",
             "row[f].startswith('#') and (not free)",
             "False and row[f].startswith('#') and (not free)",
@@ -661,7 +666,7 @@ DEFECTS = (
     Defect(
         "friction from the column of damping",
         Fault(
-            "io.map_file",
+            "io.map_plus_plus.reader",
             "_line_type",
             "values = {'w': cable.weight_in(environment), 'EA': EA, 'friction': friction}",
             "values = {'w': cable.weight_in(environment), 'EA': EA, 'friction': pressure}",
@@ -673,7 +678,7 @@ DEFECTS = (
     ),
     Defect(
         "degrees of a series taken for radians",
-        Fault("io.motion_file", "_from_series", "np.radians(series)", "series"),
+        Fault("io.series.motion_file", "_from_series", "np.radians(series)", "series"),
         "unit",
         "a column yaw_deg is read as yaw",
         "io/test_motion_file.py::test_columns_stand_in_any_order_and_angles_in_degrees",
@@ -688,7 +693,7 @@ DEFECTS = (
     Defect(
         "series about the origin",
         Fault(
-            "io.motion_file",
+            "io.series.motion_file",
             "motion_from_table",
             "load_body_motion(folder / table['file'], reference)",
             "load_body_motion(folder / table['file'])",
@@ -699,7 +704,7 @@ DEFECTS = (
     ),
     Defect(
         "pressure of damping taken for a force",
-        Fault("io.map_file", "_line_type", "pressure * cable.area / EA", "pressure / EA"),
+        Fault("io.map_plus_plus.reader", "_line_type", "pressure * cable.area / EA", "pressure / EA"),
         "unit",
         "CIntDamp (Pa s) is not multiplied by the area of the section",
         "io/test_map_file.py::test_coefficients_of_motion_arrive",
@@ -707,42 +712,42 @@ DEFECTS = (
     # ------------------------------------------------------------ MoorDyn files
     Defect(
         "damping ratio of a whole line",
-        Fault("io.moordyn_file", "_element", "-BA * length / segments", "-BA * length"),
+        Fault("io.moordyn.reader", "_element", "-BA * length / segments", "-BA * length"),
         "factor",
         "the share of critical damping is taken of the line, not of a segment",
         "io/test_moordyn_file.py::test_damping_is_a_time_whichever_way_it_is_given",
     ),
     Defect(
         "damping without stiffness",
-        Fault("io.moordyn_writer", "_line_type", "cable.damping * cable.EA", "cable.damping"),
+        Fault("io.moordyn.writer", "_line_type", "cable.damping * cable.EA", "cable.damping"),
         "unit",
         "BA (N s) is written in s",
         "io/test_moordyn_file.py::test_a_network_comes_back_as_it_was_written",
     ),
     Defect(
         "seabed per area taken per length",
-        Fault("io.moordyn_file", "_environment", "options['kBot'] * thickest", "options['kBot']"),
+        Fault("io.moordyn.reader", "_environment", "options['kBot'] * thickest", "options['kBot']"),
         "unit",
         "the stiffness of the seabed lacks the diameter",
         "io/test_moordyn_file.py::test_every_column_arrives",
     ),
     Defect(
         "axial coefficients swapped",
-        Fault("io.moordyn_file", "_element", "'CdAx'", "'CaAx'"),
+        Fault("io.moordyn.reader", "_element", "'CdAx'", "'CaAx'"),
         "symbol",
         "added mass along the line is read as drag along it",
         "io/test_moordyn_file.py::test_every_column_arrives",
     ),
     Defect(
         "bending stiffness dropped",
-        Fault("io.moordyn_file", "_line_types", "('EI', 'bending stiffness')", "('CaAx', 'bending stiffness')"),
+        Fault("io.moordyn.reader", "_line_types", "('EI', 'bending stiffness')", "('CaAx', 'bending stiffness')"),
         "input",
         "a line with bending stiffness is read as a cable",
         "io/test_moordyn_file.py::test_what_is_wrong_is_named_with_its_line",
     ),
     Defect(
         "MoorDyn 1 read as MoorDyn 2",
-        Fault("io.moordyn_tables", "_row", "columns = MOORDYN_1_LINES", "pass"),
+        Fault("io.moordyn.tables", "_row", "columns = MOORDYN_1_LINES", "pass"),
         "input",
         "UnstrLen is read as an end",
         "io/test_moordyn_file.py::test_a_file_of_moordyn_1_has_other_columns",
@@ -801,7 +806,7 @@ DEFECTS = (
     ),
     Defect(
         "damping written as a time",
-        Fault("io.map_writer", "_type", "cable.damping * cable.EA / cable.area", "cable.damping"),
+        Fault("io.map_plus_plus.writer", "_type", "cable.damping * cable.EA / cable.area", "cable.damping"),
         "unit",
         "MAP++ takes the viscosity of the section in Pa s",
         "io/test_map_writer.py::test_a_network_comes_back_as_it_was_written",

@@ -18,7 +18,7 @@ from scipy.integrate import solve_ivp
 
 from solvers import ConvergenceError, Environment, InputError, Motion, SampledMotion, Scene, Status
 from solvers.cable.system import CableSystem, cable_system
-from solvers.common.motion import FunctionMotion, Ramped
+from solvers.common.motions.motion import FunctionMotion, Ramped
 from solvers.harmonic_balance.solve import solve_periodic
 from solvers.numerics.fourier import Basis
 from solvers.time_domain.solve import solve_time_domain

@@ -10,11 +10,11 @@ import pytest
 
 from solvers import BodyMotion, InputError, Scene
 from solvers.common.load_case import RAMP
-from solvers.common.sea_state import SeaMotion, SeaState
+from solvers.common.motions.sea_state import SeaMotion, SeaState
 from solvers.io import load_network
 from solvers.io.case_file import describe_columns, load_case_of, load_system, read_load_cases, read_records, write_rows
 from solvers.io.keys import CASES
-from solvers.io.sea_file import load_response_operators, load_spectrum
+from solvers.io.series.sea_file import load_response_operators, load_spectrum
 from verification import ROOT
 
 SCENES = ROOT / "reference_data" / "scenes"

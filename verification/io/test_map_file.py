@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from solvers import InputError, solve_network
-from solvers.io.map_file import SECTIONS, read_map_file
+from solvers.io.map_plus_plus.reader import SECTIONS, read_map_file
 
 SCENES = files("reference_data") / "scenes"
 OC3 = SCENES / "oc3_hywind.map"

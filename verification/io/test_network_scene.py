@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from solvers import InputError, solve_network
-from solvers.io.map_file import read_map_file
+from solvers.io.map_plus_plus.reader import read_map_file
 from solvers.io.network_scene import load_network
 
 SCENES = files("reference_data") / "scenes"

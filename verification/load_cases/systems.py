@@ -6,8 +6,8 @@ import numpy as np
 
 from solvers import CableProperties, Element, Environment, Network, Node, Scene
 from solvers.common.load_case import LoadCase
-from solvers.common.sea_state import ResponseOperators, SeaState
-from solvers.common.spectrum import Spectrum
+from solvers.common.motions.sea_state import ResponseOperators, SeaState
+from solvers.common.motions.spectrum import Spectrum
 
 ROPE = CableProperties(EA=2e6, diameter=0.1, mass_per_length=9.0, Cdn=1.2)
 TAUT = Scene("a taut rope", ROPE, 100.0, (0.0, 0.0, -70.0), (73.2, 0.0, 0.0))

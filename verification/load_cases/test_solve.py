@@ -32,8 +32,8 @@ from solvers import (
     solve_time_domain,
 )
 from solvers.common.load_case import LoadCase
-from solvers.common.sea_state import SeaState
-from solvers.common.spectrum import Spectrum
+from solvers.common.motions.sea_state import SeaState
+from solvers.common.motions.spectrum import Spectrum
 from solvers.io.case_file import read_records
 from solvers.load_cases import Accuracy, CaseResult, integration, solve_load_cases
 from solvers.load_cases.envelope import find_envelopes
@@ -421,6 +421,8 @@ def test_fingerprints_tell_inputs_apart(monkeypatch):
     assert len({fingerprint(*pair) for pair in [(CATENARY, SEAS[0]), *others]}) == 7
     text_of, now = SourceFileLoader.get_source, _sources.__wrapped__()
     monkeypatch.setattr(
-        SourceFileLoader, "get_source", lambda self, name: text_of(self, name) + "#" * name.endswith(".mooring.steps")
+        SourceFileLoader,
+        "get_source",
+        lambda self, name: text_of(self, name) + "#" * name.endswith(".mooring.stepping.steps"),
     )
     assert _sources.__wrapped__() != now

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from solvers import CableProperties, Element, Environment, Network, Node, mooring_system
-from solvers.common.body_motion import BodyMotion
-from solvers.mooring.model import build_model
+from solvers.common.motions.body_motion import BodyMotion
+from solvers.mooring.lines.model import build_model
 from solvers.mooring.system import MooringSystem
 
 from ..exact import moving_network

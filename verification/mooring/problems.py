@@ -15,17 +15,18 @@ import numpy as np
 from mpmath import mp
 
 from solvers import CableProperties, Element, Environment, Motion, Network, Node, Scene, mooring_system
-from solvers.mooring import elimination, equations
+from solvers.mooring import equations
 from solvers.mooring.equations import Line
-from solvers.mooring.layout import INDEX, Elimination, Layout, plan_elimination
+from solvers.mooring.lines.layout import INDEX, Elimination, Layout, plan_elimination
+from solvers.numerics.lu import elimination
 
 from ..cases.cables import CableCase
 from ..exact.lumped_node import Cell, Seabed, force_terms
 from ..exact.moving_line import ManufacturedLine
 from ..tools.planting import ROOT, Fault
 
-EQUATIONS, ELIMINATION, STEPS = "mooring.equations", "mooring.elimination", "mooring.steps"
-LAYOUT = "mooring.layout"
+EQUATIONS, ELIMINATION, STEPS = "mooring.equations", "numerics.lu.elimination", "mooring.stepping.steps"
+LAYOUT = "mooring.lines.layout"
 
 
 def interpreted(fault: Fault | None = None) -> ModuleType:

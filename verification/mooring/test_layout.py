@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from solvers import mooring_system
-from solvers.mooring import elimination
-from solvers.mooring.block_elimination import BlockFactors
-from solvers.mooring.coarsening import common_nodes
+from solvers.mooring.lines.coarsening import common_nodes
+from solvers.numerics.lu import elimination
+from solvers.numerics.lu.block_elimination import BlockFactors
 
 from ..cases import networks as cases
 from ..reference import EPS

@@ -27,9 +27,9 @@ from solvers import (
     solve_time_domain,
 )
 from solvers.io import load_network
-from solvers.mooring.calibration import estimate_tension_change
-from solvers.mooring.mesh import LEAST_DENSITY, TOUCHDOWN_DENSITY, TOUCHDOWN_REACH
-from solvers.mooring.model import Segment, build_model
+from solvers.mooring.lines.calibration import estimate_tension_change
+from solvers.mooring.lines.mesh import LEAST_DENSITY, TOUCHDOWN_DENSITY, TOUCHDOWN_REACH
+from solvers.mooring.lines.model import Segment, build_model
 
 from ..cases.cables import OC3, OC3_SEABED, SLACK_CHAIN, SURGE_5
 from ..reference import EPS

@@ -17,11 +17,11 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from solvers import Motion, Network, Node, mooring_system, solve_network, solve_periodic, solve_time_domain
-from solvers.common.body_motion import BodyMotion
+from solvers.common.motions.body_motion import BodyMotion
 from solvers.common.outcome import Status
 from solvers.io import load_network
-from solvers.mooring.impedance import harmonic_impedance, mooring_impedance, mooring_stiffness
-from solvers.mooring.time_domain import _Run, stream_line
+from solvers.mooring.linearised.impedance import harmonic_impedance, mooring_impedance, mooring_stiffness
+from solvers.mooring.stepping.time_domain import _Run, stream_line
 from solvers.numerics.modes import natural_modes
 
 from ..cases import networks as cases

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from solvers import solve_time_domain
-from solvers.mooring import time_domain
+from solvers.mooring.stepping import time_domain
 
 from ..exact.moving_line import ALL_TERMS, BARE
 from ..tools.orders import assert_order

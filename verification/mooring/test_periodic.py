@@ -11,9 +11,10 @@ import pytest
 
 from solvers import InputError, Motion, mooring_system, solve_periodic, solve_time_domain
 from solvers.harmonic_balance.start import history_coefficients
-from solvers.mooring import diagnostics, harmonic
-from solvers.mooring.block_elimination import BlockFactors
+from solvers.mooring import diagnostics
+from solvers.mooring.periodic import harmonic
 from solvers.numerics.fourier import Basis
+from solvers.numerics.lu.block_elimination import BlockFactors
 
 from ..cases import networks as cases
 from ..cases.cables import EVERYTHING, OC3, OC3_SEABED, SURGE_5

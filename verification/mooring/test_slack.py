@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from solvers import CableProperties, Element, Environment, Motion, Network, Node, mooring_system, solve_time_domain
-from solvers.mooring.steps import law_after_step
+from solvers.mooring.stepping.steps import law_after_step
 
 from ..cases.cables import OC3
 from ..exact.elastic_bounce import ElasticBounce

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from solvers import Element, FunctionMotion, Motion, Network, Node, mooring_system, solve_time_domain
-from solvers.mooring.time_domain import _Run
+from solvers.mooring.stepping.time_domain import _Run
 
 from ..cable import problems as box
 from ..cases.cables import EVERYTHING, OC3, OC3_SEABED, SURGE_5, SWAY_5

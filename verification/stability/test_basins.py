@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from solvers import CableProperties, InputError, Motion, Scene, mooring_system, solve_periodic
-from solvers.stability import find_basins, find_landing, floquet, response_curve, responses_at
-from solvers.stability.basins import Z_95, _Metric, wilson_interval
+from solvers.stability import find_basins, find_landing, response_curve, responses_at
+from solvers.stability.curves.basins import Z_95, _Metric, wilson_interval
+from solvers.stability.multipliers import floquet
 
 from ..cases.oscillators import duffing
 from ..exact import duffing_basins
@@ -101,7 +102,9 @@ def test_a_line_lands_on_its_only_response():
 
 def test_a_start_whose_steps_fail_comes_to_no_response(monkeypatch):
     """It counts as one that has not settled."""
-    monkeypatch.setattr("solvers.stability.basins.solve_time_domain", lambda *_, **__: SimpleNamespace(success=False))
+    monkeypatch.setattr(
+        "solvers.stability.curves.basins.solve_time_domain", lambda *_, **__: SimpleNamespace(success=False)
+    )
     result = find_basins(three_responses()[1], count=2)
     assert result.landed.tolist() == [-1, -1] and result.unsettled == 2 and not result.shares.any()
 

@@ -22,9 +22,10 @@ from solvers import (
 )
 from solvers.common.properties import CableProperties
 from solvers.harmonic_balance.residual import HarmonicResidual
-from solvers.stability import floquet, response_curve
-from solvers.stability.bordered import _solve_twice, factorise_bordered
-from solvers.stability.family import HarmonicFamily, build_family
+from solvers.stability import response_curve
+from solvers.stability.curves.bordered import _solve_twice, factorise_bordered
+from solvers.stability.curves.family import HarmonicFamily, build_family
+from solvers.stability.multipliers import floquet
 
 from ..cases.oscillators import MassChain, cubic_chain, duffing, harmonic_force, towed_chain
 from ..exact import duffing_bifurcations

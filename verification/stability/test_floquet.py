@@ -11,11 +11,11 @@ import pytest
 from scipy.special import mathieu_a, mathieu_b
 
 from solvers import InputError, Scene, cable_system, solve_periodic
-from solvers.stability import floquet
-from solvers.stability.curve import as_response
-from solvers.stability.family import HarmonicFamily
-from solvers.stability.floquet import MAX_UNKNOWNS, FloquetResult
-from solvers.stability.monodromy import monodromy
+from solvers.stability.curves.curve import as_response
+from solvers.stability.curves.family import HarmonicFamily
+from solvers.stability.multipliers import floquet
+from solvers.stability.multipliers.floquet import MAX_UNKNOWNS, FloquetResult
+from solvers.stability.multipliers.monodromy import monodromy
 
 from ..cases import planar_systems as cases
 from ..cases.oscillators import cubic_chain, duffing, towed_chain
@@ -173,7 +173,7 @@ def test_exponents_of_algebraic_rows_are_left_out(monkeypatch):
     """Those of more than 50 times the frequency, whatever the frequency is, and it is said."""
     response = solve_periodic(duffing(1.2, 0.1), harmonics=3)
     exponents = 1.2 * np.array([49.0, 51.0, -60.0]) + 0j
-    monkeypatch.setattr(sys.modules["solvers.stability.floquet"], "hill_exponents", lambda _: exponents)
+    monkeypatch.setattr(sys.modules["solvers.stability.multipliers.floquet"], "hill_exponents", lambda _: exponents)
     assert floquet(response, method="monodromy", steps=1).multipliers.size == 3  # the fewest steps
     assert not FloquetResult(np.array([1.0, 0.5]), 1.0, 0).stable  # what stays as it is does not decay
     result = floquet(response, method="hill")

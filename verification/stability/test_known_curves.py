@@ -10,8 +10,8 @@ import pytest
 from scipy.special import mathieu_a, mathieu_b
 
 from solvers import InputError, Status, response_curve, solve_periodic
-from solvers.stability import floquet
-from solvers.stability.special_points import BRANCH_POINT, PERIOD_DOUBLING
+from solvers.stability.curves.special_points import BRANCH_POINT, PERIOD_DOUBLING
+from solvers.stability.multipliers import floquet
 
 from ..cases.planar_systems import forced_oscillator, lure, mathieu, unilateral_spring
 from ..exact import lure as exact_lure

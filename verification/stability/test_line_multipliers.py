@@ -13,13 +13,14 @@ from scipy.linalg import eig
 from solvers import Element, Environment, Motion, Network, Node, Scene, mooring_system, solve_periodic
 from solvers.common.properties import CableProperties
 from solvers.harmonic_balance.residual import harmonic_residual
-from solvers.mooring.monodromy import LinearisedPeriod
+from solvers.mooring.linearised.monodromy import LinearisedPeriod
 from solvers.numerics.modes import natural_modes
-from solvers.stability import floquet, response_curve
-from solvers.stability.hill import line_multipliers
-from solvers.stability.leading import FLOOR, LEAST, MAX_DENSE, RELATIVE, TOLERANCE, leading_eigenvalues
-from solvers.stability.monodromy import GAUSS, RADAU
-from solvers.stability.special_points import WANTED
+from solvers.stability import response_curve
+from solvers.stability.curves.special_points import WANTED
+from solvers.stability.multipliers import floquet
+from solvers.stability.multipliers.hill import line_multipliers
+from solvers.stability.multipliers.leading import FLOOR, LEAST, MAX_DENSE, RELATIVE, TOLERANCE, leading_eigenvalues
+from solvers.stability.multipliers.monodromy import GAUSS, RADAU
 
 from ..exact import multipliers as exact
 from ..tools.orders import assert_order
@@ -361,7 +362,7 @@ def test_the_linearised_steps_are_the_derivative_of_the_steps():
 
 def test_steps_that_damp_less_have_their_derivative(monkeypatch):
     """With all four numbers of generalized-alpha different from those of the steps over slack cells."""
-    monkeypatch.setattr("solvers.mooring.stepped_orbit.RHO_INF", 0.6)
+    monkeypatch.setattr("solvers.mooring.linearised.stepped_orbit.RHO_INF", 0.6)
     orbit = solve_periodic(bridle(), harmonics=5).stepped_orbit(100)
     assert orbit.is_periodic and all(0 < abs(number) != 1 for number in orbit.scheme)
     assert derivative_error(orbit, MAP_STEP, count=1) <= MAP

@@ -23,11 +23,13 @@ from solvers import (
 )
 from solvers.common.properties import CableProperties
 from solvers.io import load_curve, save_curve
-from solvers.stability import floquet, special_points, switch_branch, switching
-from solvers.stability.adaptivity import more_harmonics, needed_harmonics
-from solvers.stability.continuation import CorrectionError, Point, Tracer, next_step
-from solvers.stability.family import HarmonicFamily
-from solvers.stability.special_points import DoublingTest, explain_doubt
+from solvers.stability import switch_branch
+from solvers.stability.curves import special_points, switching
+from solvers.stability.curves.adaptivity import more_harmonics, needed_harmonics
+from solvers.stability.curves.continuation import CorrectionError, Point, Tracer, next_step
+from solvers.stability.curves.family import HarmonicFamily
+from solvers.stability.curves.special_points import DoublingTest, explain_doubt
+from solvers.stability.multipliers import floquet
 
 from ..cases.planar_systems import forced_oscillator
 

@@ -17,9 +17,9 @@ from solvers import (
     mooring_system,
     solve_periodic,
 )
-from solvers.stability import floquet, response_curve, switch_branch
-from solvers.stability.continuation import Tracer
-from solvers.stability.special_points import (
+from solvers.stability import response_curve, switch_branch
+from solvers.stability.curves.continuation import Tracer
+from solvers.stability.curves.special_points import (
     BRANCH_POINT,
     FOLD,
     JUMP,
@@ -29,6 +29,7 @@ from solvers.stability.special_points import (
     CurveSegment,
     locate_special_points,
 )
+from solvers.stability.multipliers import floquet
 
 from ..cases.planar_systems import forced_oscillator
 from ..exact.duffing_bifurcations import Oscillator, bifurcation

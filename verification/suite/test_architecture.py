@@ -32,7 +32,7 @@ MAY_IMPORT = {
     "reference_data": ("numpy", "mpmath", "verification.exact", "reference_data", "tqdm"),
     "benchmarks/peers": ("numpy", "benchmarks.peers", "verification.conformance", "verification.cases",
                          "verification.registry", "verification.reference", "moorpy", "pycatenary", "moordyn",
-                         "solvers.io.moordyn_writer", "solvers.network.solve"),
+                         "solvers.io.moordyn.writer", "solvers.network.solve"),
     "benchmarks/conformance": ("numpy", "scipy", "solvers", "verification.exact", "verification.conformance", "pytest",
                                "benchmarks"),
     "benchmarks": ("numpy", "scipy", "solvers", "verification.cases", "verification.registry", "verification.reference",

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from solvers import BodyMotion
-from solvers.common.motion import Motion, Ramped
+from solvers.common.motions.motion import Motion, Ramped
 from verification import IN_REPOSITORY, ROOT
 from verification.conformance import answers, problems, report, summary
 from verification.conformance.adapter import Refused, SpanAnswer

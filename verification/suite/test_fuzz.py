@@ -43,9 +43,9 @@ from solvers import (
     solve_static,
     solve_time_domain,
 )
-from solvers.io.map_file import read_map_file
-from solvers.io.moordyn_file import load_moordyn
-from solvers.io.moordyn_writer import write_moordyn
+from solvers.io.map_plus_plus.reader import read_map_file
+from solvers.io.moordyn.reader import load_moordyn
+from solvers.io.moordyn.writer import write_moordyn
 from solvers.io.network_scene import load_network
 from solvers.numerics.modes import natural_modes
 

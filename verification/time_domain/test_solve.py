@@ -32,7 +32,7 @@ Status, InputError, ConvergenceError = (
     getattr(SOLVERS.common.outcome, n) for n in ("Status", "InputError", "ConvergenceError")
 )
 Motion, SampledMotion, FunctionMotion = (
-    getattr(SOLVERS.common.motion, f"{n}Motion") for n in ("", "Sampled", "Function")
+    getattr(SOLVERS.common.motions.motion, f"{n}Motion") for n in ("", "Sampled", "Function")
 )
 PERIOD = 20.0  # s, of the 0.05 Hz of HB section 4
 

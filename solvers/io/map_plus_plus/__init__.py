@@ -1,0 +1,1 @@
+"""Files of MAP++: read as networks, and written."""

@@ -1,0 +1,1 @@
+"""Files of MoorDyn: read as networks, and written."""

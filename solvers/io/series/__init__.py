@@ -1,0 +1,1 @@
+"""Tables of numbers over time or frequency: columns, motions, seas."""

@@ -1,0 +1,1 @@
+"""Small motions of moving lines about rest or a periodic motion: modes, impedance, steps over a period."""

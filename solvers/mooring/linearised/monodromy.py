@@ -1,0 +1,117 @@
+"""The linearised motion of lines over one period, without its matrix, for Floquet multipliers.
+
+``LinearisedPeriod`` goes about the series of a periodic response by implicit Runge-Kutta steps, ``SteppedPeriod`` about
+the motion that time steps gave, by the derivative of these steps. Both factorise all steps once and keep the factors:
+memory in proportion to the steps and the cells, 30 MB for 200 steps and 50 cells in a plane.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .newmark import take_newmark_steps
+from .steps import factorise_steps, take_steps
+
+COLUMNS = {1: 32, 2: 16, 3: 12}  # by axes, disturbances that take a period in less than twice the time of one
+
+
+class LinearisedPeriod:
+    """Takes small disturbances of a moving line over one period of a MooringResponse.
+
+    A disturbance is (displacement, velocity / omega) of the free nodes in the axes that are disturbed, ``size``
+    numbers. scheme: nodes, weights and last weights of an implicit Runge-Kutta scheme. sideways: disturb the axis
+    across the plane of the motion alone. has_slack: whether a cell is slack at some stage of the steps. columns: of
+    disturbances that ``apply`` takes at little more than one.
+    """
+
+    def __init__(self, response, steps, scheme, sideways=False):
+        system, stages = response.system, scheme.nodes.size
+        self.h, self.rate = response.last_period[1] / steps, response.basis.omega
+        t = self.h * (np.arange(steps)[:, None] + scheme.nodes).ravel()
+        orbit = [part.reshape(steps, stages, *part.shape[1:]) for part in response.motion_at(t)]
+        self.line, orbit, kept = disturbed_axes(system, orbit, sideways)
+        self.free = np.flatnonzero(~system.order.is_prescribed)
+        self.n, nodes, cells, edges = kept.size, system.nodes, self.line.length.size, system.order.edges
+        self.size, self.columns, block = 2 * self.n * self.free.size, COLUMNS[self.n], stages * self.n
+        self.order = system.order.with_rows(block)
+        self.factors = tuple(np.empty((steps, count, block, block)) for count in (nodes, edges, edges))
+        self.right_side = tuple(np.empty((steps, 2, count, block, self.n)) for count in (nodes, cells, cells))
+        self.updates = scheme.last, scheme.last @ scheme.weights
+        A, right_weights = self.h * scheme.weights, np.zeros((2, 3, stages))
+        right_weights[0, 0] = right_weights[1, 1] = -1.0  # -K d - (C + h c K) v
+        right_weights[1, 0] = -self.h * scheme.nodes
+        slack = factorise_steps(self.line, self.order, orbit, kept, np.stack([A @ A, A]), 1.0, right_weights,
+                                self.factors, self.right_side)  # fmt: skip
+        self.has_slack = slack > 0
+
+    def apply(self, disturbances) -> np.ndarray:
+        """Return disturbances (size, k) one period later."""
+        columns = disturbances.shape[1]
+        state = np.zeros((2, self.order.is_prescribed.size, self.n, columns))
+        state[:, self.free] = disturbances.reshape(2, self.free.size, self.n, columns)
+        state[1] *= self.rate
+        take_steps(self.line, self.order, self.h, *self.updates, self.factors, self.right_side, *state)
+        state[1] /= self.rate
+        return state[:, self.free].reshape(self.size, columns)
+
+
+class SteppedPeriod:
+    """Takes small disturbances of the state of generalized-alpha over a period of equal steps of h in s.
+
+    A disturbance is that of r, v / omega, r'' / omega^2 and the algorithmic acceleration a / omega^2 of the free nodes.
+    scheme: alpha_m, alpha_f, beta, gamma; orbit: r, v, r'' (S, N, m) at the ends of the steps.
+    """
+
+    def __init__(self, system, orbit, h, scheme, sideways=False):
+        self.h, self.scheme = h, scheme
+        self.line, orbit, kept = disturbed_axes(system, orbit, sideways)
+        self.free = np.flatnonzero(~system.order.is_prescribed)
+        steps, nodes = orbit[0].shape[:2]
+        self.n, cells, edges = kept.size, self.line.length.size, system.order.edges
+        self.size, self.columns, blocks = 4 * self.n * self.free.size, COLUMNS[self.n], (self.n, self.n)
+        self.order = system.order.with_rows(self.n)
+        self.units = (2 * np.pi / (steps * h)) ** np.array([0.0, 1.0, 2.0, 2.0])[:, None, None, None]
+        self.factors = tuple(np.empty((steps, count, *blocks)) for count in (nodes, edges, edges))
+        self.right_side = tuple(np.empty((steps, *shape, *blocks)) for shape in ((2, nodes), (1, cells), (1, cells)))
+        alpha_m, alpha_f, beta, gamma = scheme
+        weights = np.array([1.0, gamma / (beta * h)]).reshape(2, 1, 1)
+        weight_of_M = (1 - alpha_m) / (1 - alpha_f) / (beta * h * h)
+        right_weights = np.zeros((2, 3, 1))
+        right_weights[0, 1] = right_weights[1, 2] = -1.0  # -C v - M r''
+        orbit = tuple(part[:, None] for part in orbit)
+        factorise_steps(self.line, self.order, orbit, kept, weights, weight_of_M, right_weights, self.factors,
+                        self.right_side)  # fmt: skip
+
+    def apply(self, disturbances) -> np.ndarray:
+        """Return disturbances (size, k) one period later."""
+        columns = disturbances.shape[1]
+        state = np.zeros((4, self.order.is_prescribed.size, self.n, columns))
+        state[:, self.free] = disturbances.reshape(4, self.free.size, self.n, columns)
+        state *= self.units
+        take_newmark_steps(self.line, self.order, self.h, self.scheme, self.factors, self.right_side, state)
+        state /= self.units
+        return state[:, self.free].reshape(self.size, columns)
+
+    def pack(self, state) -> np.ndarray:
+        """Return the disturbance (size,) of changes (4 or more, N, n) of r, v, r'' and a."""
+        return (state[:4, self.free] / self.units[..., 0]).ravel()
+
+    def unpack(self, disturbance) -> np.ndarray:
+        """Return the changes (4, N, n) of r, v, r'' and a in a disturbance (size,), zero at prescribed nodes."""
+        state = np.zeros((4, self.order.is_prescribed.size, self.n))
+        state[:, self.free] = disturbance.reshape(4, self.free.size, self.n) * self.units[..., 0]
+        return state
+
+
+def disturbed_axes(system, orbit, sideways):
+    """Return the Line, the orbit (.., N, m) in its axes and which of these are disturbed, all those of the system.
+
+    sideways: of a system in a vertical plane the line gets an axis across it, between the other two, and this alone is
+    disturbed: the forces along the others do not change with it in the first order.
+    """
+    line = system.line
+    if not sideways:
+        return line, tuple(np.ascontiguousarray(part) for part in orbit), np.arange(len(system.axes))
+    along, up = line.current
+    line = line._replace(load=np.insert(line.load, 1, 0.0, axis=1), current=(along, 0.0, up))
+    return line, tuple(np.insert(part, 1, 0.0, axis=-1) for part in orbit), np.array([1])

@@ -1,0 +1,163 @@
+"""Steps of the linearised motion of lines, M d'' + C d' + K d = 0 about an orbit, compiled.
+
+Implicit Runge-Kutta steps with stages i of nodes c and weights a_ij, and accelerations q_j of the stages, have
+d_i = d + h c_i v + h^2 sum (a^2)_ij q_j,  v_i = v + h sum a_ij q_j,  M_i q_i + C_i v_i + K_i d_i = 0,
+so the q of all stages of a step are one system in the pattern of the line's cells, with blocks of stages times axes.
+The steps of ``newmark`` have one stage and other weights of K, C and M. Factors and right-hand sides are
+kept; many disturbances then take a step at once.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...numerics.compiled import compiled
+from ...numerics.lu import elimination
+from ...numerics.lu.elimination import factorise
+from .. import equations
+from ..equations import residual, tangents
+
+
+@compiled(calls=(equations, elimination))
+def factorise_steps(line, order, orbit, kept, weights, weight_of_M, right_weights, factors, right_side):
+    """Set the factors and right-hand sides of S steps; return how many cells are slack at their stages.
+
+    orbit: r, v, r'' (S, s, N, m) of the m axes at the s stages of each step; kept (n,): the axes that are disturbed.
+    weights (2, s, s): of K_i and C_i in the block of stages i and j, weight_of_M: of M_i in that of i and i;
+    right_weights (2, 3, s): of K_i, C_i and M_i in the products with the two disturbances that a step begins with.
+    factors: diagonal (S, N, s n, s n), right and left (S, edges, s n, s n). right_side: blocks of the nodes (S, 2, N,
+    s n, n) and of the cells' ends by each other (S, 1 or 2, C, s n, n): 1 where the second disturbance is in M alone.
+    """
+    steps, stages, count, axes = orbit[0].shape
+    n, cells = kept.size, line.length.size
+    diagonal, right, left = factors
+    own, from_last, from_first = right_side
+    R, T, unit = np.empty((count, axes)), np.empty(cells), np.empty((cells, axes))
+    no_tension, apart = np.zeros(cells), (1.0, 1.0, 1.0)
+    by_own = np.empty((3, count, axes, axes))
+    by_last, by_first = np.empty((2, cells, axes, axes)), np.empty((2, cells, axes, axes))
+    slack, row = 0, np.empty(stages * n)
+    right[:], left[:] = 0.0, 0.0
+    for step in range(steps):
+        for i in range(stages):
+            r, v, a = orbit[0][step, i], orbit[1][step, i], orbit[2][step, i]
+            residual(line, r, v, a, no_tension, R, T, unit)
+            tangents(line, r, v, a, T, apart, by_own, by_last, by_first)
+            slack += (T <= 0).sum()
+            for j in range(n):
+                for k in range(n):
+                    p, q, row_j = kept[j], kept[k], i * n + j
+                    for node in range(count):
+                        K, C, M = by_own[0, node, p, q], by_own[1, node, p, q], by_own[2, node, p, q]
+                        for side in range(2):
+                            w = right_weights[side]
+                            own[step, side, node, row_j, k] = w[0, i] * K + w[1, i] * C + w[2, i] * M
+                        for l in range(stages):
+                            in_row = weights[0, i, l] * K + weights[1, i, l] * C
+                            diagonal[step, node, row_j, l * n + k] = in_row + (weight_of_M * M if l == i else 0.0)
+                    for c in range(cells):
+                        K, C = by_last[0, c, p, q], by_last[1, c, p, q]
+                        K2, C2 = by_first[0, c, p, q], by_first[1, c, p, q]
+                        for side in range(from_last.shape[1]):
+                            w_K, w_C = right_weights[side, 0, i], right_weights[side, 1, i]
+                            from_last[step, side, c, row_j, k] = w_K * K + w_C * C
+                            from_first[step, side, c, row_j, k] = w_K * K2 + w_C * C2
+                        for l in range(stages):
+                            w_K, w_C = weights[0, i, l], weights[1, i, l]
+                            right[step, c, row_j, l * n + k] = w_K * K + w_C * C
+                            left[step, c, row_j, l * n + k] = w_K * K2 + w_C * C2
+        factorise(order, diagonal[step], right[step], left[step], row)
+    return slack
+
+
+@compiled
+def add_product(factor, blocks, e, x, i, y, q):
+    """Add ``factor`` times the product of block e of blocks (.., m, n) and columns x[i] (n, k) to y[q] (m, k).
+
+    Whole arrays and indices, for a slice of each costs more than the product of few columns; and up to three rows of x
+    and two of y in one loop, for a loop over few columns costs more to begin than it takes.
+    """
+    rows, n, columns = blocks.shape[1], blocks.shape[2], x.shape[2]
+    last = n - n % 3
+    for p in range(0, last, 3):
+        for j in range(0, rows - 1, 2):
+            a, b, c = factor * blocks[e, j, p], factor * blocks[e, j, p + 1], factor * blocks[e, j, p + 2]
+            f, g, h = factor * blocks[e, j + 1, p], factor * blocks[e, j + 1, p + 1], factor * blocks[e, j + 1, p + 2]
+            for k in range(columns):
+                u, v, w = x[i, p, k], x[i, p + 1, k], x[i, p + 2, k]
+                y[q, j, k] += a * u + b * v + c * w
+                y[q, j + 1, k] += f * u + g * v + h * w
+        if rows % 2:
+            j = rows - 1
+            a, b, c = factor * blocks[e, j, p], factor * blocks[e, j, p + 1], factor * blocks[e, j, p + 2]
+            for k in range(columns):
+                y[q, j, k] += a * x[i, p, k] + b * x[i, p + 1, k] + c * x[i, p + 2, k]
+    for j in range(rows):
+        if n - last == 2:
+            a, b = factor * blocks[e, j, last], factor * blocks[e, j, last + 1]
+            for k in range(columns):
+                y[q, j, k] += a * x[i, last, k] + b * x[i, last + 1, k]
+        elif n - last == 1:
+            a = factor * blocks[e, j, last]
+            for k in range(columns):
+                y[q, j, k] += a * x[i, last, k]
+
+
+@compiled
+def solve_columns(order, diagonal, right, left, x, column):
+    """Replace columns x (N, m, k), zero at prescribed nodes, by the solutions, with the blocks of ``factorise``.
+
+    column (1, m, k): working space.
+    """
+    nodes, m, columns = x.shape
+    for i in range(nodes):
+        for a in range(order.start[i], order.start[i + 1]):
+            add_product(-1.0, left, order.edge[a], x, i, x, order.other[a])
+    for i in range(nodes - 1, -1, -1):
+        if order.is_prescribed[i]:
+            continue
+        for j in range(m):
+            for k in range(columns):
+                column[0, j, k] = x[i, j, k]
+                x[i, j, k] = 0.0
+        for a in range(order.start[i], order.start[i + 1]):
+            add_product(-1.0, right, order.edge[a], x, order.other[a], column, 0)
+        add_product(1.0, diagonal, i, column, 0, x, i)
+
+
+@compiled
+def take_steps(line, order, h, by_velocity, by_position, factors, right_side, d, v):
+    """Replace disturbances d and v (N, n, k), zero at prescribed nodes, by those after all steps.
+
+    by_velocity, by_position (s,): weights of the stages' accelerations in v over h, in d over h^2.
+    """
+    diagonal, right, left = factors
+    own, from_last, from_first = right_side
+    nodes, n, columns = d.shape
+    m = diagonal.shape[2]
+    x, column = np.empty((nodes, m, columns)), np.empty((1, m, columns))
+    for step in range(diagonal.shape[0]):
+        x[:] = 0.0
+        own_d, own_v, last_d, last_v = own[step, 0], own[step, 1], from_last[step, 0], from_last[step, 1]
+        first_d, first_v = from_first[step, 0], from_first[step, 1]
+        for i in range(nodes):
+            if not order.is_prescribed[i]:
+                add_product(1.0, own_d, i, d, i, x, i)
+                add_product(1.0, own_v, i, v, i, x, i)
+        for c in range(line.length.size):
+            first, last = line.first[c], line.last[c]
+            if not (order.is_prescribed[first] or order.is_prescribed[last]):
+                add_product(1.0, last_d, c, d, last, x, first)
+                add_product(1.0, last_v, c, v, last, x, first)
+                add_product(1.0, first_d, c, d, first, x, last)
+                add_product(1.0, first_v, c, v, first, x, last)
+        solve_columns(order, diagonal[step], right[step], left[step], x, column)
+        for i in range(nodes):
+            for j in range(n):
+                for k in range(columns):
+                    d[i, j, k] += h * v[i, j, k]
+                for s in range(by_velocity.size):
+                    in_v, in_d = h * by_velocity[s], h * h * by_position[s]
+                    for k in range(columns):
+                        v[i, j, k] += in_v * x[i, s * n + j, k]
+                        d[i, j, k] += in_d * x[i, s * n + j, k]

@@ -1,0 +1,87 @@
+"""Cells and loads for which the exact catenaries are the discrete equilibrium: the pretension has no mesh error.
+
+The chord of a cell is shorter than the line in it, by a part of (turn of the cell)^2/24. Where the motion changes the
+tension little, the error that this makes at rest is greater than the error of the motion.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...common.outcome import InputError
+from .mesh import FAIRLEAD_POSITIONS
+from .prescribed_motion import displace_points
+
+SMALL_CHANGE = 0.1  # of the tension at rest: quasi-static change over the motion below which lines are calibrated
+
+
+def estimate_tension_change(model, motion, places) -> float:
+    """Return the quasi-static range of the fairlead tension over a period of the motion, over that at rest."""
+    times = motion.period * np.arange(places) / places
+    moved = np.array([model.points[i].r for i in model.moved])
+    tensions = [
+        model.pretension(displacement) for displacement in (np.zeros(3), *displace_points(motion, moved, times).T)
+    ]
+    return float(np.ptp(tensions) / tensions[0]) if tensions[0] > 0 else np.inf
+
+
+def calibrate_line(system):
+    """Return the Line of a MooringSystem with cells and loads for which its nodes rest on the catenaries.
+
+    The length of a cell is |d|/(1 + T/EA) with its chord d and the T whose level component is that of the catenary;
+    the load of a node is what balances its cells. Mass, drag and added mass stay. Without a level
+    component the Line as it is.
+    """
+    line, segments = system.line, system.model.segments
+    r, _, horizontal_tension, states = system.model.at_rest(system.layout)
+    chord = r[:, line.last] - r[:, line.first]
+    level = np.hypot(chord[0], chord[1])
+    if not ((horizontal_tension > 0) & (level > 0)).all():
+        return line
+    force = horizontal_tension / level * chord  # of each cell on its first node
+    tension = np.linalg.norm(force, axis=0)
+    length = np.linalg.norm(chord, axis=0) / (1 + tension / line.EA)
+    load = np.zeros((3, system.nodes))
+    load[:, 1:-1] = -np.diff(force, axis=1)
+    load[2, 0] = _heights(segments[0], states[0])[0] - force[2, 0]
+    load[2, -1] = -_heights(segments[-1], states[-1])[1] + force[2, -1]
+    ratio = line.length / length  # keeps what stands at the nodes
+    changed = {name: getattr(line, name) * ratio for name in ("mass", "added_mass", "normal_drag", "tangential_drag")}
+    return line._replace(length=length, load=np.ascontiguousarray((system.axes @ load).T), **changed)
+
+
+def _heights(segment, state):
+    """Return the vertical forces along a segment at its first and last node, N, positive where it rises."""
+    return (-state.V, -state.V_anchor) if segment.reversed else (state.V_anchor, state.V)
+
+
+def element_end_load(system, element, end) -> np.ndarray:
+    """Return the load (n,) in N that an element of a calibrated system puts on its first (end 0) or last (-1) node.
+
+    With it the element's end has the force of its catenary at rest.
+    """
+    r, _, horizontal_tension, states = system.model.at_rest(system.layout)
+    c = system.layout.cells[element].start if end == 0 else system.layout.cells[element].stop - 1
+    chord = r[:, system.line.last[c]] - r[:, system.line.first[c]]
+    of_cell = horizontal_tension[c] / np.hypot(chord[0], chord[1]) * chord[2]
+    first, last = _heights(system.model.segments[element], states[element])
+    return system.axes @ np.array([0.0, 0.0, first - of_cell if end == 0 else of_cell - last])
+
+
+def is_to_be_calibrated(given, model, motion) -> bool:
+    """Return whether a MooringModel in a motion is calibrated: as given, or for "auto" where that helps.
+
+    Raises InputError for anything but True, False and "auto", and for True where it cannot be done.
+    """
+    if not (isinstance(given, (bool, np.bool_)) or given == "auto"):
+        raise InputError(f"{given!r} must be 'auto', True or False", field="calibrate", value=given)
+    if model.environment.depth is not None or not model.is_line:
+        if given is not False and given != "auto":
+            problem = "over a seabed that would fix where the line lies" if model.is_line else "it takes a single line"
+            raise InputError(f"True, and {problem}", field="calibrate", value=given)
+        return False
+    if given != "auto":
+        return bool(given)
+    if getattr(motion, "period", None) is None:
+        return False
+    return estimate_tension_change(model, motion, FAIRLEAD_POSITIONS) < SMALL_CHANGE

@@ -1,0 +1,1 @@
+"""Periodic motions of moving lines: samples, harmonic balance, and Hill's problem."""

@@ -1,0 +1,70 @@
+"""Hill's problem of moving lines: (J + mu D + mu^2 M) z = 0 for disturbances exp(mu t) times a series, by block LU.
+
+With d = exp(mu t) z(t), d' = exp(mu t) (mu + d/dt) z and d'' = exp(mu t) (mu^2 + 2 mu d/dt + d^2/dt^2) z, so J is the
+Jacobian of the harmonic balance, D has the blocks of C and twice those of the masses with rates, M those of the masses.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...numerics.lu.block_elimination import BlockFactors
+from .samples import sampled_residual, sampled_tangents
+
+
+class LineHill:
+    """The quadratic pencil of a MooringResponse; a mode is (z, mu z) of all nodes, ``size`` numbers.
+
+    shape: of z, (N, n, C).
+    """
+
+    def __init__(self, response):
+        rows = response.system.harmonic_residual(response.basis, None, False)
+        line, count, (nodes, n, _) = response.system.line, response.basis.samples, rows.shape
+        samples, cells = rows.samples(rows.pack(response.z)), line.length.size
+        T, R, unit = np.zeros((count, cells)), np.empty(samples[0].shape), np.empty((count, cells, n))
+        sampled_residual(line, samples, np.zeros(T.shape), R, T, unit)
+        by = [np.empty((d, n, n, size, count)) for d, size in ((3, nodes), (2, cells), (2, cells))]
+        sampled_tangents(line, samples, T, *by)
+        own, *beside = by
+        none, blocks = np.zeros_like(own[0]), lambda *parts, **also: rows.blocks(*parts, rows.rows, float, **also)
+        self.line, self.order, self.shape = line, response.system.order, rows.shape
+        self.size = 2 * nodes * n * rows.shape[2]
+        self.J = (blocks(own[0], own[1], by_yddot=own[2:]), *(blocks(*part) for part in beside))
+        self.D = (blocks(own[1], 2 * own[2]), *(blocks(part[1], np.zeros_like(part[1])) for part in beside))
+        self.M = blocks(own[2], none)
+        self.is_free = ~self.order.is_prescribed
+
+    def inverse(self, sigma):
+        """Return the function whose eigenvalues are 1/(sigma - mu), None where mu = sigma is one of the exponents.
+
+        A (u, w) = (-w, J u + D w), B (u, w) = (u, M w): (A + sigma B)^-1 B.
+        """
+        diagonal, right, left = (J + sigma * D for J, D in zip(self.J, self.D, strict=True))
+        diagonal += sigma**2 * self.M
+        diagonal[~self.is_free] = np.eye(diagonal.shape[1])
+        right[~self.is_free[self.line.first]], left[~self.is_free[self.line.last]] = 0.0, 0.0
+        factors = BlockFactors(self.order, self.line.first, self.line.last, diagonal, right, left)
+        if factors.singular:
+            return None
+
+        def apply(x):
+            p, q = x.reshape(2, self.shape[0], -1)
+            F = self.multiply(self.D, p) + (self.M @ (q + sigma * p)[..., None])[..., 0]
+            F[~self.is_free] = 0.0
+            u = factors.solve(F)
+            return np.concatenate([u.ravel(), (sigma * u - p).ravel()])
+
+        return apply
+
+    def multiply(self, blocks, x):
+        """Return the product of blocks and x (N, n C)."""
+        diagonal, right, left = blocks
+        result = (diagonal @ x[..., None])[..., 0]
+        np.add.at(result, self.line.first, (right @ x[self.line.last][..., None])[..., 0])
+        np.add.at(result, self.line.last, (left @ x[self.line.first][..., None])[..., 0])
+        return result
+
+    def series(self, modes):
+        """Return z of modes (size, k) as coefficients (N n, C, k)."""
+        return modes[: self.size // 2].reshape(-1, self.shape[2], modes.shape[1])

@@ -1,0 +1,1 @@
+"""Floquet multipliers: by Hill's problem, by a monodromy matrix, and the largest of long lines."""
