@@ -22,7 +22,7 @@ import mpmath
 from tqdm import tqdm
 
 from reference_data.generate import conformance_common, conformance_networks, conformance_statics, spans
-from verification.exact import catenary_mp
+from verification.exact.cable import catenary_mp
 
 HERE = Path(str(files("reference_data")))
 GENERATED = {

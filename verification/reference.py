@@ -12,7 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from .cases.spans import SpanCase
-from .exact import catenary_mp, network_mp
+from .exact.cable import catenary_mp
+from .exact.network import network_mp
 
 EPS = 2.0**-52
 SPANS = files("reference_data") / "spans" / "data.csv"

@@ -11,7 +11,7 @@ from unittest import mock
 
 import numpy as np
 
-from verification.exact import moving_network as exact
+from verification.exact.mooring import moving_network as exact
 from verification.exact.rigid_motion import RigidMotion
 
 from .responses import Variant, moving_system, network, scene

@@ -152,7 +152,7 @@ def test_each_stands_in_the_tables_of_a_page(folder, tmp_path):
 
 
 def test_the_example_of_the_readme_is_short_and_listed(folder):
-    """A complete adapter in less than 30 lines; verification/suite/test_conformance.py judges it."""
+    """A complete adapter in less than 30 lines; verification/suite/conformance/test_conformance.py judges it."""
     assert len(example().splitlines()) < MOST_LINES
     run = python("benchmarks.peers", MOORING_SOLVERS=folder / "my_code.py")
     assert "my catenary 0.1 (mycode) solves span\n" in run

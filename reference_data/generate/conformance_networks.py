@@ -11,7 +11,8 @@ from mpmath import mp, mpf
 
 from reference_data.generate import conformance_common as common
 from reference_data.generate.conformance_common import Section, as_doubles, namespace
-from verification.exact import catenary_mp, network_mp
+from verification.exact.cable import catenary_mp
+from verification.exact.network import network_mp
 
 PATH = "conformance/network.json"
 SOURCES = (common, catenary_mp, network_mp)

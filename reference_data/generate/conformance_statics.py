@@ -12,7 +12,7 @@ from mpmath import mp, mpf
 
 from reference_data.generate import conformance_common as common
 from reference_data.generate.conformance_common import Section, as_doubles
-from verification.exact import catenary_mp
+from verification.exact.cable import catenary_mp
 
 PATH = "conformance/statics.json"
 SOURCES = (common, catenary_mp)

@@ -1,14 +1,14 @@
 """End tensions of the random moving networks: `python -m reference_data.generate.moving_networks` writes the table.
 
 Doubles of an integration, so that another machine gives the same to some eleven digits and not the same text;
-verification/suite/test_exact_networks.py recomputes a part of it within its stated uncertainty.
+verification/mooring/test_exact_networks.py recomputes a part of it within its stated uncertainty.
 """
 
 import csv
 from importlib.resources import files
 from pathlib import Path
 
-from verification.exact.random_networks import SEEDS, random_history
+from verification.exact.mooring.random_networks import SEEDS, random_history
 
 COLUMNS = ("seed", "t", "line", "T_a", "T_b")
 DIGITS = 12

@@ -10,7 +10,7 @@ from random import Random
 
 from mpmath import mp
 
-from verification.exact import catenary_mp
+from verification.exact.cable import catenary_mp
 
 DIGITS = 30
 CONDITION_DIGITS = 3
@@ -68,7 +68,7 @@ LABELS = {
 
 @dataclass(frozen=True)
 class Row:
-    """Inputs of one row: exact doubles in SI units (see `verification.exact.catenary_mp`)."""
+    """Inputs of one row: exact doubles in SI units (see `verification.exact.cable.catenary_mp`)."""
 
     name: str
     regime: str

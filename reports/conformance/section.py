@@ -181,5 +181,5 @@ CONFORMANCE = Section(
     needs=("conformance",),
     template="conformance/section.html.j2",
     build=build,
-    tests={"conformance": ("suite/test_conformance_matrix.py",)},
+    tests={"conformance": ("suite/conformance/test_conformance_matrix.py",)},
 )

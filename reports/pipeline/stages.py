@@ -102,11 +102,11 @@ NOT_IN_QUICK = (
 """Claims that take longest."""
 
 ELSEWHERE = (
-    "suite/test_report",
-    "suite/test_report_runs",
-    "suite/test_dynamics_report",
-    "suite/test_network_report",
-    "suite/test_page",
+    "suite/report/test_report",
+    "suite/report/test_report_runs",
+    "suite/report/test_dynamics_report",
+    "suite/report/test_network_report",
+    "suite/report/test_page",
     "suite/test_defects",
     "suite/test_planting",
 )

@@ -13,8 +13,8 @@ import numpy as np
 import solvers
 
 from ..cases.cables import EVERYTHING, LEVEL, CableCase
-from ..exact import cable_mp
-from ..exact.cable_mp import Fields
+from ..exact.cable import cable_mp
+from ..exact.cable.cable_mp import Fields
 
 SOLVERS = solvers
 """The solvers as they are; a package with a planted fault has the same rooms."""

@@ -18,9 +18,10 @@ import pytest
 from mpmath import mp, mpf
 from scipy.integrate import solve_ivp
 
-from ..exact import cable_mp, catenary_mp, frequencies, oscillators, travelling_wave
-from ..exact.cable_mp import ALL_TERMS, ONE_TERM, Jet, source_grid
-from ..exact.oscillators import CASES, case, duffing, quadratically_damped, trajectory
+from ..exact.cable import cable_mp, catenary_mp, frequencies, travelling_wave
+from ..exact.cable.cable_mp import ALL_TERMS, ONE_TERM, Jet, source_grid
+from ..exact.oscillators import oscillators
+from ..exact.oscillators.oscillators import CASES, case, duffing, quadratically_damped, trajectory
 from ..reference import EPS
 
 DATA = files("reference_data")

@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ..defects.cables import ERRATA_FAULTS, LOAD_FAULTS
-from ..exact import cable_mp
+from ..defects.planted.cables import ERRATA_FAULTS, LOAD_FAULTS
+from ..exact.cable import cable_mp
 from ..reference import EPS
 from ..tools.orders import assert_order, differences, extrapolated, observed_orders
 from ..tools.planting import Fault, planted, sign_faults

@@ -18,7 +18,7 @@ from scipy.optimize import root
 from solvers.cable.statics import exact_pretension
 
 from ..cases.cables import OC3, OC3_SEABED, SHORT_CHAIN, SLACK_CHAIN, STUDLESS_CHAIN, CableCase
-from ..exact import catenary_mp
+from ..exact.cable import catenary_mp
 from ..tools.orders import assert_order, extrapolated
 from ..tools.planting import Fault, planted
 from .problems import SOLVERS, graded, system

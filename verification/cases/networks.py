@@ -1,4 +1,4 @@
-"""Cases of the problem type "network": cables between nodes. Inputs only; truth is in exact/network_mp.py.
+"""Cases of the problem type "network": cables between nodes. Inputs only; truth is in exact/network/network_mp.py.
 
 Rows carry the attributes of solvers.Network (nodes, elements, environment) without importing it.
 """

@@ -15,7 +15,7 @@ from hypothesis import Phase, given, settings
 from solvers import Regime, Span, solve_span
 
 from ..cases.spans import SpanCase, random_cases
-from ..exact import catenary_mp
+from ..exact.cable import catenary_mp
 from ..reference import EPS, WRONG, SpanTruth, exact_span, force_error, span_references
 from ..registry import PROBLEMS
 from ..tools.strategies import seabed_cases, suspended_cases

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from solvers import Regime, Scene, Span, solve_span
 
 from ..cases.spans import NAMED, OC3
-from ..exact import catenary_mp
+from ..exact.cable import catenary_mp
 from ..reference import EPS, span_references
 from ..tools.strategies import powers, seabed_cases, suspended_cases
 from .test_exact import sensitivity, stiffness_condition

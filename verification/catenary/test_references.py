@@ -20,7 +20,7 @@ from mpmath import mp, mpf
 from scipy.integrate import quad
 
 from verification import ROOT
-from verification.exact.catenary_mp import ExactSpan, excursion, profile, solve
+from verification.exact.cable.catenary_mp import ExactSpan, excursion, profile, solve
 
 DATA = files("reference_data")
 INPUTS = ("w", "EA", "L", "x", "z", "seabed", "friction", "clearance")

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import random
 
-from .cables import DEFECTS as CABLES
 from .defect import Defect
-from .dynamics import DEFECTS as DYNAMICS
-from .load_cases import DEFECTS as LOAD_CASES
-from .mooring import DEFECTS as MOORING
-from .multipliers import DEFECTS as MULTIPLIERS
-from .networks import DEFECTS as NETWORKS
-from .spans import DEFECTS as SPANS
-from .stability import DEFECTS as STABILITY
+from .planted.cables import DEFECTS as CABLES
+from .planted.dynamics import DEFECTS as DYNAMICS
+from .planted.load_cases import DEFECTS as LOAD_CASES
+from .planted.mooring import DEFECTS as MOORING
+from .planted.multipliers import DEFECTS as MULTIPLIERS
+from .planted.networks import DEFECTS as NETWORKS
+from .planted.spans import DEFECTS as SPANS
+from .planted.stability import DEFECTS as STABILITY
 
 CATALOGUE: tuple[Defect, ...] = (
     *SPANS, *NETWORKS, *CABLES, *DYNAMICS, *MOORING, *LOAD_CASES, *STABILITY, *MULTIPLIERS

@@ -24,7 +24,7 @@ from solvers.harmonic_balance.solve import _corrected, solve_periodic
 
 from ..cable.problems import LENGTH, TERMS, Manufactured, graded
 from ..cases.oscillators import MassChain, harmonic_force
-from ..exact import cable_mp
+from ..exact.cable import cable_mp
 from ..reference import EPS
 from ..tools.orders import assert_order, observed_orders
 from ..tools.planting import planted, sign_faults

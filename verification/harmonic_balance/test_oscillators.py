@@ -21,7 +21,7 @@ from solvers.numerics.fourier import Basis
 from solvers.time_domain.solve import solve_time_domain
 
 from ..cases.oscillators import MassChain, cubic_chain, duffing, harmonic_force, towed_chain
-from ..exact import oscillators as shooting
+from ..exact.oscillators import oscillators as shooting
 from ..reference import EPS
 from ..tools.orders import assert_order
 

@@ -23,7 +23,7 @@ from solvers.harmonic_balance.solve import solve_periodic
 from solvers.numerics.fourier import Basis
 from solvers.time_domain.solve import solve_time_domain
 
-from ..exact import catenary_mp
+from ..exact.cable import catenary_mp
 from ..tools.orders import assert_order, differences, extrapolated
 
 DATA = files("reference_data")

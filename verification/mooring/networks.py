@@ -12,7 +12,7 @@ from solvers.common.motions.body_motion import BodyMotion
 from solvers.mooring.lines.model import build_model
 from solvers.mooring.system import MooringSystem
 
-from ..exact import moving_network
+from ..exact.mooring import moving_network
 from ..exact.rigid_motion import RigidMotion
 
 SEABED_STIFFNESS = 1e6  # N/m^2: a metre of the heaviest line of the cases sinks in by 2 mm

@@ -21,8 +21,8 @@ from solvers.mooring.lines.layout import INDEX, Elimination, Layout, plan_elimin
 from solvers.numerics.lu import elimination
 
 from ..cases.cables import CableCase
-from ..exact.lumped_node import Cell, Seabed, force_terms
-from ..exact.moving_line import ManufacturedLine
+from ..exact.mooring.lumped_node import Cell, Seabed, force_terms
+from ..exact.mooring.moving_line import ManufacturedLine
 from ..tools.planting import ROOT, Fault
 
 EQUATIONS, ELIMINATION, STEPS = "mooring.equations", "numerics.lu.elimination", "mooring.stepping.steps"

@@ -19,10 +19,11 @@ from numpy.polynomial import legendre
 from scipy.integrate import quad, solve_ivp
 from scipy.linalg import eigh
 
-from ..exact import elastic_bounce, frequencies, lumped_node, moving_line, seabed_friction
-from ..exact.elastic_bounce import ElasticBounce, SeabedBounce
-from ..exact.lumped_node import Cell, Seabed, force_residual, force_terms
-from ..exact.moving_line import ALL_TERMS, BARE, ONE_TERM
+from ..exact.cable import frequencies
+from ..exact.mooring import elastic_bounce, lumped_node, moving_line, seabed_friction
+from ..exact.mooring.elastic_bounce import ElasticBounce, SeabedBounce
+from ..exact.mooring.lumped_node import Cell, Seabed, force_residual, force_terms
+from ..exact.mooring.moving_line import ALL_TERMS, BARE, ONE_TERM
 from ..reference import EPS
 from ..tools.planting import Fault
 

@@ -25,9 +25,10 @@ from solvers.mooring.stepping.time_domain import _Run, stream_line
 from solvers.numerics.modes import natural_modes
 
 from ..cases import networks as cases
-from ..exact import joint_modes, linear_network, moving_network, network_symmetry
-from ..exact.manufactured_bridle import ManufacturedBridle, load_of
-from ..exact.random_networks import random_history, random_network
+from ..exact.mooring import moving_network
+from ..exact.mooring.manufactured_bridle import ManufacturedBridle, load_of
+from ..exact.mooring.random_networks import random_history, random_network
+from ..exact.network import joint_modes, linear_network, network_symmetry
 from ..exact.rigid_motion import RigidMotion
 from ..tools.orders import assert_order, extrapolated
 from .networks import case_network, exact_system, section, with_line_far_away

@@ -14,7 +14,7 @@ import pytest
 from solvers import solve_time_domain
 from solvers.mooring.stepping import time_domain
 
-from ..exact.moving_line import ALL_TERMS, BARE
+from ..exact.mooring.moving_line import ALL_TERMS, BARE
 from ..tools.orders import assert_order
 from ..tools.planting import sign_faults
 from .problems import (

@@ -18,7 +18,7 @@ from solvers.numerics.lu.block_elimination import BlockFactors
 
 from ..cases import networks as cases
 from ..cases.cables import EVERYTHING, OC3, OC3_SEABED, SURGE_5
-from ..exact.moving_line import ALL_TERMS
+from ..exact.mooring.moving_line import ALL_TERMS
 from ..tools.orders import assert_order, extrapolated
 from .networks import case_network
 from .problems import exact_load, exact_state, manufactured, scene, system

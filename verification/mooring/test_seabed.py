@@ -19,8 +19,8 @@ from solvers import (
 )
 
 from ..cases.cables import OC3_SEABED, SLACK_CHAIN
-from ..exact.elastic_bounce import SeabedBounce
-from ..exact.seabed_friction import work_per_cycle
+from ..exact.mooring.elastic_bounce import SeabedBounce
+from ..exact.mooring.seabed_friction import work_per_cycle
 from .problems import energy_gap, energy_of, hanging_mass, scene
 
 G = 9.80665

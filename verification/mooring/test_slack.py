@@ -12,7 +12,7 @@ from solvers import CableProperties, Element, Environment, Motion, Network, Node
 from solvers.mooring.stepping.steps import law_after_step
 
 from ..cases.cables import OC3
-from ..exact.elastic_bounce import ElasticBounce
+from ..exact.mooring.elastic_bounce import ElasticBounce
 from ..tools.orders import assert_order
 from .problems import hanging_mass, random_state, system
 

@@ -26,7 +26,7 @@ from solvers.mooring.statics import _Statics
 from solvers.numerics.modes import natural_modes
 
 from ..cases.cables import OC3, OC3_SEABED, SHORT_CHAIN
-from ..exact import catenary_mp, frequencies
+from ..exact.cable import catenary_mp, frequencies
 from ..reference import EPS
 from ..tools.orders import assert_order, extrapolated
 from .problems import compiled, matrix, system

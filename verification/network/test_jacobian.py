@@ -37,7 +37,7 @@ from ..cases.networks import (
     spring_net,
     two_line,
 )
-from ..exact import network_mp
+from ..exact.network import network_mp
 from .test_solve import largest, network_of, solved
 
 COMPLEX_STEP = 1e-30  # no truncation, no cancellation

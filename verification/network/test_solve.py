@@ -49,7 +49,7 @@ from ..cases.networks import (
     symmetric_v,
     two_line,
 )
-from ..exact import network_mp
+from ..exact.network import network_mp
 from ..reference import EPS
 from ..registry import NETWORK_METHODS
 

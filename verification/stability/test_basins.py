@@ -14,7 +14,7 @@ from solvers.stability.curves.basins import Z_95, _Metric, wilson_interval
 from solvers.stability.multipliers import floquet
 
 from ..cases.oscillators import duffing
-from ..exact import duffing_basins
+from ..exact.oscillators import duffing_basins
 
 OMEGA, FORCE, DAMPING, CUBIC = 1.2, 0.18, 0.05, 0.1
 COUNT, STEPS = 12, 100

@@ -28,7 +28,7 @@ from solvers.stability.curves.family import HarmonicFamily, build_family
 from solvers.stability.multipliers import floquet
 
 from ..cases.oscillators import MassChain, cubic_chain, duffing, harmonic_force, towed_chain
-from ..exact import duffing_bifurcations
+from ..exact.oscillators import duffing_bifurcations
 
 FOLD = 1e-12  # of a fold in the parameter: its place along the curve is found to 1e-6 of a step, which enters squared
 AMPLITUDE = 1e-8  # of a harmonic at a fold, into which that place enters as it is

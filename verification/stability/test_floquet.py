@@ -19,7 +19,7 @@ from solvers.stability.multipliers.monodromy import monodromy
 
 from ..cases import planar_systems as cases
 from ..cases.oscillators import cubic_chain, duffing, towed_chain
-from ..exact import multipliers as exact
+from ..exact.oscillators import multipliers as exact
 from ..tools.orders import assert_order
 
 SCENE = files("reference_data") / "scenes" / "dynamics" / "hb_case_1.toml"

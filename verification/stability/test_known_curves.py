@@ -14,9 +14,9 @@ from solvers.stability.curves.special_points import BRANCH_POINT, PERIOD_DOUBLIN
 from solvers.stability.multipliers import floquet
 
 from ..cases.planar_systems import forced_oscillator, lure, mathieu, unilateral_spring
-from ..exact import lure as exact_lure
-from ..exact import piecewise_linear as exact
-from ..exact.duffing_bifurcations import Oscillator, bifurcation
+from ..exact.oscillators import lure as exact_lure
+from ..exact.oscillators import piecewise_linear as exact
+from ..exact.oscillators.duffing_bifurcations import Oscillator, bifurcation
 
 PLACE = 1e-8  # of a special point, over the range: what shooting is met to
 KINKED = (

@@ -22,7 +22,7 @@ from solvers.stability.multipliers.hill import line_multipliers
 from solvers.stability.multipliers.leading import FLOOR, LEAST, MAX_DENSE, RELATIVE, TOLERANCE, leading_eigenvalues
 from solvers.stability.multipliers.monodromy import GAUSS, RADAU
 
-from ..exact import multipliers as exact
+from ..exact.oscillators import multipliers as exact
 from ..tools.orders import assert_order
 
 AT_REST = 1e-6  # 400 steps of sixth order in the first four modes; a drag of 1e-9 m of motion is less

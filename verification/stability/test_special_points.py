@@ -32,7 +32,7 @@ from solvers.stability.curves.special_points import (
 from solvers.stability.multipliers import floquet
 
 from ..cases.planar_systems import forced_oscillator
-from ..exact.duffing_bifurcations import Oscillator, bifurcation
+from ..exact.oscillators.duffing_bifurcations import Oscillator, bifurcation
 
 PLACE = 1e-8  # of the range: what the issue of special points asks for; measured below 1e-9 for all of these
 MULTIPLIER = 1e-6  # of a multiplier on the circle: a place to 1e-9 and 200 time steps in a period

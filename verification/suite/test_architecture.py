@@ -80,14 +80,20 @@ TEST_ROOMS = ("browser",)  # looks at the finished page, and imports none of the
 ALSO = {
     "benchmarks/load_cases/table.py": ("distributed",),
     "benchmarks/load_cases/measure.py": ("verification.exact.gaussian",),  # the theory that statistics are shown beside
-    "verification/suite/test_conformance_motion.py": ("benchmarks.conformance.this_project",),  # a copy with mistakes
-    "verification/suite/test_conformance_matrix.py": (
+    "verification/suite/conformance/test_conformance_motion.py": (
+        "benchmarks.conformance.this_project",
+    ),  # with mistakes
+    "verification/suite/conformance/test_conformance_matrix.py": (
         "reports.conformance",
         "reports.page.section",
         "reports.pipeline.stages",
     ),  # it judges what the page says, and runs its scripts
-    "verification/suite/test_profiles.py": ("reports.page.profiles",),  # small examples by hand
-    "verification/suite/test_scene_pages.py": ("reports.page", "reports.pipeline", "reports.scenes"),  # what pages say
+    "verification/suite/report/test_profiles.py": ("reports.page.profiles",),  # small examples by hand
+    "verification/suite/report/test_scene_pages.py": (
+        "reports.page",
+        "reports.pipeline",
+        "reports.scenes",
+    ),  # its words
     "reports/drawing/interactive.py": ("altair",),
     "reports/page/charts.py": ("vl_convert",),
     "solvers/load_cases/statistics.py": ("rainflow",),

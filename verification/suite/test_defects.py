@@ -28,7 +28,7 @@ from ..defects.runner import CheckError, Copies, Log, Result, checks_of_loops, d
 from ..defects.verdict import as_json, kept, summary, verdicts
 from ..tools.patterns import module_syntax
 from ..tools.planting import Fault
-from .test_report import Page, broken_anchors, misaligned, missing_files, read_site, report, section
+from .report.test_report import Page, broken_anchors, misaligned, missing_files, read_site, report, section
 
 SOLVERS = ROOT / "solvers"
 TYPES = "common.types"  # for annotations alone: nothing in it runs

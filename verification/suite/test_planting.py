@@ -17,8 +17,8 @@ import pytest
 from solvers.catenary import regimes as catenary_regimes
 from solvers.numerics.elementary import SCALAR
 
-from ..defects import cables, dynamics, networks, spans
 from ..defects.catalogue import CATALOGUE
+from ..defects.planted import cables, dynamics, networks, spans
 from ..tools.patterns import module_syntax
 from ..tools.planting import ROOT, Fault, fault_at, plant_in_place, planted, sign_faults
 

@@ -19,7 +19,7 @@ from mpmath import mp
 from solvers import CableProperties, Environment, Regime, Span, solve_span
 from verification import ROOT
 
-from ..exact import catenary_mp
+from ..exact.cable import catenary_mp
 from ..reference import EPS
 
 DATA = files("reference_data")

@@ -20,8 +20,8 @@ from solvers.time_domain.generalized_alpha import Stepper
 from ..cable.problems import LENGTH, SOLVERS, TERMS, Manufactured, chosen_fields, system
 from ..cases.cables import HEAVE_5, OC3, STUDLESS_CHAIN, SURGE_5, SURGE_9, CableCase
 from ..cases.oscillators import MassChain, duffing
-from ..defects.dynamics import TIME_FAULTS
-from ..exact import frequencies, travelling_wave
+from ..defects.planted.dynamics import TIME_FAULTS
+from ..exact.cable import frequencies, travelling_wave
 from ..reference import EPS
 from ..tools.orders import assert_order, extrapolated
 from ..tools.planting import planted

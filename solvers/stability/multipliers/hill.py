@@ -68,8 +68,9 @@ def line_multipliers(problem, omega, least_size=FLOOR) -> np.ndarray:
     """Return the multipliers (m,) from a size on that the series of Hill's problem of a line resolve, largest first.
 
     problem: has ``size``, inverse(sigma) and series(modes), as ``mooring.periodic.hill.LineHill``. Those exponents
-    count that lie between -i omega / 2 and i omega / 2, whose modes have little energy in their last harmonics: modes much faster
-    than the harmonics are not among them. By shift and invert, for more and more exponents about a real shift.
+    count that lie between -i omega / 2 and i omega / 2, whose modes have little energy in their last harmonics: modes
+    much faster than the harmonics are not among them. By shift and invert, for more and more exponents about a real
+    shift.
     """
     least, start = omega * np.log(least_size) / (2 * np.pi), np.random.default_rng(0).normal(size=problem.size)
     shifts = (shift * omega for shift in SHIFTS)

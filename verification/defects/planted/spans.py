@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ..tools.planting import Fault
-from .defect import Defect
+from ...tools.planting import Fault
+from ..defect import Defect
 
 _STEPS = "catenary/test_jacobian.py::test_newton_steps_agree_with_complex_step"
 _IMPLICIT = "catenary/test_jacobian.py::test_stiffness_agrees_with_complex_step"

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ..tools.planting import Fault
-from .defect import Defect
+from ...tools.planting import Fault
+from ..defect import Defect
 
 _FORCES = "mooring/test_equations.py::test_forces_are_those_of_mpmath"
 _TANGENTS = "mooring/test_equations.py::test_tangents_are_complex_steps"

@@ -14,10 +14,10 @@ from scipy.optimize import brentq, root
 
 from solvers import ConvergenceError, Element, Environment, InputError, Network, Node, Span, solve_network, solve_span
 
-from ..conformance.judge import INACCURATE, REFUSED, RIGHT, WRONG, Judgement, judge
-from ..conformance.problems import as_arguments
-from ..conformance.summary import name_mistakes
-from ..conformance.tables import load_table
+from ...conformance.judge import INACCURATE, REFUSED, RIGHT, WRONG, Judgement, judge
+from ...conformance.problems import as_arguments
+from ...conformance.summary import name_mistakes
+from ...conformance.tables import load_table
 
 STEEL = 7000.0  # kg/m^3: denser than this per volume-equivalent section is a chain, as no rope of the tables is
 CELLS = 20  # segments of the line whose last one is taken for its end, as the table says

@@ -22,7 +22,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from verification.exact.moving_network import Lines, Mesh, Network, Nodes
+from verification.exact.mooring.moving_network import Lines, Mesh, Network, Nodes
 from verification.exact.rigid_motion import RigidMotion
 
 STEP = 1e-30

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ..tools.planting import Fault
-from .defect import Defect
+from ...tools.planting import Fault
+from ..defect import Defect
 
 _SEA = "common/test_sea_state.py::test_"
 _STATISTICS = "load_cases/test_statistics.py::test_"

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from ..tools.planting import Fault
-from .defect import Defect
+from ...tools.planting import Fault
+from ..defect import Defect
 
 _PATCH = "cable/test_order.py::test_fields_linear_in_s_leave_no_residual"
 _GEOMETRY = "cable/test_order.py::test_geometry_is_that_of_the_conventions"

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from mpmath import mp, mpf
 
-from verification.exact import catenary_mp
+from verification.exact.cable import catenary_mp
 
 GUARD_DIGITS = 12
 # The matrix is differenced with half of these digits: each Newton step gains about ten.

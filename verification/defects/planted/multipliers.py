@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ..tools.planting import Fault
-from .defect import Defect
+from ...tools.planting import Fault
+from ..defect import Defect
 
 _MEISSNER = "stability/test_floquet.py::test_meissner_in_closed_form"
 _TWO_METHODS = "stability/test_floquet.py::test_liouville_and_two_methods_on_a_nonlinear_orbit"

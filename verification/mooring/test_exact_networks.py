@@ -12,10 +12,14 @@ import pytest
 from mpmath import mp
 from scipy.integrate import solve_ivp
 
-from ..exact import frequencies, lumped_node, manufactured_bridle, moving_network
-from ..exact.elastic_bounce import ElasticBounce, SeabedBounce
+from ..exact.cable import frequencies
 from ..exact.extrapolation import _Extrapolation, integrate
-from ..exact.joint_modes import (
+from ..exact.mooring import lumped_node, manufactured_bridle, moving_network
+from ..exact.mooring.elastic_bounce import ElasticBounce, SeabedBounce
+from ..exact.mooring.manufactured_bridle import ManufacturedBridle, load_of
+from ..exact.mooring.moving_network import Forces, Lines, Mesh, Network, Nodes, Seabed, simulate, solve_equilibrium
+from ..exact.mooring.random_networks import FEATURES, SEEDS, random_history, random_network
+from ..exact.network.joint_modes import (
     Arm,
     PointOnLines,
     buoy_heave,
@@ -24,11 +28,17 @@ from ..exact.joint_modes import (
     star_frequencies,
     tethered_buoy,
 )
-from ..exact.linear_network import linearise
-from ..exact.manufactured_bridle import ManufacturedBridle, load_of
-from ..exact.moving_network import Forces, Lines, Mesh, Network, Nodes, Seabed, simulate, solve_equilibrium
-from ..exact.network_symmetry import circling, reflect, renumber, ring, ring_error, rotate, shift_error, spread_error
-from ..exact.random_networks import FEATURES, SEEDS, random_history, random_network
+from ..exact.network.linear_network import linearise
+from ..exact.network.network_symmetry import (
+    circling,
+    reflect,
+    renumber,
+    ring,
+    ring_error,
+    rotate,
+    shift_error,
+    spread_error,
+)
 from ..exact.rigid_motion import RigidMotion
 from ..reference import moving_network_tensions
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ..tools.planting import Fault
-from .defect import Defect
+from ...tools.planting import Fault
+from ..defect import Defect
 
 _FOLDS = "stability/test_curve.py::test_folds_do_not_depend_on_the_way"
 _SHOOTING = "stability/test_curve.py::test_folds_are_those_of_shooting"

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from verification.exact.moving_network import Lines, Mesh, Network, Nodes, Seabed, simulate, solve_equilibrium
+from verification.exact.mooring.moving_network import Lines, Mesh, Network, Nodes, Seabed, simulate, solve_equilibrium
 from verification.exact.rigid_motion import RigidMotion
 
 SEEDS = tuple(range(12))

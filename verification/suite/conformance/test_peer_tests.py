@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 from mpmath import mp
 
-from ..exact import catenary_mp, network_mp
+from ...exact.cable import catenary_mp
+from ...exact.network import network_mp
 
 DATA = files("reference_data") / "peer_tests"
 SOURCE = tomllib.loads((DATA / "source.toml").read_text(encoding="utf-8"))["sets"]

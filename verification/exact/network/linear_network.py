@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from verification.exact.moving_network import Forces, Mesh
+from verification.exact.mooring.moving_network import Forces, Mesh
 
 STEP = 1e-30
 

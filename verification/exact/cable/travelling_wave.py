@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 from mpmath import mpf
 
-from verification.exact.cable_mp import Fields, Jet, cos, exp, sin
+from verification.exact.cable.cable_mp import Fields, Jet, cos, exp, sin
 
 
 def _zero(s, t):

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from verification.exact.moving_network import Lines, Mesh, Network, Nodes
+from verification.exact.mooring.moving_network import Lines, Mesh, Network, Nodes
 from verification.exact.rigid_motion import RigidMotion
 
 STRAIGHT_ANGLE = 1e-12  # rad: by so much a quarter or half turn may be off

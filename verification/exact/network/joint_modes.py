@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from mpmath import mp, mpf
 
-from verification.exact.frequencies import vertical_string
+from verification.exact.cable.frequencies import vertical_string
 
 
 # ---------------------------------------------------------------- one point

@@ -20,7 +20,7 @@ import numpy as np
 from mpmath import mp, mpf
 from numpy.polynomial import legendre
 
-from verification.exact import catenary_mp
+from verification.exact.cable import catenary_mp
 
 STATIC_DIGITS = 30
 # Quadrature points beyond the number that integrates products of two basis functions with constant coefficients.

@@ -75,7 +75,7 @@ def test_a_script_prints_what_the_matrix_says(code, deep, tmp_path):
     ids = CHOSEN[code] if deep else CHOSEN[code][:FEW]
     adapter_of(code)
     path = tmp_path / "judged.json"
-    program = ("import json, sys; from verification.suite.test_conformance_matrix import report_of; "
+    program = ("import json, sys; from verification.suite.conformance.test_conformance_matrix import report_of; "
                "json.dump(report_of(sys.argv[1], sys.argv[3:]), open(sys.argv[2], 'w'))")  # fmt: skip
     run([sys.executable, "-c", program, code, path, *ids], os.getcwd(), path=os.pathsep.join(sys.path))
     report = json.loads(path.read_text(encoding="utf-8"))

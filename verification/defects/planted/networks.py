@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ..tools.planting import Fault
-from .defect import Defect
+from ...tools.planting import Fault
+from ..defect import Defect
 
 _DERIVATIVES = "network/test_jacobian.py::test_network_derivatives"
 _RESTING = "network/test_jacobian.py::test_stiffness_with_a_node_that_rests_on_the_seabed"

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from ..tools.planting import Fault
+from ...tools.planting import Fault
+from ..defect import Defect
 from .cables import reused
-from .defect import Defect
 
 _SCHEME = "time_domain/test_solve.py::test_the_scheme_has_its_spectral_radius"
 _IN_DT = "cable/test_order.py::test_order_in_dt -k 'bare and planar'"

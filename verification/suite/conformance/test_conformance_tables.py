@@ -15,9 +15,9 @@ import pytest
 
 from verification import ROOT
 
-from ..conformance.judge import measure_error
-from ..conformance.problems import as_arguments
-from ..conformance.tables import load_table
+from ...conformance.judge import measure_error
+from ...conformance.problems import as_arguments
+from ...conformance.tables import load_table
 from .test_conformance_mistakes import solve_line, solve_net
 
 LEVELS = ("statics", "network")

@@ -1,0 +1,1 @@
+"""Seeded defects, by problem type."""

@@ -1,0 +1,1 @@
+"""Truth of single lines: hanging, over a seabed, in small motion, and with manufactured loads."""

@@ -1,0 +1,1 @@
+"""Truth of networks at rest, of their small motions and of their symmetries."""

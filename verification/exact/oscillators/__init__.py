@@ -1,0 +1,1 @@
+"""Truth of oscillators: periodic motions, bifurcations, multipliers, basins."""

@@ -1,0 +1,1 @@
+"""Tests of the conformance cases: their command, verdicts, tables and published matrix."""

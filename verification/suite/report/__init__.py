@@ -1,0 +1,1 @@
+"""Tests of the report: what its pages say, and how it runs."""
