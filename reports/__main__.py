@@ -196,9 +196,9 @@ def _page(out: Path, name: str, stages: list[Stage], ended: list[Ended], whole: 
 def _print_lines(stages: list[Stage], results: Path):
     """Print the lines of every file and the setting to use, and tables of load cases."""
     from .response_curves.sweep import summarise as summarise_sweep
-    from .scenes import load_cases
-    from .scenes.network_settings import merge_timings
-    from .scenes.network_tables import summarise
+    from .scenes.load_cases import section as load_cases
+    from .scenes.networks.settings import merge_timings
+    from .scenes.networks.tables import summarise
     from .scenes.terminal import summarise_scene
 
     for stage in stages:

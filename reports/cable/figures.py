@@ -11,7 +11,7 @@ from matplotlib.ticker import MaxNLocator
 from ..drawing import style
 from ..drawing.axes import KN, LOOKS, add_legend, draw_growth, draw_order_line, panel, set_decade_ticks
 from ..page.figures import Group
-from ..page.formatting import DASH, number, plural, seconds, status_words, times
+from ..page.numbers.formatting import DASH, number, plural, seconds, status_words, times
 from ..pipeline.published import printed_value
 from .cases import METHODS, motion_of, save
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..page.formatting import number, two_digits
-from ..page.tables import Table, write_table
+from ..page.numbers.formatting import number, two_digits
+from ..page.numbers.tables import Table, write_table
 
 WHAT = {"mesh": "cells", "steps": "steps in a period", "harmonics": "harmonics"}
 """Key of a refinement -> what is refined."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from statistics import median
 
 from ..page.figures import FigureWithTable
-from ..page.formatting import number, seconds, times, two_digits
+from ..page.numbers.formatting import number, seconds, times, two_digits
 from ..page.section import Content, Inputs, Section, show_parts
 from ..pipeline.published import other_times, printed_value, read
 from . import figures

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from ..page import tables
+from ..page.numbers import tables
 
 write_table = partial(tables.write_table, "dynamics")
 """Write and return a table under the names that all tables of moving cables have."""

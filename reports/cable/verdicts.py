@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ..page.formatting import number, seconds
-from ..page.verdicts import Verdict
+from ..page.numbers.formatting import number, seconds
+from ..page.numbers.verdicts import Verdict
 from ..pipeline.published import printed_value
 from .cases import motion_of
 

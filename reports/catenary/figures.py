@@ -18,9 +18,9 @@ from ..drawing.axes import (
     list_work_rows,
     set_time_ticks,
 )
-from ..page import analysis
 from ..page.figures import Figure, Group
-from ..page.formatting import MINUS, across, number, ratio, slug, times
+from ..page.numbers import analysis
+from ..page.numbers.formatting import MINUS, across, number, ratio, slug, times
 
 MAP_RANGE = (-1, 13)  # log10 of the error over the unavoidable rounding error: one colour a decade
 MAP_LINES = 12  # tick labels of the slackness at most

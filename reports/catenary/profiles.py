@@ -7,11 +7,11 @@ from pathlib import Path
 
 from ..drawing import style
 from ..drawing.profiles import show_profiles
-from ..page import analysis
 from ..page.figures import Group
-from ..page.formatting import number, plural
-from ..page.profiles import Costs, cheapest_points, least_costs
-from ..page.tables import Table
+from ..page.numbers import analysis
+from ..page.numbers.formatting import number, plural
+from ..page.numbers.profiles import Costs, cheapest_points, least_costs
+from ..page.numbers.tables import Table
 
 LEVELS = (1e-3, 1e-6, 1e-9, 1e-12)
 """Relative errors of the fairlead force that are to be reached."""

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from ..page import analysis
-from ..page.formatting import number, plural
+from ..page.numbers import analysis
+from ..page.numbers.formatting import number, plural
+from ..page.numbers.verdicts import Verdict
 from ..page.section import Content, Inputs, Section
-from ..page.verdicts import Verdict
 from .tables import regime_table, set_table
 
 # What the project set itself to reach before anything was measured.

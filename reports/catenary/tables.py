@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from ..page import analysis
-from ..page.formatting import number, seconds, two_digits
-from ..page.tables import Table
+from ..page.numbers import analysis
+from ..page.numbers.formatting import number, seconds, two_digits
+from ..page.numbers.tables import Table
 
 SOLVER_COLUMNS = {
     "unsupported": "not modelled",

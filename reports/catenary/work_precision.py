@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from ..page import analysis
-from ..page.formatting import TIMES, number, ratio
-from ..page.pareto import front_verdict, static_fronts, summarise_fronts
+from ..page.numbers import analysis
+from ..page.numbers.formatting import TIMES, number, ratio
+from ..page.numbers.pareto import front_verdict, static_fronts, summarise_fronts
+from ..page.numbers.verdicts import Verdict
 from ..page.section import Content, Inputs, Section
-from ..page.verdicts import Verdict
 from . import figures, profiles
 from .tables import speed_table, timing_table, work_table
 

@@ -10,7 +10,7 @@ from pprint import pformat
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-from ..page.formatting import slug
+from ..page.numbers.formatting import slug
 
 TEMPLATES = Path(__file__).parent / "scripts"
 PACKAGES = {"moorpy": "moorpy", "pycatenary": "pycatenary", "moordyn": "moordyn"}

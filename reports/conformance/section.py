@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections import Counter
 
-from ..page.formatting import number, plural, two_digits
+from ..page.numbers.formatting import number, plural, two_digits
+from ..page.numbers.tables import Table
+from ..page.numbers.verdicts import Verdict
 from ..page.section import Content, Inputs, Section
-from ..page.tables import Table
-from ..page.verdicts import Verdict
 from .explanations import explain
 from .scripts import write_scripts
 

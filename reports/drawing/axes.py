@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.ticker import LogLocator, NullFormatter, NullLocator
 
-from ..page import analysis
+from ..page.numbers import analysis
 from . import style
 
 KN = 1e-3

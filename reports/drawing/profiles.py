@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 from ..page.figures import Figure, Group
-from ..page.formatting import number, plural
-from ..page.profiles import Costs, Profile, data_profiles, performance_profiles
+from ..page.numbers.formatting import number, plural
+from ..page.numbers.profiles import Costs, Profile, data_profiles, performance_profiles
 from .axes import add_legend, panel, set_decade_ticks
 
 SHARE = "share of the problems solved"

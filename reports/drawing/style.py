@@ -13,9 +13,9 @@ import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.colors import ListedColormap
 
-from ..page.analysis import sort_solvers
 from ..page.figures import Figure
-from ..page.formatting import slug
+from ..page.numbers.analysis import sort_solvers
+from ..page.numbers.formatting import slug
 from ..pipeline.ledger import write_atomically
 from . import background, figure_data
 

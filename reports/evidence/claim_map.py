@@ -7,10 +7,10 @@ from ..catenary.regimes import verdicts as of_lines
 from ..mooring.networks import verdicts as of_moving_networks
 from ..mooring.verdicts import verdicts as of_moving_lines
 from ..network.verdicts import verdicts as of_networks
-from ..page.formatting import number, plural
+from ..page.numbers.formatting import number, plural
+from ..page.numbers.tables import Table
+from ..page.numbers.verdicts import Verdict
 from ..page.section import Content, Inputs, Section
-from ..page.tables import Table
-from ..page.verdicts import Verdict
 from ..stability.section import verdicts as of_limits
 from .defects import verdicts as of_defects
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from ..page.claims import OUTCOMES, Question
-from ..page.formatting import number, plural
+from ..page.numbers.formatting import number, plural
+from ..page.numbers.tables import Table
+from ..page.numbers.verdicts import Verdict
 from ..page.section import Content, Inputs, Section
-from ..page.tables import Table
-from ..page.verdicts import Verdict
 
 
 def build(inputs: Inputs) -> Content:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from ..page.formatting import plural
+from ..page.numbers.formatting import plural
+from ..page.numbers.tables import Table
+from ..page.numbers.verdicts import Verdict
 from ..page.section import Content, Inputs, Section
-from ..page.tables import Table
-from ..page.verdicts import Verdict
 
 RANKS = OWN, OTHER, STORED, UNSEEN, VOID = "●○s·!"
 """Found by the named check, by another, by a comparison with stored numbers; not found; failing by itself."""

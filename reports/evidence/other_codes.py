@@ -6,10 +6,10 @@ from statistics import median
 
 from ..cable.cases import CASES
 from ..harmonic_balance.work_figures import ratios_at_equal_error
-from ..page import analysis, pareto
-from ..page.formatting import plural, python_call, ratio, two_digits
+from ..page.numbers import analysis, pareto
+from ..page.numbers.formatting import plural, python_call, ratio, two_digits
+from ..page.numbers.tables import Table
 from ..page.section import Content, Inputs, Section
-from ..page.tables import Table
 
 FASTER = "where it is the faster one"
 

@@ -10,10 +10,10 @@ from statistics import median
 from typing import Any
 
 from ..mooring.cases import CASES, OWN
-from ..page import analysis
 from ..page.figures import Figure
-from ..page.formatting import number, plural, ratio, seconds
-from ..page.verdicts import Verdict
+from ..page.numbers import analysis
+from ..page.numbers.formatting import number, plural, ratio, seconds
+from ..page.numbers.verdicts import Verdict
 from . import figures
 
 QUESTIONS = {

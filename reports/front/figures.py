@@ -11,8 +11,8 @@ from matplotlib import pyplot as plt
 from ..drawing import style
 from ..drawing.axes import set_decade_ticks
 from ..mooring.cases import CASES, LEGEND, METHODS
-from ..page import analysis
 from ..page.figures import Figure
+from ..page.numbers import analysis
 
 SIZE = (style.PANEL[0], 2.7)
 

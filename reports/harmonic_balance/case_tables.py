@@ -8,8 +8,8 @@ from statistics import median
 from ..cable.cases import CASES
 from ..cable.tables import write_table
 from ..page.figures import FigureWithTable
-from ..page.formatting import number, seconds, two_digits
-from ..page.tables import Table
+from ..page.numbers.formatting import number, seconds, two_digits
+from ..page.numbers.tables import Table
 from ..pipeline import published
 from ..pipeline.published import printed_value
 from . import paper_figures, work_figures

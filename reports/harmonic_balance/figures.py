@@ -11,7 +11,7 @@ from ..cable.cases import motion_of, save
 from ..drawing import style
 from ..drawing.axes import KN, LOOKS, add_legend, panel, set_decade_ticks, set_size_ticks
 from ..page.figures import Group
-from ..page.formatting import across, number, seconds
+from ..page.numbers.formatting import across, number, seconds
 
 LEAST_SHOWN = 1e-4  # kN: of a spectrum
 

@@ -12,7 +12,7 @@ from ..cable.cases import METHODS, motion_of, save
 from ..drawing import style
 from ..drawing.axes import KN, LOOKS, add_legend, panel, set_decade_ticks
 from ..page.figures import Group
-from ..page.formatting import MINUS, number, plural
+from ..page.numbers.formatting import MINUS, number, plural
 from ..pipeline.published import printed_value
 
 VARIANTS = {"paper": "as the paper", "paper, constant kept": "constant kept", "default": "default of this project"}

@@ -7,8 +7,8 @@ from ..cable.references import reference_table
 from ..cable.tables import to_long_form, write_table
 from ..drawing.axes import KN
 from ..page.figures import FigureWithTable
-from ..page.formatting import MINUS, number, status_words, times, two_digits
-from ..page.pareto import front_verdict, moving_fronts, summarise_fronts
+from ..page.numbers.formatting import MINUS, number, status_words, times, two_digits
+from ..page.numbers.pareto import front_verdict, moving_fronts, summarise_fronts
 from ..page.section import Content, Inputs, Section, show_parts
 from ..pipeline import published
 from . import case_tables, figures, paper_figures

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from statistics import median
 
-from ..page.formatting import TIMES, number, plural, ratio, seconds
-from ..page.verdicts import Verdict
+from ..page.numbers.formatting import TIMES, number, plural, ratio, seconds
+from ..page.numbers.verdicts import Verdict
 from ..pipeline.published import printed_value
 from .work_figures import ratios_at_level
 

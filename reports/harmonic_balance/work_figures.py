@@ -10,9 +10,9 @@ from matplotlib import pyplot as plt
 from ..cable.cases import CASES, METHODS, motion_of, save
 from ..drawing import interactive, style
 from ..drawing.axes import add_legend, set_decade_ticks
-from ..page.analysis import pareto_front
 from ..page.figures import Group
-from ..page.formatting import number, times
+from ..page.numbers.analysis import pareto_front
+from ..page.numbers.formatting import number, times
 
 
 def work(data: dict, folder: Path) -> Group:

@@ -12,9 +12,9 @@ from matplotlib.lines import Line2D
 
 from ..drawing import interactive, style
 from ..drawing.axes import LOOKS, add_legend, draw_growth, panel, set_decade_ticks
-from ..page.analysis import pareto_front
 from ..page.figures import Figure, Group
-from ..page.formatting import number, plural, seconds, times
+from ..page.numbers.analysis import pareto_front
+from ..page.numbers.formatting import number, plural, seconds, times
 from .cases import CASES, GROWING, LEGEND, METHODS, OWN, save
 
 WIDEST_TITLE = 46

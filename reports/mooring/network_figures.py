@@ -9,9 +9,9 @@ from matplotlib import pyplot as plt
 
 from ..drawing import interactive, style
 from ..drawing.axes import LOOKS, add_legend, panel, set_decade_ticks, set_size_ticks
-from ..page.analysis import pareto_front
 from ..page.figures import Figure, Group
-from ..page.formatting import across, number, plural, seconds, times
+from ..page.numbers.analysis import pareto_front
+from ..page.numbers.formatting import across, number, plural, seconds, times
 from .cases import LEGEND, METHODS, save_network
 from .figures import list_settings
 

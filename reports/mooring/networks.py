@@ -7,10 +7,10 @@ from statistics import median
 
 from ..cable.references import explain_references, reference_table
 from ..page.figures import FigureWithTable
-from ..page.formatting import TIMES, number, plural, ratio, seconds, status_words, times, two_digits
+from ..page.numbers.formatting import TIMES, number, plural, ratio, seconds, status_words, times, two_digits
+from ..page.numbers.tables import Table, write_table
+from ..page.numbers.verdicts import Verdict
 from ..page.section import Content, Inputs, Section, show_parts
-from ..page.tables import Table, write_table
-from ..page.verdicts import Verdict
 from . import network_figures
 from .cases import describe_history
 from .profiles import COUNTS

@@ -7,9 +7,9 @@ from pathlib import Path
 from ..drawing import style
 from ..drawing.profiles import show_profiles
 from ..page.figures import Group
-from ..page.formatting import number, plural, seconds
-from ..page.profiles import cheapest_points, least_costs
-from ..page.tables import Table, write_table
+from ..page.numbers.formatting import number, plural, seconds
+from ..page.numbers.profiles import cheapest_points, least_costs
+from ..page.numbers.tables import Table, write_table
 from .cases import CASES, METHODS, save
 
 LEVELS = (3e-2, 1e-2, 3e-3, 1e-3)

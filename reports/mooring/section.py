@@ -9,9 +9,9 @@ import numpy as np
 
 from ..cable.references import explain_references, reference_table
 from ..page.figures import FigureWithTable
-from ..page.formatting import DASH, number, plural, seconds, status_words, times, two_digits
+from ..page.numbers.formatting import DASH, number, plural, seconds, status_words, times, two_digits
+from ..page.numbers.tables import Table, write_table
 from ..page.section import Content, Inputs, Section, show_parts
-from ..page.tables import Table, write_table
 from . import figures, profiles
 from .cases import CASES, GROWING, describe_history
 from .verdicts import verdicts

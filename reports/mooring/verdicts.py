@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from statistics import median
 
-from ..page.formatting import TIMES, number, plural, ratio
-from ..page.verdicts import Verdict
+from ..page.numbers.formatting import TIMES, number, plural, ratio
+from ..page.numbers.verdicts import Verdict
 from .figures import wanted_errors
 
 # What is asked of them: bounds of others where there are any.

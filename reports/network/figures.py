@@ -10,9 +10,9 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 from ..drawing import interactive, style
 from ..drawing.axes import clip_error, draw_work_points, list_looks, list_work_rows, set_time_ticks
-from ..page import analysis
 from ..page.figures import Group
-from ..page.formatting import across, number, seconds, slug, times
+from ..page.numbers import analysis
+from ..page.numbers.formatting import across, number, seconds, slug, times
 
 TALL = (4.7, 3.9)  # inches: a panel with three lines of legend
 TIGHT, BASE = 1e-6, "monolithic-line-search"  # error that the caption compares methods at, and with which

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..page.formatting import DASH, across, number, plural, ratio, times
+from ..page.numbers.formatting import DASH, across, number, plural, ratio, times
 from ..pipeline import published
 
 PRINTED_WEIGHT = published.values("msqs_paper")["inputs", "weight"]

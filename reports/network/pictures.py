@@ -13,7 +13,7 @@ from mpl_toolkits.mplot3d.art3d import Line3DCollection
 
 from ..drawing import style
 from ..page.figures import Figure, Group
-from ..page.formatting import number, plural
+from ..page.numbers.formatting import number, plural
 
 SIZE = (4.7, 3.9)  # inches
 ELEVATION, AZIMUTH, BROADSIDE = 26, -38, -64  # degrees, of the view; broadside: on a network that is all but plane

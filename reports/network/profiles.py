@@ -8,9 +8,9 @@ from pathlib import Path
 from ..drawing import style
 from ..drawing.profiles import show_profiles
 from ..page.figures import Group
-from ..page.formatting import number, plural
-from ..page.profiles import cheapest_points, least_costs
-from ..page.tables import Table
+from ..page.numbers.formatting import number, plural
+from ..page.numbers.profiles import cheapest_points, least_costs
+from ..page.numbers.tables import Table
 from .figures import METHOD_LOOKS
 
 LEVELS = (1e-3, 1e-6, 1e-9)

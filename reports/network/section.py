@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..page.formatting import across
+from ..page.numbers.formatting import across
 from ..page.section import Content, Inputs, Section
 from ..pipeline import published
 from . import figures, paragraphs, profiles, tables

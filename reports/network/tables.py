@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ..page.formatting import number, status_words, two_digits
-from ..page.tables import Table
+from ..page.numbers.formatting import number, status_words, two_digits
+from ..page.numbers.tables import Table
 from .paragraphs import PRINTED_WEIGHT, in_paper_units, solved
 
 METHOD = ("method", "jacobian", "globalisation")

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ..page.formatting import TIMES, number, seconds
-from ..page.verdicts import Verdict
+from ..page.numbers.formatting import TIMES, number, seconds
+from ..page.numbers.verdicts import Verdict
 from .paragraphs import LARGE, WANTED_GROWTH, WANTED_METHODS, WANTED_PEER, WANTED_SECONDS
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from .tables import Table
+from .numbers.tables import Table
 
 
 @dataclass

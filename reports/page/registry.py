@@ -20,9 +20,9 @@ from ..papers.published import PUBLISHED
 from ..papers.section import ITEMS, entries
 from ..response_curves.section import RESPONSE_CURVES
 from ..response_curves.sweep import SWEEP
-from ..scenes.load_case_costs import LOAD_CASE_COSTS
-from ..scenes.load_cases import LOAD_CASES
-from ..scenes.networks import MOVING_NETWORKS
+from ..scenes.load_cases.costs import LOAD_CASE_COSTS
+from ..scenes.load_cases.section import LOAD_CASES
+from ..scenes.networks.section import MOVING_NETWORKS
 from ..scenes.section import SCENES
 from ..stability.section import STABILITY
 

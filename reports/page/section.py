@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from .figures import Figure
-from .verdicts import Verdict
+from .numbers.verdicts import Verdict
 
 PARTS = {
     "verified": "What is verified, and how strongly?",

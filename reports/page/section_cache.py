@@ -16,9 +16,9 @@ from ..pipeline.ledger import digests
 from ..pipeline.sources import files_of
 from .claim_links import link_tests
 from .figures import Figure
+from .numbers.verdicts import Verdict
 from .results import Results
 from .section import Section
-from .verdicts import Verdict
 
 ALWAYS_BUILT = ("machine", "tests")
 """Groups whose sections change with every run, and draw nothing."""

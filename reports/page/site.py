@@ -11,10 +11,11 @@ from ..front.answers import Answer, answer_questions
 from ..pipeline.ledger import write_atomically
 from ..pipeline.runner import Ended
 from ..pipeline.stages import Stage
-from . import analysis, charts, formatting, search
+from . import charts, search
 from .claim_links import link_tests
 from .claims import claim_id, file_id
 from .links import link_pages
+from .numbers import analysis, formatting
 from .registry import SCENE_SECTIONS, SECTIONS
 from .results import Results
 from .section import PAGES, Content, Inputs, Section

@@ -5,9 +5,9 @@ from __future__ import annotations
 import tomllib
 
 from ..page.claims import Question, claim_id, find_claim
-from ..page.formatting import plural
+from ..page.numbers.formatting import plural
+from ..page.numbers.tables import Table
 from ..page.section import Content, Inputs, Section
-from ..page.tables import Table
 from ..pipeline.sources import ROOT
 
 

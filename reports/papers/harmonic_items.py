@@ -6,7 +6,7 @@ import tomllib
 from collections.abc import Callable
 
 from ..drawing.axes import KN
-from ..page.formatting import across, number, plural
+from ..page.numbers.formatting import across, number, plural
 from ..pipeline.stages import SCENES
 from .items import AGREES, DIFFERS, Entry, Outcome, Sources
 

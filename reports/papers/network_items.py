@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from ..drawing.axes import KN
 from ..network.paragraphs import INSIDE, OUTSIDE, PRINTED_WEIGHT, WHOLE, count_operations, in_paper_units, solved
-from ..page.formatting import across, number, plural
+from ..page.numbers.formatting import across, number, plural
 from .items import AGREES, CORRECTED, DIFFERS, Entry, Outcome, Sources
 
 

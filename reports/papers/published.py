@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from ..page.formatting import two_digits
+from ..page.numbers.formatting import two_digits
+from ..page.numbers.tables import Table
 from ..page.section import Content, Inputs, Section
-from ..page.tables import Table
 from ..pipeline.published import SETS, read
 
 

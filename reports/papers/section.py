@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import asdict
 
 from ..page.claim_links import link_test
+from ..page.numbers.tables import Table
+from ..page.numbers.verdicts import Verdict
 from ..page.section import Content, Inputs, Section
-from ..page.tables import Table
-from ..page.verdicts import Verdict
 from . import harmonic_items, network_items
 from .items import AGREES, CORRECTED, DIFFERS, MISSING, Item, evaluate, read_sources
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from ..page.figures import FigureWithTable, Group
-from ..page.formatting import number, plural, seconds, two_digits
+from ..page.numbers.formatting import number, plural, seconds, two_digits
+from ..page.numbers.tables import Table
+from ..page.numbers.verdicts import Verdict
 from ..page.section import Content, Inputs, Section
-from ..page.tables import Table
-from ..page.verdicts import Verdict
 from . import figures
 
 MOST_SECONDS = 60.0  # CPU, of a curve of 200 points on 50 cells: the bound that this project sets itself

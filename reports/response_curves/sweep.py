@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from ..page.formatting import number, slug
+from ..page.numbers.formatting import number, slug
+from ..page.numbers.tables import Table
 from ..page.section import Content, Inputs, Section
-from ..page.tables import Table
 from .figures import sweep_figure
 from .section import KN_COLUMNS
 

@@ -10,7 +10,7 @@ from html import escape
 
 import numpy as np
 
-from ..page.formatting import number
+from ..page.numbers.formatting import number
 
 LEFT, WIDTH, HEIGHT = 0.0, 440.0, 260.0  # of a drawing, in its own units
 MARGIN = 14.0

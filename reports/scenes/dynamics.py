@@ -10,14 +10,14 @@ import numpy as np
 from ..cable.cases import METHODS
 from ..drawing import style
 from ..drawing.axes import KN, add_legend, panel, set_decade_ticks
-from ..page.analysis import pareto_front
 from ..page.figures import Figure, Group
-from ..page.formatting import DASH, number, plural, seconds, slug, status_words
-from ..page.tables import Table
-from . import network_tables
+from ..page.numbers.analysis import pareto_front
+from ..page.numbers.formatting import DASH, number, plural, seconds, slug, status_words
+from ..page.numbers.tables import Table
 from .animation import animate, caption
-from .network_figures import enlargement
-from .network_settings import STAR, mark_best, what_would_meet
+from .networks import tables as network_tables
+from .networks.figures import enlargement
+from .networks.settings import STAR, mark_best, what_would_meet
 
 OWN = ("harmonic balance", "harmonic balance, corrected", "time domain")
 NO_TENSION = {"REFUSED": "refused", "UNSUPPORTED": "not applicable"}

@@ -11,9 +11,9 @@ from matplotlib.collections import LineCollection
 from ..drawing import style
 from ..drawing.axes import clip_error, draw_work_points, set_time_ticks
 from ..drawing.style import SEABED, TENSION_COLOURS, WATER
-from ..page import analysis
 from ..page.figures import Figure, Group
-from ..page.formatting import number, plural, seconds, slug
+from ..page.numbers import analysis
+from ..page.numbers.formatting import number, plural, seconds, slug
 
 EQUAL_UNTIL = 6
 """Width over height up to which both axes have the same scale; a longer picture is stretched, and says so."""

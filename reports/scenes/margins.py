@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ..page.formatting import DASH, number, seconds
-from ..page.tables import Table
+from ..page.numbers.formatting import DASH, number, seconds
+from ..page.numbers.tables import Table
 
 KN = 1e-3
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import tomllib
 from pathlib import Path
 
-from ..page import analysis
-from ..page.formatting import number
+from ..page.numbers import analysis
+from ..page.numbers.formatting import number
 from ..page.section import Content, Inputs, Section
 from . import dynamics, figures, margins, tables
 

@@ -7,9 +7,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from ..drawing.axes import KN
-from ..page import analysis
-from ..page.formatting import DASH, number, seconds, two_digits
-from ..page.tables import Table
+from ..page.numbers import analysis
+from ..page.numbers.formatting import DASH, number, seconds, two_digits
+from ..page.numbers.tables import Table
 
 FORCES = {
     "label": "line", "regime": "state", "tension": "T, kN", "H": "H, kN", "V": "V, kN", "angle_deg": "angle, °",

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from math import hypot
 
-from ..page.formatting import number
-from ..page.tables import Table
+from ..page.numbers.formatting import number
+from ..page.numbers.tables import Table
 from .dynamics import describe_setting_to_use
 from .margins import describe_margin
-from .network_tables import as_text, lines_for_terminal
+from .networks.tables import as_text, lines_for_terminal
 
 KN = 1e-3
 REST = {"label": "line", "regime": "state", "tension": "T", "H": "H", "V": "V", "anchor": "T anchor",

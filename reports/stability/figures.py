@@ -12,7 +12,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 from ..drawing import interactive, style
 from ..page.figures import Figure, Group
-from ..page.formatting import MINUS, number, plural, seconds, status_words
+from ..page.numbers.formatting import MINUS, number, plural, seconds, status_words
 
 CHART_SIZES = {"warned": 18, "invalid": 50}
 """Area of a mark on a chart in square pixels, where it is not 40."""

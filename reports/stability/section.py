@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from ..page.formatting import number, plural, python_call, two_digits
+from ..page.numbers.formatting import number, plural, python_call, two_digits
+from ..page.numbers.tables import Table
+from ..page.numbers.verdicts import Verdict
 from ..page.section import Content, Inputs, Section
-from ..page.tables import Table
-from ..page.verdicts import Verdict
 from . import figures
 
 TITLES = {

@@ -88,7 +88,7 @@ ALSO = {
         "reports.page.section",
         "reports.pipeline.stages",
     ),  # it judges what the page says, and runs its scripts
-    "verification/suite/report/test_profiles.py": ("reports.page.profiles",),  # small examples by hand
+    "verification/suite/report/test_profiles.py": ("reports.page.numbers.profiles",),  # small examples by hand
     "verification/suite/report/test_scene_pages.py": (
         "reports.page",
         "reports.pipeline",
@@ -420,8 +420,8 @@ BAD_ROOMS = [
     ("solvers/time_domain/x.py", "from solvers.cable.system import CableSystem"),
     ("solvers/harmonic_balance/x.py", "from ..time_domain import solve"),
     ("solvers/cellar/x.py", "import math"),
-    ("reports/page/tables.py", "from ..drawing import style"),
-    ("reports/page/tables.py", "from .registry import SECTIONS"),
+    ("reports/page/numbers/tables.py", "from ...drawing import style"),
+    ("reports/page/numbers/tables.py", "from ..registry import SECTIONS"),
     ("reports/cable/section.py", "from ..harmonic_balance import section"),
     ("reports/drawing/x.py", "from reports.page.site import build"),
     ("reports/cellar/x.py", "import math"),

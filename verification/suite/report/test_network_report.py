@@ -205,7 +205,7 @@ def test_files_of_one_name_in_two_folders_are_kept_apart(tmp_path):
 
 
 SENTENCE = (
-    "import json, sys; from reports.scenes.network_settings import *; "
+    "import json, sys; from reports.scenes.networks.settings import *; "
     "report = json.load(open(sys.argv[1]))[sys.argv[2]]; "
     "report['tolerance'] = 1e-12; report['recommended'] = recommend(report); print(sentence(report))"
 )

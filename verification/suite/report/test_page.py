@@ -435,7 +435,7 @@ def subprocess_of(code: str, *arguments):
 
 # ---------------------------------------------------------------- fronts
 FRONTS = """
-from reports.page.pareto import moving_fronts
+from reports.page.numbers.pareto import moving_fronts
 P = lambda who, seconds, rms: {"method": who, "case": "c", "seconds": seconds, "rms": rms, "error": 3 * rms}
 ours = [P("harmonic balance", 1.0, 1e-2), P("time domain", 4.0, 1e-4)]
 ahead, = moving_fronts(ours + [P("MoorDyn", 5.0, 1e-3)], {"c": "C"})

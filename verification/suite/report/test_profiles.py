@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from reports.page.profiles import Profile, cheapest_points, data_profiles, least_costs, performance_profiles
+from reports.page.numbers.profiles import Profile, cheapest_points, data_profiles, least_costs, performance_profiles
 
 COSTS = {"a": [1.0, 2.0, 4.0, None], "b": [2.0, 2.0, 1.0, None], "c": [None, None, None, None]}
 """Of four problems: each of a and b is the best of one, they tie in one, none solves the last; c solves nothing."""

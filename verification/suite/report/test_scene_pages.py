@@ -9,7 +9,11 @@ from reports.page.results import Results
 from reports.pipeline.runner import REFUSED, Ended
 from reports.pipeline.sources import ROOT
 from reports.pipeline.stages import scene_stage
-from reports.scenes import dynamics, load_cases, margins, network_figures, network_settings, network_tables
+from reports.scenes import dynamics, margins
+from reports.scenes.load_cases.section import section as load_cases
+from reports.scenes.networks.section import figures as network_figures
+from reports.scenes.networks.section import settings as network_settings
+from reports.scenes.networks.section import tables as network_tables
 
 SNAPPING = {"rows": [{"status": "SUCCESS"}], "cases": None, "dt": 0.14, "cells": 17}
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from ..page.formatting import number, seconds, times, two_digits
-from ..page.section import Content, Inputs, Section
-from ..page.tables import Table
-from ..page.verdicts import Verdict
+from ...page.numbers.formatting import number, seconds, times, two_digits
+from ...page.numbers.tables import Table
+from ...page.numbers.verdicts import Verdict
+from ...page.section import Content, Inputs, Section
 
 QUANTITIES = {"maximum": "greatest", "standard_deviation": "std. dev.", "damage_equivalent_load": "damage"}
 WITHIN = 0.95  # of the cases, that the promise must be kept in
@@ -105,7 +105,7 @@ LOAD_CASE_COSTS = Section(
     part="error-for-time",
     page="moving",
     needs=("load_case_costs",),
-    template="scenes/load_case_costs.html.j2",
+    template="scenes/load_cases/costs.html.j2",
     build=build,
     tests={
         "load-case-costs": (

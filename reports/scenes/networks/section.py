@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..page.formatting import number, slug
-from ..page.section import Content, Inputs, Section
-from ..page.tables import Table
-from . import margins
-from . import network_figures as figures
-from . import network_settings as settings
-from . import network_tables as tables
-from .animation import animate, caption
+from ...page.numbers.formatting import number, slug
+from ...page.numbers.tables import Table
+from ...page.section import Content, Inputs, Section
+from .. import margins
+from ..animation import animate, caption
+from . import figures as figures
+from . import settings as settings
+from . import tables as tables
 
 
 def build(inputs: Inputs) -> Content:
@@ -95,7 +95,7 @@ MOVING_NETWORKS = Section(
     part="error-for-time",
     page="lines",
     needs=("moving_networks",),
-    template="scenes/networks.html.j2",
+    template="scenes/networks/section.html.j2",
     build=build,
     tests={
         "moving-networks": (

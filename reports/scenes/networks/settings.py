@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 
-from ..page.formatting import number, plural, seconds, status_words
+from ...page.numbers.formatting import number, plural, seconds, status_words
 
 TIMINGS = "timings"
 """Key of the results that has the run times of settings by file, where they were measured apart."""

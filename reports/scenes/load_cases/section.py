@@ -7,15 +7,16 @@ from pathlib import Path
 
 import numpy as np
 
-from ..drawing import style
-from ..drawing.axes import add_legend, panel
-from ..page.figures import Figure, Group
-from ..page.formatting import number, plural, slug, status_words
-from ..page.section import Content, Inputs, Section
-from ..page.tables import Table
-from . import margins, network_figures
-from .animation import animate, caption
-from .network_tables import as_text
+from ...drawing import style
+from ...drawing.axes import add_legend, panel
+from ...page.figures import Figure, Group
+from ...page.numbers.formatting import number, plural, slug, status_words
+from ...page.numbers.tables import Table
+from ...page.section import Content, Inputs, Section
+from .. import margins
+from ..animation import animate, caption
+from ..networks import figures as network_figures
+from ..networks.tables import as_text
 
 SHOWN = 40  # rows of the page, those of the greatest tensions; the CSV file has all
 IN_TERMINAL = 20
@@ -242,7 +243,7 @@ LOAD_CASES = Section(
     part="error-for-time",
     page="lines",
     needs=("load_cases",),
-    template="scenes/load_cases.html.j2",
+    template="scenes/load_cases/section.html.j2",
     build=build,
     tests={
         "load-cases": (

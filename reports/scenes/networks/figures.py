@@ -9,14 +9,14 @@ from matplotlib import pyplot as plt
 from matplotlib.collections import LineCollection
 from mpl_toolkits.mplot3d.art3d import Line3DCollection
 
-from ..cable.cases import METHODS
-from ..drawing import style
-from ..drawing.axes import KN, add_legend, panel, set_decade_ticks
-from ..network.pictures import draw_network
-from ..page.analysis import pareto_front
-from ..page.figures import Figure, Group
-from ..page.formatting import number, plural
-from .network_settings import OWN, STAR, count_outcomes, find_hidden_errors
+from ...cable.cases import METHODS
+from ...drawing import style
+from ...drawing.axes import KN, add_legend, panel, set_decade_ticks
+from ...network.pictures import draw_network
+from ...page.figures import Figure, Group
+from ...page.numbers.analysis import pareto_front
+from ...page.numbers.formatting import number, plural
+from .settings import OWN, STAR, count_outcomes, find_hidden_errors
 
 SHOWN_TRAVEL = 0.05  # of the width of a picture, to which the motion of a line is enlarged
 NICE = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)

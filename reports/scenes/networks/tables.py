@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from ..page.formatting import DASH, number, seconds, status_words, two_digits
-from ..page.tables import Table
-from .margins import describe_margin
-from .network_settings import OWN, UNSUPPORTED, find_hidden_errors, mark_best, sentence
+from ...page.numbers.formatting import DASH, number, seconds, status_words, two_digits
+from ...page.numbers.tables import Table
+from ..margins import describe_margin
+from .settings import OWN, UNSUPPORTED, find_hidden_errors, mark_best, sentence
 
 KN = 1e-3
 COORDINATES = ("surge", "sway", "heave", "roll", "pitch", "yaw")
