@@ -41,7 +41,7 @@ class _Recorder:
     """Leaves the outcomes of a whole run where the report looks for them, so that it need not run the tests again."""
 
     def __init__(self, config):
-        from reports.pipeline.pytest_results import digest_sources
+        from reports.pipeline.running.pytest_results import digest_sources
 
         self.xml, self.sources = config.invocation_params.dir / RESULTS / "tests" / "pytest.xml", digest_sources()
         config.option.xmlpath = str(self.xml)
@@ -52,7 +52,7 @@ class _Recorder:
             return
         try:
             from reports.page.registry import claimed_tests
-            from reports.pipeline.pytest_results import record_outcomes
+            from reports.pipeline.running.pytest_results import record_outcomes
             from reports.pipeline.stages import stages_of_claims
         except ImportError:  # without matplotlib there is no report either
             return

@@ -10,11 +10,11 @@ import sys
 from pathlib import Path
 
 from .pipeline import compare, external_solvers, history, published
-from .pipeline.ledger import digests, write_atomically
+from .pipeline.dependencies.ledger import digests, write_atomically
+from .pipeline.dependencies.sources import OUT, files_of
 from .pipeline.naming import name_files
 from .pipeline.pack import pack
-from .pipeline.runner import BusyError, Ended, run_all
-from .pipeline.sources import OUT, files_of
+from .pipeline.running.runner import BusyError, Ended, run_all
 from .pipeline.stages import CORES, GROUPS, SLOW, Stage, load_case_plan, plan, scene_plan, sweep_stage
 
 

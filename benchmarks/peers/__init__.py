@@ -15,10 +15,10 @@ from types import ModuleType
 
 import numpy as np
 
-from verification.conformance import program
 from verification.conformance.adapter import INSTANTS, LIMITS, Adapter, Refused, SpanAnswer
-from verification.conformance.loading import adapters_of, load_file
-from verification.conformance.program import Program
+from verification.conformance.process import program
+from verification.conformance.process.loading import adapters_of, load_file
+from verification.conformance.process.program import Program
 
 __all__ = ["INSTANTS", "LIMITS", "Adapter", "Program", "Refused", "SpanAnswer", "adapters", "program"]
 

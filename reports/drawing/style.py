@@ -16,7 +16,7 @@ from matplotlib.colors import ListedColormap
 from ..page.figures import Figure
 from ..page.numbers.analysis import sort_solvers
 from ..page.numbers.formatting import slug
-from ..pipeline.ledger import write_atomically
+from ..pipeline.dependencies.ledger import write_atomically
 from . import background, figure_data
 
 INK, PALE, GRID = "#1c1d20", "#8b8f98", "#d5d7db"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..page.claims import OUTCOMES, Question
+from ..page.navigation.claims import OUTCOMES, Question
 from ..page.numbers.formatting import number, plural
 from ..page.numbers.tables import Table
 from ..page.numbers.verdicts import Verdict

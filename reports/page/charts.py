@@ -6,7 +6,7 @@ import os
 from importlib.metadata import version
 from pathlib import Path
 
-from ..pipeline.ledger import write_atomically
+from ..pipeline.dependencies.ledger import write_atomically
 
 FILE = "charts.js"
 SOURCE = Path(__file__).parent / "templates" / FILE

@@ -9,11 +9,11 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from ..pipeline.ledger import Ledger
-from ..pipeline.runner import Ended
-from ..pipeline.sources import ROOT
+from ..pipeline.dependencies.ledger import Ledger
+from ..pipeline.dependencies.sources import ROOT
+from ..pipeline.running.runner import Ended
 from ..pipeline.stages import GROUPS, Stage
-from .claims import Question, read_questions
+from .navigation.claims import Question, read_questions
 
 SCENE_GROUPS = ("scenes", "moving_scene", "published")
 """Groups with one file a scene."""

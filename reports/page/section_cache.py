@@ -12,10 +12,10 @@ from typing import Any
 
 import matplotlib
 
-from ..pipeline.ledger import digests
-from ..pipeline.sources import files_of
-from .claim_links import link_tests
+from ..pipeline.dependencies.ledger import digests
+from ..pipeline.dependencies.sources import files_of
 from .figures import Figure
+from .navigation.claim_links import link_tests
 from .numbers.verdicts import Verdict
 from .results import Results
 from .section import Section

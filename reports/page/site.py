@@ -8,13 +8,14 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from ..drawing import background, style
 from ..front.answers import Answer, answer_questions
-from ..pipeline.ledger import write_atomically
-from ..pipeline.runner import Ended
+from ..pipeline.dependencies.ledger import write_atomically
+from ..pipeline.running.runner import Ended
 from ..pipeline.stages import Stage
-from . import charts, search
-from .claim_links import link_tests
-from .claims import claim_id, file_id
-from .links import link_pages
+from . import charts
+from .navigation import search
+from .navigation.claim_links import link_tests
+from .navigation.claims import claim_id, file_id
+from .navigation.links import link_pages
 from .numbers import analysis, formatting
 from .registry import SCENE_SECTIONS, SECTIONS
 from .results import Results

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import tomllib
 
-from ..page.claims import Question, claim_id, find_claim
+from ..page.navigation.claims import Question, claim_id, find_claim
 from ..page.numbers.formatting import plural
 from ..page.numbers.tables import Table
 from ..page.section import Content, Inputs, Section
-from ..pipeline.sources import ROOT
+from ..pipeline.dependencies.sources import ROOT
 
 
 def build(inputs: Inputs) -> Content:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import asdict
 
-from ..page.claim_links import link_test
+from ..page.navigation.claim_links import link_test
 from ..page.numbers.tables import Table
 from ..page.numbers.verdicts import Verdict
 from ..page.section import Content, Inputs, Section

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from statistics import median, quantiles
 
+from .dependencies.sources import OUT
 from .history import OTHERS, Measures, load, of_others, saved
-from .sources import OUT
 
 THRESHOLD = 1.3
 """Default ratio B over A beyond which a time or an error counts. Two runs of one commit on a virtual machine with two

@@ -12,8 +12,8 @@ import subprocess
 from dataclasses import replace
 from pathlib import Path
 
-from .installation import MODULE, child_environment
-from .sources import SUFFIXES
+from .dependencies.installation import MODULE, child_environment
+from .dependencies.sources import SUFFIXES
 from .stages import Stage
 
 VARIABLE = "MOORING_SOLVERS"

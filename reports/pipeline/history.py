@@ -14,7 +14,7 @@ from dataclasses import asdict, dataclass, field
 from datetime import datetime
 from pathlib import Path
 
-from .ledger import Ledger, commit, machine, packages, write_atomically
+from .dependencies.ledger import Ledger, commit, machine, packages, write_atomically
 from .stages import Stage
 
 WHO = ("solver", "method", "variant", "family", "series", "peer", "map", "set", "system")

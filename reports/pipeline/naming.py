@@ -6,7 +6,7 @@ import json
 from itertools import chain, count
 from pathlib import Path
 
-from .ledger import write_atomically
+from .dependencies.ledger import write_atomically
 
 
 def name_files(paths: list[Path], record: Path) -> dict[Path, str]:

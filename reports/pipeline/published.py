@@ -9,7 +9,7 @@ from functools import cache
 from importlib.resources import files
 from pathlib import Path
 
-from .ledger import write_atomically
+from .dependencies.ledger import write_atomically
 
 DATA = files("reference_data")
 SETS = ("openfast_r_test", "msqs_two_line")

@@ -10,8 +10,8 @@ from importlib.resources import files
 from importlib.util import find_spec
 from pathlib import Path
 
-from .installation import INSTALLED_PYTEST, is_repository
-from .sources import ROOT, program
+from .dependencies.installation import INSTALLED_PYTEST, is_repository
+from .dependencies.sources import ROOT, program
 
 SCENES = Path(str(files("reference_data") / "scenes"))
 MOVING_SCENE = SCENES / "dynamics" / "taut_polyester_current.toml"

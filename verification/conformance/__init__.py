@@ -13,7 +13,7 @@ from .adapter import (
     Refused,
     SpanAnswer,
 )
-from .program import Program
+from .process.program import Program
 
 __all__ = [
     "INSTANTS",

@@ -154,7 +154,7 @@ class Session:
 
         if self.rows and all(row["verdict"] == NOT_MODELLED for row in self.rows.values()):
             session.exitstatus = session.exitstatus or pytest.ExitCode.NO_TESTS_COLLECTED
-        from .report import write_badge, write_report
+        from .results.report import write_badge, write_report
 
         rows = self.run.in_order(self.rows)
         for option, write in (("conformance_report", write_report), ("conformance_badge", write_badge)):

@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from .judge import NOT_MODELLED, REFUSED, Judgement, Match, QuantityVerdict
-from .session import LoadingError, SolverProcess
-from .summary import count_answered, count_unexplained, count_verdicts, name_mistakes, summarise_features
+from .process.session import LoadingError, SolverProcess
+from .results.summary import count_answered, count_unexplained, count_verdicts, name_mistakes, summarise_features
 from .tables import LEVELS, PROBLEMS, available_levels, load_table
 
 DISTRIBUTION = "mooring-verification"

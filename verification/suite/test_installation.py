@@ -52,7 +52,7 @@ def test_programs_write_into_one_folder():
     """The report reads what benchmarks and seeded defects write by default."""
     code = ("from benchmarks.run.console import DEFAULT_OUT as a; "
             "from verification.defects.__main__ import DEFAULT_OUT as b; "
-            "from reports.pipeline.sources import OUT; print(a, b, OUT / 'results')")  # fmt: skip
+            "from reports.pipeline.dependencies.sources import OUT; print(a, b, OUT / 'results')")  # fmt: skip
     assert set(python("-c", code).stdout.split()) == {os.path.join("mooring-report", "results")}
 
 
@@ -68,7 +68,7 @@ def test_a_missing_extra_is_named_with_its_command(package, module):
 
 def test_only_a_checkout_is_taken_for_the_repository(tmp_path):
     """Neither a folder without a project file nor one with that of another project, in a git repository or not."""
-    code = ("import sys, pathlib; from reports.pipeline.installation import has_git, is_repository; "
+    code = ("import sys, pathlib; from reports.pipeline.dependencies.installation import has_git, is_repository; "
             "print(*(f(pathlib.Path(sys.argv[1])) for f in (is_repository, has_git)))")  # fmt: skip
     answers = lambda: python("-c", code, tmp_path).stdout.split()
     (tmp_path / ".git").mkdir()

@@ -8,7 +8,7 @@ import json
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from ...pipeline.ledger import write_atomically
+from ...pipeline.dependencies.ledger import write_atomically
 from .formatting import number
 
 

@@ -18,7 +18,7 @@ import pytest
 from solvers import BodyMotion
 from solvers.common.motions.motion import Motion, Ramped
 from verification import IN_REPOSITORY, ROOT
-from verification.conformance import answers, problems, report, summary
+from verification.conformance import answers, problems
 from verification.conformance.adapter import Refused, SpanAnswer
 from verification.conformance.judge import (
     INACCURATE,
@@ -30,7 +30,8 @@ from verification.conformance.judge import (
     judge,
     measure_error,
 )
-from verification.conformance.loading import load_solver
+from verification.conformance.process.loading import load_solver
+from verification.conformance.results import report, summary
 from verification.conformance.tables import Case, load_table, read_table
 
 LONGEST = 120  # s of one run of the command here
@@ -247,7 +248,7 @@ def test_a_good_code_is_right_everywhere(folder):
     assert report["verdicts"] == {"right": len(STATICS.cases)} and report["passed"], text
     assert report["answered"]["quantities"] == report["answered"]["asked"] == sum(len(c.truth) for c in STATICS.cases)
     assert (report["solver"]["label"], report["set"]) == ("good", STATICS.version) and not report["mistakes"]
-    schema = json.loads((ROOT / "verification/conformance/report.schema.json").read_text(encoding="utf-8"))
+    schema = json.loads((ROOT / "verification/conformance/results/report.schema.json").read_text(encoding="utf-8"))
     jsonschema.Draft202012Validator(schema).validate(report)
     badge = ET.parse(folder / "badge.svg").getroot()
     words = " ".join(one.text for one in badge.iter("{http://www.w3.org/2000/svg}text"))

@@ -19,8 +19,8 @@ from solvers import Span, solve_span
 from verification.conformance.answers import ask
 from verification.conformance.judge import RIGHT, WRONG, judge, measure_error
 from verification.conformance.problems import as_arguments
+from verification.conformance.results.summary import count_answered, count_verdicts, name_mistakes, summarise_features
 from verification.conformance.run import make_row
-from verification.conformance.summary import count_answered, count_verdicts, name_mistakes, summarise_features
 from verification.conformance.tables import LEVELS, load_table
 
 CASES = {case.id: case for level in LEVELS for case in load_table(level).cases}

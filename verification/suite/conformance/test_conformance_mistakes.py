@@ -16,7 +16,7 @@ from solvers import ConvergenceError, Element, Environment, InputError, Network,
 
 from ...conformance.judge import INACCURATE, REFUSED, RIGHT, WRONG, Judgement, judge
 from ...conformance.problems import as_arguments
-from ...conformance.summary import name_mistakes
+from ...conformance.results.summary import name_mistakes
 from ...conformance.tables import load_table
 
 STEEL = 7000.0  # kg/m^3: denser than this per volume-equivalent section is a chain, as no rope of the tables is

@@ -185,7 +185,7 @@ def test_no_link_between_pages_dangles(bare, tmp_path):
 
 
 LINKS = """
-from reports.page.links import link_pages
+from reports.page.navigation.links import link_pages
 pages = {"a.html": '<h2 id="one">1</h2><a class="x" href="#two">', "b.html": '<p id="two"><a href="#two"></p>'}
 print(link_pages(pages))
 for bad in ({"a.html": '<a href="#none">'}, {"a.html": '<p id="x"><p id="x">'},

@@ -65,7 +65,7 @@ child.kill()
 
 RUN = """
 import pathlib, sys
-from reports.pipeline.runner import run_all
+from reports.pipeline.running.runner import run_all
 from reports.pipeline.stages import Stage
 folder, pause = pathlib.Path(sys.argv[1]), sys.argv[2]
 stages = [Stage(f"s{i}", "tests", f"stage {i}", ("planted_stage", str(i), "{part}", str(folder / "beats"), pause),
@@ -167,7 +167,7 @@ def test_a_terminated_guard_ends_its_stage(tmp_path, planted, signalled):
     command = [
         sys.executable,
         "-m",
-        "reports.pipeline.process_group",
+        "reports.pipeline.running.process_group",
         "beside",
         "planted_stage",
         "0",
@@ -483,8 +483,8 @@ RECORDED = """
 import sys
 from dataclasses import replace
 from pathlib import Path
-from reports.pipeline import ledger
-from reports.pipeline.pytest_results import digest_sources, record_outcomes
+from reports.pipeline.dependencies import ledger
+from reports.pipeline.running.pytest_results import digest_sources, record_outcomes
 from reports.pipeline.stages import Stage
 
 folder, cases, before = Path(sys.argv[1]), sys.argv[2].split(), sys.argv[3] or digest_sources()
@@ -522,7 +522,7 @@ def test_outcomes_of_pytest_are_taken_for_whole_files_of_the_same_sources(tmp_pa
 def test_results_depend_on_what_is_imported():
     """Timings of lines need neither networks nor templates; what names a folder or a program needs it."""
     code = (
-        "from reports.pipeline.sources import *; import sys, json; "
+        "from reports.pipeline.dependencies.sources import *; import sys, json; "
         "print(json.dumps(depends_on([program(sys.argv[1])])))"
     )
     results = {name: json.loads(python(code, name).stdout) for name in ("benchmarks.catenary.speed", "reports")}
@@ -537,7 +537,7 @@ def test_results_depend_on_what_is_imported():
 USED = """
 import importlib, json, sys
 from pathlib import Path
-from reports.pipeline.sources import PACKAGES, ROOT, SUFFIXES
+from reports.pipeline.dependencies.sources import PACKAGES, ROOT, SUFFIXES
 used, seen = set(), set()
 
 def note(file):
@@ -580,7 +580,8 @@ LOADED = ("verification/conftest.py", "verification/conformance/plugin.py")  # b
 
 def closure(*roots: str) -> set[str]:
     """What the report takes a result to depend on."""
-    code = "from reports.pipeline.sources import *; import sys, json; print(json.dumps(depends_on(sys.argv[1:])))"
+    code = "import sys, json; from reports.pipeline.dependencies.sources import depends_on; "
+    code += "print(json.dumps(depends_on(sys.argv[1:])))"
     return set(json.loads(python(code, *roots).stdout))
 
 
@@ -609,7 +610,7 @@ def test_every_file_that_is_used_is_one_that_the_result_depends_on(request, tmp_
 
 REFUSING = """
 import pathlib, sys
-from reports.pipeline.runner import run_all
+from reports.pipeline.running.runner import run_all
 from reports.pipeline.stages import Stage
 folder, mine, other = (pathlib.Path(word) for word in sys.argv[1:])
 stages = [Stage(name, group, name, ("refusing_stage",), f"{name}.txt", sources=(str(file), "beside.csv"), timed=timed)

@@ -6,8 +6,8 @@ import pytest
 
 from reports.page import site
 from reports.page.results import Results
-from reports.pipeline.runner import REFUSED, Ended
-from reports.pipeline.sources import ROOT
+from reports.pipeline.dependencies.sources import ROOT
+from reports.pipeline.running.runner import REFUSED, Ended
 from reports.pipeline.stages import scene_stage
 from reports.scenes import dynamics, margins
 from reports.scenes.load_cases.section import section as load_cases

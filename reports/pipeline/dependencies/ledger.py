@@ -15,9 +15,9 @@ from functools import cache
 from itertools import chain
 from pathlib import Path
 
+from ..stages import Stage
 from .installation import DISTRIBUTION, has_git, installed_requirements, installed_version, is_repository
 from .sources import ROOT, depends_on, files_of
-from .stages import Stage
 
 DRAWING = ("matplotlib", "jinja2", "tqdm", "ruff")
 """Packages that no result depends on, only the page or the progress bar."""

@@ -1,4 +1,4 @@
-"""Runs a module as a stage of the report: `python -m reports.pipeline.process_group alone|beside MODULE ARGUMENT...`.
+"""Runs a module as a stage: `python -m reports.pipeline.running.process_group alone|beside MODULE ARGUMENT...`.
 
 "alone" is pinned to one core. The stage and the group of processes that it starts (where there are such groups) end
 with the report however that ends, kill -9 included: the report holds the other end of the guard's standard input. When

@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 from xml.sax.saxutils import escape
 
-from .judge import INACCURATE, NOT_MODELLED, REFUSED, RIGHT, WRONG
+from ..judge import INACCURATE, NOT_MODELLED, REFUSED, RIGHT, WRONG
 
 GREEN, AMBER, RED = "#2a7d2e", "#8a6100", "#b3261e"
 CHARACTER = 6.6

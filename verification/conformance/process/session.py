@@ -12,15 +12,15 @@ import tempfile
 import threading
 from dataclasses import dataclass
 
-from .judge import NOT_MODELLED, REFUSED, Judgement, judge
+from ..judge import NOT_MODELLED, REFUSED, Judgement, judge
+from ..tables import Case
 from .program import end_process, end_with_parent
-from .tables import Case
 
 START_LIMIT = 300.0
 """s; a solver that compiles itself when imported takes its time."""
 MARGIN = 2.0
 """s beyond the limit of a solve: a program is ended by its own adapter, which says so and ends all that it started."""
-_BOOT = "import json, sys; sys.path[:] = json.loads(sys.argv[1]); from verification.conformance import child; "
+_BOOT = "import json, sys; sys.path[:] = json.loads(sys.argv[1]); from verification.conformance.process import child; "
 _BOOT += "child.main(sys.argv[2])"
 
 

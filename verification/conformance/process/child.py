@@ -10,8 +10,8 @@ import os
 import sys
 import time
 
-from .adapter import LIMITS, Refused
-from .answers import ask
+from ..adapter import LIMITS, Refused
+from ..answers import ask
 from .loading import load_solver
 from .program import Program
 

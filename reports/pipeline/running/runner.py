@@ -13,10 +13,10 @@ from dataclasses import dataclass, field
 from datetime import datetime
 from pathlib import Path
 
-from .installation import MODULE, child_environment
-from .ledger import Ledger, key
+from ..dependencies.installation import MODULE, child_environment
+from ..dependencies.ledger import Ledger, key
+from ..stages import CORES, Stage
 from .progress import Progress
-from .stages import CORES, Stage
 
 REFUSED = 2  # exit status of a stage whose input is wrong
 OF_FILES = ("scenes", "moving_networks", "load_cases", "sweep")
@@ -142,7 +142,7 @@ class _Run:
         words = [stage.filled(word, self.ledger.results, part) for word in stage.arguments]
         load = [round(value, 2) for value in os.getloadavg()] if hasattr(os, "getloadavg") else None
         process = subprocess.Popen(
-            [*MODULE, "reports.pipeline.process_group", "alone" if stage.timed else "beside", *words],
+            [*MODULE, "reports.pipeline.running.process_group", "alone" if stage.timed else "beside", *words],
             env=child_environment() | ONE_THREAD | PIPED | {HYPOTHESIS: str(self.ledger.results / "hypothesis")},
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,

@@ -11,10 +11,10 @@ from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 
-from .ledger import Ledger, key, write_atomically
+from ..dependencies.ledger import Ledger, key, write_atomically
+from ..dependencies.sources import PACKAGES, ROOT, files_of
+from ..stages import PLUGINS, Stage
 from .runner import BusyError, only_run
-from .sources import PACKAGES, ROOT, files_of
-from .stages import PLUGINS, Stage
 
 FAILURES = ("failure", "error")
 

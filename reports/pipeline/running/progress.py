@@ -8,7 +8,7 @@ import time
 
 from tqdm import tqdm
 
-from .stages import CORES, Stage
+from ..stages import CORES, Stage
 
 _LINES = re.compile(r"progress (\d+(?:\.\d+)?) (\d+(?:\.\d+)?)\s*$")  # of our programs
 _PERCENT = re.compile(r"\[\s*(\d+)%\]\s*$")  # of pytest

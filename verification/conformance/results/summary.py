@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass
 
-from .judge import INACCURATE, NOT_MODELLED, REFUSED, RIGHT, VERDICTS, WITHOUT, WRONG, Judgement, measure_error
+from ..judge import INACCURATE, NOT_MODELLED, REFUSED, RIGHT, VERDICTS, WITHOUT, WRONG, Judgement, measure_error
 
 FAULTY = (INACCURATE, WRONG)
 LEAST_SHARE = 0.25

@@ -12,7 +12,7 @@ import sys
 from pathlib import Path
 from types import ModuleType
 
-from .adapter import INSTANTS, LIMITS, Adapter
+from ..adapter import INSTANTS, LIMITS, Adapter
 from .program import Program
 
 FORMS = 'my_code.py, my_code.py:MyClass, package.module:MyClass, or a program, "./my_program --option"'

@@ -29,7 +29,7 @@ import sys
 import threading
 from dataclasses import fields
 
-from .adapter import Adapter, CableAnswer, MovingNetworkAnswer, NetworkAnswer, Refused, SpanAnswer
+from ..adapter import Adapter, CableAnswer, MovingNetworkAnswer, NetworkAnswer, Refused, SpanAnswer
 
 MOST = 64_000_000  # bytes of output: the tension of a million steps in full digits is a third of that
 SHOWN = 120  # characters of what it printed, in a refusal

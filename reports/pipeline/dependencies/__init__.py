@@ -1,0 +1,1 @@
+"""What each result depends on, where the packages are, and which results are still valid."""

@@ -1,0 +1,1 @@
+"""What a run of the cases leaves: verdicts summed by feature, a report in JSON, a badge."""
