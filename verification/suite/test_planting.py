@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import ast
+import gc
 import importlib
 import math
 import random
 import re
 import sys
+import time
 import tokenize
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from types import CodeType
 
@@ -229,6 +232,21 @@ def test_a_fault_is_the_same_on_disk_in_memory_and_in_place(tmp_path, monkeypatc
     assert sys.meta_path == finders and not any(name.startswith("planted") for name in sys.modules)
     with planted(replace(WAYS, new="2 * h")) as faulty:  # nothing of the first one is left
         assert length(faulty.catenary.regimes) == 6.0
+
+
+def test_threads_that_plant_at_once_do_not_disturb_each_other():
+    """Trees are read one at a time: up to 3.12 Python fails where another thread goes on while a tree is built."""
+    thresholds, texts = gc.get_threshold(), {d: (ROOT / d.fault.path).read_text("utf-8") for d in CATALOGUE[::60]}
+    yield_to_others = lambda *_: time.sleep(0)
+    gc.callbacks.append(yield_to_others)
+    gc.set_threshold(50)
+    try:
+        with ThreadPoolExecutor(4) as pool:
+            changed = list(pool.map(lambda d: d.fault.apply_to(texts[d]), texts))
+    finally:
+        gc.set_threshold(*thresholds)
+        gc.callbacks.remove(yield_to_others)
+    assert all(text != texts[d] for d, text in zip(texts, changed, strict=True))
 
 
 def test_properties_are_planted_in_place(monkeypatch):

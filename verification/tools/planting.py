@@ -15,6 +15,7 @@ import inspect
 import re
 import sys
 import textwrap
+import threading
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -35,6 +36,8 @@ from .patterns import (
 ROOT = Path(__file__).parents[2]
 PLANTED = "planted_solvers"
 """Name of the package in memory."""
+_READING = threading.Lock()
+"""Held while syntax is read: up to 3.12 Python counts the depth of a tree for all threads together, and may fail."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +77,8 @@ class Fault:
         Raises ValueError where ``old`` is not there or not alone, or where ``new`` names what nobody defines.
         """
         try:
-            return self._applied(text)
+            with _READING:
+                return self._applied(text)
         except ValueError as error:
             raise ValueError(f"{self}: {error}") from error
 
