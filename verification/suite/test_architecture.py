@@ -21,6 +21,12 @@ from verification import ROOT
 OWN = ("solvers", "verification", "benchmarks", "reference_data", "reports")
 TESTING = ("pytest", "hypothesis", "mpmath", "jsonschema")
 LONGEST_SOLVER_MODULE = 320  # lines: what one can read at a sitting
+LARGEST_FOLDER = 13  # modules, packages and templates of one folder: about nine are wanted
+NAMED_BY_PROBLEM = (
+    "verification",
+    "verification/mooring",
+    "reports",
+)  # lists that are not parted
 READERS = "solvers/io/"  # the room whose job is to read input files
 
 # Folder, most special first -> what it may import beside the standard library. A name covers all below it.
@@ -267,6 +273,20 @@ def long_modules(root: Path = ROOT) -> list[str]:
     return [f"{path}: {count} lines" for path, count in lines.items() if count > LONGEST_SOLVER_MODULE]
 
 
+def large_folders(root: Path = ROOT) -> list[str]:
+    """Folders of code that hold more modules, packages and templates than a reader takes in at once."""
+    large = []
+    for folder in {path.parent for package in OWN for path in (root / package).rglob("*.py")}:
+        name = folder.relative_to(root).as_posix()
+        entries = [
+            path for path in folder.iterdir() if path.suffix in {".py", ".j2"} or (path / "__init__.py").exists()
+        ]
+        count = sum(path.name != "__init__.py" for path in entries)
+        if count > LARGEST_FOLDER and name not in NAMED_BY_PROBLEM:
+            large.append(f"{name}: {count} entries")
+    return large
+
+
 def silenced(root: Path = ROOT) -> list[str]:
     """Lines of the verification that silence floating-point errors or warnings and say no reason in a comment."""
     words = re.compile(r"errstate\(.*ignore|simplefilter\(.ignore|filterwarnings\(.ignore")
@@ -336,6 +356,11 @@ def test_solvers_keep_to_solving():
     """Solvers do not print, stop, read files (but the readers of scenes) or change settings for everybody."""
     bad = forbidden_calls()
     assert not bad, "\n".join(bad)
+
+
+def test_folders_of_the_code_are_small():
+    """No folder has more than thirteen modules and folders, but lists of rooms and of the tests of moving lines."""
+    assert not large_folders()
 
 
 def test_solver_modules_are_short():
@@ -443,6 +468,15 @@ def test_a_planted_circle_is_found(tmp_path):
     assert not import_circles(tmp_path)
     planted(tmp_path, "solvers/numerics/newton.py", "def f():\n    from ..cable.solve import b")
     assert import_circles(tmp_path) == [["solvers.cable.solve", "solvers.network.solve", "solvers.numerics.newton"]]
+
+
+def test_a_planted_large_folder_is_found(tmp_path):
+    """Fourteen modules in one room are too many; those of a folder below it do not count."""
+    for i in range(12):
+        planted(tmp_path, f"solvers/room/m{i}.py", "")
+    planted(tmp_path, "solvers/room/below/__init__.py", "")
+    assert not large_folders(planted(tmp_path, "solvers/room/below/m.py", ""))
+    assert large_folders(planted(tmp_path, "solvers/room/m12.py", "")) == ["solvers/room: 14 entries"]
 
 
 @pytest.mark.parametrize("text", ["print(1)", "breakpoint()", "import numpy\nnumpy.seterr(all='raise')", "open('x')"])
