@@ -347,7 +347,7 @@ def test_a_motion_into_the_seabed_is_refused():
 def test_bad_input_is_refused(name, monkeypatch):
     """An InputError with the field, and in its words the value, the unit and what is wanted, before any solve."""
     act, field, words = REFUSED[name]
-    for module in ("system", "time_domain"):
+    for module in ("system", "stepping.time_domain"):
         monkeypatch.setattr(f"solvers.mooring.{module}.solve_rest", lambda *_, **__: pytest.fail("solved"))
     with pytest.raises(InputError) as caught:
         act()

@@ -38,7 +38,7 @@ from .problems import energy_gap, energy_of
 @pytest.fixture(autouse=True)
 def no_limit_of_strain(monkeypatch):
     """The networks of other programs are so soft that an explicit integrator can follow them: beyond 0.3 of strain."""
-    for module in ("system", "time_domain"):
+    for module in ("system", "stepping.time_domain"):
         monkeypatch.setattr(f"solvers.mooring.{module}.MAX_STRAIN", math.inf)
 
 
@@ -551,7 +551,7 @@ def with_third_line(network):
 
 def test_a_torn_line_is_named_in_whatever_part_it_is(monkeypatch):
     """The time when a line is first stretched beyond 30 % is that of the whole network, the node one of that line."""
-    for module in ("system", "time_domain"):
+    for module in ("system", "stepping.time_domain"):
         monkeypatch.setattr(f"solvers.mooring.{module}.MAX_STRAIN", 0.3)
     made, whole = two_lines(BodyMotion.harmonic(0.02, (0.0, -500.0, 0.0, 0.0, 0.0, 0.0)))
     settings = {"dt": 0.1, "duration": 20.0, "ramp": 0.0, "throw": False}
