@@ -16,7 +16,7 @@ from ..common.validation import non_negative_number, positive_number
 from ..network.model import Network
 from .linearised.modes import LinePencil
 from .lines.assembly import assemble_line, evaluate_forces, find_axes, take_end_cell
-from .lines.calibration import calibrate_line, element_end_load, is_to_be_calibrated
+from .lines.calibration import calibrate_line, is_to_be_calibrated
 from .lines.coarsening import coarsen, prolong, share_loads
 from .lines.components import Component, integrate_components, merge_responses, split_system
 from .lines.layout import number_nodes, plan_elimination
@@ -98,10 +98,11 @@ class MooringSystem:
         self.prescribed_nodes = layout.points[self._prescribed_points]
         self._moved = [self._prescribed_points.index(i) for i in model.moved]  # among these
         self.length = model.length if model.is_line else max(segment.length for segment in model.segments)
-        self.line, self.calibrated = assemble_line(model, layout, axes, *seabed), calibrated
+        self.line, self.calibrated, self.end_loads = assemble_line(model, layout, axes, *seabed), calibrated, None
         self.order = plan_elimination(layout, self.prescribed_nodes, len(axes))
         if calibrated:
-            self.line = calibrate_line(self)
+            self.line, self.end_loads = calibrate_line(self)
+        self._end_cells: dict = {}
 
     @property
     def s(self) -> np.ndarray:
@@ -282,25 +283,14 @@ class MooringSystem:
 
         y, ydot, yddot (n, N, K). element None: of a line, the whole of what its first or last node leaves.
         """
-        nodes = self.end_cell(end, element)[1]
-        return self.end_cell_force(y[:, nodes], ydot[:, nodes], yddot[:, nodes], end, element)
-
-    def end_cell_force(self, y, ydot, yddot, end, element=None) -> np.ndarray:
-        """Return ``end_force`` of the states (n, 2, K) of the two nodes of ``end_cell`` alone."""
-        return evaluate_forces(self.end_cell(end, element)[0], y, ydot, yddot)[0][:, end]
+        line, nodes = self.end_cell(end, element)
+        return evaluate_forces(line, y[:, nodes], ydot[:, nodes], yddot[:, nodes])[0][:, end]
 
     def end_cell(self, end, element=None):
         """Return the Line of the cell at that end, and its two nodes; see ``assembly.take_end_cell``."""
         if (end, element) not in self._end_cells:
-            own = self.calibrated and element is not None
-            load = element_end_load(self, element, end) if own else None
-            of_line = self.model, self.layout, self.axes, self.line
-            self._end_cells[end, element] = take_end_cell(*of_line, end, element, load)
+            self._end_cells[end, element] = take_end_cell(self, end, element)
         return self._end_cells[end, element]
-
-    @cached_property
-    def _end_cells(self) -> dict:
-        return {}
 
     def source_at(self, t) -> np.ndarray:
         """Return the loads (S, N, n) in N that a source adds at times t (S,), or an empty array without one."""

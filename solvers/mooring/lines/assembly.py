@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
 from ...common.outcome import InputError
 from ...common.validation import one_of
+from ...network.model import Node
 from ..equations import Line, node_forces
+from .layout import number_nodes
 from .prescribed_motion import span_motion
 
 IN_PLANE = 1e-12  # out-of-plane parts below this share of a vector come from rounding its direction
 CELL_FIELDS = ("length", "EA", "damping", "mass", "added_mass", "normal_drag", "tangential_drag")
-"""Fields of ``equations.Line`` that belong to cells."""
+NODE_FIELDS = ("point_mass", "point_drag", "load", "seabed_stiffness", "seabed_damping", "friction")
+"""Fields of ``equations.Line`` that belong to cells, and to nodes."""
 
 
 def evaluate_forces(line, y, ydot, yddot):
@@ -44,64 +48,56 @@ def find_axes(model, fields, motion) -> np.ndarray:
     return np.eye(3)
 
 
-def assemble_line(model, layout, axes, slip_speed, contact_depth, only=None) -> Line:
-    """Return the arrays of the equations on a mesh; ``only``: those of one segment, its points without a load."""
-    environment, rho = model.environment, model.environment.rho
-    used = range(len(model.segments)) if only is None else [only]
-    length, values = np.zeros(layout.first.size), np.zeros((8, layout.first.size))
-    for e, (segment, s) in enumerate(zip(model.segments, layout.s, strict=True)):
-        cable, cells = segment.cable, layout.cells[e]
-        length[cells] = np.diff(s)
+def assemble_line(model, layout, axes, slip_speed, contact_depth) -> Line:
+    """Return the arrays of the equations on a mesh."""
+    environment, rho, of_segments = model.environment, model.environment.rho, []
+    for segment in model.segments:
+        cable = segment.cable
         drag = rho * cable.diameter * cable.Cdn / 2, rho * math.pi * cable.diameter * cable.Cdt / 2
-        of_cells = (segment.EA, cable.damping, cable.mass_per_length, cable.added_mass(environment), *drag)
-        if e in used:
-            values[:6, cells] = np.array(of_cells)[:, None]
-            values[6:, cells] = [[segment.weight], [segment.friction]]
-    EA, damping, mass, added_mass, normal_drag, tangential_drag, weight, friction = values
-    counted = length * np.repeat(np.isin(range(len(layout.s)), used), [s.size - 1 for s in layout.s])
+        inertia = cable.mass_per_length, cable.added_mass(environment)
+        of_segments.append((segment.EA, cable.damping, *inertia, *drag, segment.weight, segment.friction))
+    counts = [s.size - 1 for s in layout.s]
+    *of_cells, weight, friction = np.repeat(np.transpose(of_segments), counts, axis=1)
+    length = np.concatenate([np.diff(s) for s in layout.s])
 
     def by_node(per_length):
-        halves, result = per_length * counted / 2, np.zeros(layout.size)
+        halves, result = per_length * length / 2, np.zeros(layout.size)
         np.add.at(result, layout.first, halves)
         np.add.at(result, layout.last, halves)
         return result
 
-    load = np.zeros((layout.size, len(axes)))
+    load, everywhere = np.zeros((layout.size, len(axes))), by_node(np.ones(length.size))
     load[:, -1] -= by_node(weight)
-    point_mass, point_drag = np.zeros(layout.size), np.zeros(layout.size)
-    for point, i in zip(model.points if only is None else (), layout.points.tolist(), strict=False):
+    point_mass, point_drag = np.zeros((2, layout.size))
+    for point, i in zip(model.points, layout.points.tolist(), strict=True):
         point_mass[i] += point.mass + point.Ca * rho * point.volume
         point_drag[i] += rho * point.CdA / 2
         load[i] += axes @ np.array(point.force)
         load[i, -1] -= environment.g * (point.mass - rho * point.volume)
     bed = 0.0 if environment.depth is None else environment.seabed_stiffness or 0.0
-    everywhere = by_node(np.ones(length.size))
-    with np.errstate(invalid="ignore"):
-        friction = np.where(everywhere > 0, by_node(friction) / everywhere, 0.0)
     return Line(
-        layout.first, layout.last, length, EA, damping, mass, added_mass, normal_drag, tangential_drag,
-        point_mass, point_drag, load, bed * everywhere,
-        environment.seabed_damping * everywhere if bed else np.zeros(layout.size), friction,
+        layout.first, layout.last, length, *of_cells, point_mass, point_drag, load, bed * everywhere,
+        (environment.seabed_damping if bed else 0.0) * everywhere, by_node(friction) / everywhere,
         -math.inf if environment.depth is None else -environment.depth, slip_speed,
         tuple(float(c) for c in axes @ np.array(environment.current)), contact_depth)  # fmt: skip
 
 
-def take_end_cell(model, layout, axes, line, end, element, load=None) -> tuple[Line, np.ndarray]:
+def take_end_cell(system, end, element=None) -> tuple[Line, np.ndarray]:
     """Return the Line of the cell at the first (end 0) or last (end -1) node of an element, and its two nodes.
 
-    element None: the end of a line, with all that its node carries; else of the element alone. load (n,): of its end,
-    where that is not its own weight, N.
+    element None: the end of a line, with all that its node carries; else of the element alone.
     """
-    e = end if element is None else element
-    cells, nodes = layout.cells[e], layout.nodes[e][:2] if end == 0 else layout.nodes[e][-2:]
-    c = cells.start if end == 0 else cells.stop - 1
+    model, layout, line, e = system.model, system.layout, system.line, end if element is None else element
+    at, cell = (slice(None, 2), layout.cells[e].start) if end == 0 else (slice(-2, None), layout.cells[e].stop - 1)
+    nodes, loaded, loaded_nodes = layout.nodes[e][at], line, layout.nodes[e][at]
     if element is not None:  # nodes carry the element alone; cells are those of the line, which may be calibrated
-        alone = assemble_line(model, layout, axes, line.slip_speed, line.contact_depth, only=e)
-        line = alone._replace(**{name: getattr(line, name) for name in CELL_FIELDS})
-        if load is not None:
-            line.load[nodes[end]] = load
-    arrays: dict = {"first": np.array([0]), "last": np.array([1])}
-    for name, value in line._asdict().items():
-        if isinstance(value, np.ndarray) and name not in arrays:
-            arrays[name] = value[[c]] if name in CELL_FIELDS else value[nodes]
-    return line._replace(**arrays), nodes
+        points = tuple(Node("free", model.points[p].r) for p in model.segments[e].ends)
+        alone = replace(model, segments=(replace(model.segments[e], ends=(0, 1)),), points=points)
+        own = number_nodes(alone, [layout.s[e]])
+        loaded = assemble_line(alone, own, system.axes, line.slip_speed, line.contact_depth)
+        loaded_nodes = own.nodes[0][at]
+        if system.end_loads is not None:
+            loaded.load[loaded_nodes[end]] = system.axes @ [0.0, 0.0, system.end_loads[e, end]]
+    arrays = {name: getattr(line, name)[[cell]] for name in CELL_FIELDS}
+    arrays |= {name: getattr(loaded, name)[loaded_nodes] for name in NODE_FIELDS}
+    return line._replace(first=np.array([0]), last=np.array([1]), **arrays), nodes

@@ -30,42 +30,29 @@ def calibrate_line(system):
 
     The length of a cell is |d|/(1 + T/EA) with its chord d and the T whose level component is that of the catenary;
     the load of a node is what balances its cells. Mass, drag and added mass stay. Without a level
-    component the Line as it is.
+    component the Line as it is. Beside it the loads (k, 2) in N, upward, with which the ends of each element alone have
+    the force of its catenary at rest, or None.
     """
     line, segments = system.line, system.model.segments
     r, _, horizontal_tension, states = system.model.at_rest(system.layout)
     chord = r[:, line.last] - r[:, line.first]
     level = np.hypot(chord[0], chord[1])
     if not ((horizontal_tension > 0) & (level > 0)).all():
-        return line
+        return line, None
     force = horizontal_tension / level * chord  # of each cell on its first node
     tension = np.linalg.norm(force, axis=0)
     length = np.linalg.norm(chord, axis=0) / (1 + tension / line.EA)
+    end_loads = np.empty((len(segments), 2))
+    for i, (segment, state, cells) in enumerate(zip(segments, states, system.layout.cells, strict=True)):
+        first, last = (-state.V, -state.V_anchor) if segment.reversed else (state.V_anchor, state.V)  # where it rises
+        end_loads[i] = first - force[2, cells.start], force[2, cells.stop - 1] - last
     load = np.zeros((3, system.nodes))
     load[:, 1:-1] = -np.diff(force, axis=1)
-    load[2, 0] = _heights(segments[0], states[0])[0] - force[2, 0]
-    load[2, -1] = -_heights(segments[-1], states[-1])[1] + force[2, -1]
+    load[2, [0, -1]] = end_loads[0, 0], end_loads[-1, 1]
     ratio = line.length / length  # keeps what stands at the nodes
     changed = {name: getattr(line, name) * ratio for name in ("mass", "added_mass", "normal_drag", "tangential_drag")}
-    return line._replace(length=length, load=np.ascontiguousarray((system.axes @ load).T), **changed)
-
-
-def _heights(segment, state):
-    """Return the vertical forces along a segment at its first and last node, N, positive where it rises."""
-    return (-state.V, -state.V_anchor) if segment.reversed else (state.V_anchor, state.V)
-
-
-def element_end_load(system, element, end) -> np.ndarray:
-    """Return the load (n,) in N that an element of a calibrated system puts on its first (end 0) or last (-1) node.
-
-    With it the element's end has the force of its catenary at rest.
-    """
-    r, _, horizontal_tension, states = system.model.at_rest(system.layout)
-    c = system.layout.cells[element].start if end == 0 else system.layout.cells[element].stop - 1
-    chord = r[:, system.line.last[c]] - r[:, system.line.first[c]]
-    of_cell = horizontal_tension[c] / np.hypot(chord[0], chord[1]) * chord[2]
-    first, last = _heights(system.model.segments[element], states[element])
-    return system.axes @ np.array([0.0, 0.0, first - of_cell if end == 0 else of_cell - last])
+    load = np.ascontiguousarray((system.axes @ load).T)
+    return line._replace(length=length, load=load, **changed), end_loads
 
 
 def is_to_be_calibrated(given, model, motion) -> bool:

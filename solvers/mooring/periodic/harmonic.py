@@ -24,6 +24,7 @@ from .. import diagnostics
 from ..diagnostics import largest_change
 from ..linearised.monodromy import LinearisedPeriod
 from ..linearised.stepped_orbit import SteppedOrbit
+from ..lines.assembly import evaluate_forces
 from ..stepping.history import MooringOutputs
 from .hill import LineHill
 from .samples import predict_tensions, sampled_residual, sampled_tangents
@@ -69,10 +70,10 @@ class MooringResponse(MooringOutputs, PeriodicResponse):
 
     def end_force_at(self, t, end, element=None) -> np.ndarray:
         """Return the force at an end (0 or -1) of an element at times t (S,) in s, (S, n), N, as ``end_forces``."""
-        nodes, t = self.system.end_cell(end, element)[1], np.asarray(t, dtype=float)
+        (line, nodes), t = self.system.end_cell(end, element), np.asarray(t, dtype=float)
         z, (q, q_t), omega = self.z[:, nodes], self.basis.functions(t), self.basis.omega * self.basis.harmonic
         y = self.system.rest_state()[:, nodes, None] + z @ q.T
-        force = self.system.end_cell_force(y, z @ q_t.T, -(z * omega**2) @ q.T, end, element)
+        force = evaluate_forces(line, y, z @ q_t.T, -(z * omega**2) @ q.T)[0][:, end]
         return force if self.coarse is None else force + (force - self.coarse.end_force_at(t, end, element)) / 3
 
     def motion_at(self, t) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
