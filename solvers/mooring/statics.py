@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -15,7 +14,7 @@ from ..numerics.lu import elimination
 from ..numerics.newton import Step, relaxed_newton
 from . import equations
 from .diagnostics import exact_pretension, friction_warnings, rest_warnings
-from .lines.components import merge_states
+from .lines.assembly import evaluate_forces
 
 TOLERANCE = 1e-13  # largest change of a position over the length: some hundred roundings of a coordinate
 SOFT_STRAIN = 0.1  # of the greatest tension, where the continuation begins
@@ -97,11 +96,9 @@ def solve_rest(system, displacement=(0.0, 0.0, 0.0), throw=True) -> MooringState
     if system.components:
         displaced = np.broadcast_to(displacement, system.moved_points.shape)
         states = [_solve_component(part.system, displaced[part.moved]) for part in system.components]
-        state = merge_states(system, states)
-        failed = [
-            part.system.model.name for part, one in zip(system.components, states, strict=True) if not one.success
-        ]
-        return state.or_raise("; ".join(failed)) if throw else state
+        state = _merge_states(system, states)
+        name = "; ".join(one.system.model.name for one in states if not one.success)
+        return state.or_raise(name) if throw else state
     catenaries = system.model.at_rest(system.layout, displacement)
     start = np.ascontiguousarray(system.to_axes(catenaries.r).T)
     search = _Search(system, catenaries.tension)
@@ -111,12 +108,8 @@ def solve_rest(system, displacement=(0.0, 0.0, 0.0), throw=True) -> MooringState
         soft, descents = search.descend(0.0, start)
         x, reached, more, steps = continue_in_load(search.solve, soft, min_step=MIN_LOAD_STEP)
         iterations += len(descents) + more
-    R, T, _ = _Statics(system, 1.0, np.zeros(system.line.length.size)).evaluate(x)
-    forces = system.axes.T @ -R.T
-    free = np.delete(R, system.prescribed_nodes, axis=0)
     status = Status.SUCCESS if reached == 1.0 else Status.NO_EQUILIBRIUM_FOUND
-    norm = float(abs(free).max(initial=0.0))
-    state = MooringState(system, x.T.copy(), np.maximum(T, 0.0), forces, status, iterations, norm, tuple(steps))
+    state = _make_state(system, x.T.copy(), status, iterations, steps)
     return state.or_raise(system.model.name) if throw else state
 
 
@@ -130,6 +123,24 @@ def _solve_component(system, displacement):
     if state.success:
         vars(system)["rest"] = state  # where the cached property keeps it
     return state
+
+
+def _merge_states(system, states) -> MooringState:
+    """Return the MooringState of a network from those of its components."""
+    worst, y = min(states, key=lambda state: state.success), np.empty((len(system.axes), system.nodes))
+    for part, state in zip(system.components, states, strict=True):
+        y[:, part.nodes] = state.y
+    return _make_state(system, y, worst.status, sum(state.iterations for state in states), worst.steps)
+
+
+def _make_state(system, y, status, iterations, steps) -> MooringState:
+    """Return the MooringState of positions y (n, N): a point that holds several parts bears its load once."""
+    still = np.zeros((*y.shape, 1))
+    forces, tension = evaluate_forces(system.line, y[..., None], still, still)
+    norm = abs(np.delete(forces[0], system.prescribed_nodes, axis=0)).max(initial=0.0)
+    return MooringState(
+        system, y, tension[0], system.axes.T @ forces[0].T, status, iterations, float(norm), tuple(steps)
+    )
 
 
 class _Search:
@@ -156,11 +167,11 @@ class _Search:
     def solve(self, load_factor, x):
         """Return (x, steps, converged) at a load factor: of Newton's method, or of both in turn where it fails."""
         result, steps, converged = self.newton(load_factor, x)
-        if converged:
-            return result, steps, converged
-        result, descents = self.descend(load_factor, x)
-        result, steps, converged = self.newton(load_factor, result)
-        return result, [*descents, *steps], converged
+        if not converged:
+            result, descents = self.descend(load_factor, x)
+            result, steps, converged = self.newton(load_factor, result)
+            steps = [*descents, *steps]
+        return result, steps, converged
 
 
 class _Statics:
@@ -170,32 +181,23 @@ class _Statics:
         self.auxiliary = tension
         line = system.line
         if load_factor < 1.0:
-            line = line._replace(current=tuple(load_factor * c for c in line.current))
-            stiffest = line.seabed_stiffness.max()
-            if stiffest > 0:
-                soft = float(tension.max()) / (4 * float(line.length.max()))  # the line lifts off over two cells
-                line = line._replace(
-                    seabed_stiffness=line.seabed_stiffness * min(1.0, soft / stiffest) ** (1 - load_factor)
-                )
-            softest = float(tension.max()) / SOFT_STRAIN
-            line = line._replace(EA=line.EA * np.minimum(1.0, softest / line.EA) ** (1 - load_factor))
+            easing, greatest, stiffest = 1 - load_factor, float(tension.max()), line.seabed_stiffness.max()
+            soft = greatest / (4 * float(line.length.max()))  # the line lifts off over two cells
+            seabed = line.seabed_stiffness * (min(soft, stiffest) / (stiffest or 1.0)) ** easing
+            EA = line.EA * np.minimum(1.0, greatest / SOFT_STRAIN / line.EA) ** easing
+            current = tuple(load_factor * c for c in line.current)
+            line = line._replace(current=current, seabed_stiffness=seabed, EA=EA)
         self.line, self.order, self.length = line, system.order, system.length
         self.prescribed_nodes = system.prescribed_nodes
         self.still = np.zeros((system.nodes, len(system.axes)))
         self.last_linearisation = None  # positions, tensions and directions where the last Jacobian stood
 
-    def evaluate(self, x):
-        """Return R (N, n), T (C,) and unit (C, n)."""
+    def evaluate(self, x, line=None):
+        """Return R (N, n), T (C,) and unit (C, n); line: another one."""
         cells = self.line.length.size
         R, T, unit = np.empty_like(x), np.empty(cells), np.empty((cells, x.shape[1]))
-        equations.residual(self.line, x, self.still, self.still, self.auxiliary, R, T, unit)
+        equations.residual(line or self.line, x, self.still, self.still, self.auxiliary, R, T, unit)
         return R, T, unit
-
-    def residual(self, x):
-        """Return R, zero at prescribed nodes."""
-        R = self.evaluate(x)[0]
-        R[self.prescribed_nodes] = 0.0
-        return R
 
     def tangents(self, x, shift=0.0):
         """Return a function that solves with the tangents at x, None where they are singular.
@@ -216,6 +218,7 @@ class _Statics:
 
         def solve(F):
             step = F.copy()
+            step[self.prescribed_nodes] = 0.0
             elimination.solve(self.order, diagonal, right, left, step, np.empty(n))
             return step
 
@@ -241,10 +244,7 @@ class _Statics:
             self.auxiliary = np.zeros_like(self.auxiliary)  # so that the tensions are those of the law
             R, self.auxiliary, _ = self.evaluate(x)
             if any(self.line.current):
-                calm = copy(self)
-                calm.line = self.line._replace(current=(0.0,) * x.shape[1])
-                drag = R - calm.evaluate(x)[0]
-            R[self.prescribed_nodes] = 0.0
+                drag = R - self.evaluate(x, self.line._replace(current=(0.0,) * x.shape[1]))[0]
             solve = self.tangents(x, shift)
             step = np.full_like(x, np.nan) if solve is None else solve(R)
             size = float(abs(step).max()) / self.length
@@ -267,11 +267,10 @@ class _Statics:
                 stretch = np.sum(unit0 * (moved[last] - moved[first]), axis=1)
                 self.auxiliary = np.where(T0 != 0, T0 + self.line.EA / self.line.length * stretch, 0.0)
             R, T, unit = self.evaluate(x)
-            R[self.prescribed_nodes] = 0.0
             self.last_linearisation = x, T, unit
             return R, self.tangents(x)
 
         norm = lambda step: float(abs(step).max()) / self.length
         with np.errstate(all="ignore"):  # a diverging step is seen by its size
-            result, steps, converged = relaxed_newton(linearise, self.residual, x, TOLERANCE, norm, MAX_STEPS)
+            result, steps, converged = relaxed_newton(linearise, None, x, TOLERANCE, norm, MAX_STEPS)
         return result if converged else x, steps, converged

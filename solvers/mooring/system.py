@@ -91,7 +91,7 @@ class MooringSystem:
     def __init__(self, model, layout, axes, motion, seabed, source=None, period=None, calibrated=False):
         self.model, self.layout, self.axes, self.motion, self.source = model, layout, axes, motion, source
         self.fields = ("along", "z") if len(axes) == 2 else ("x", "y", "z")
-        self.nodes, self._seabed, self.period = layout.size, seabed, getattr(motion, "period", period)
+        self.nodes, self.seabed, self.period = layout.size, seabed, getattr(motion, "period", period)
         first = np.array(model.points[0].r)
         self.origin = np.array([first[0], first[1], 0.0])
         self._prescribed_points = [i for i, point in enumerate(model.points) if point.kind != "free"]
@@ -115,7 +115,6 @@ class MooringSystem:
     # ------------------------------------------------------------ the same line, changed
     def with_motion(self, motion) -> MooringSystem:
         """Return the same lines, of the same mesh and rest, with another motion of the coupled points."""
-        _ = self._prescribed_positions, self.moved_points  # which the copy keeps, as a rest that is solved for
         other = copy.copy(self)
         if "components" in vars(self):
             parts = tuple(replace(part, system=part.system.with_motion(motion)) for part in self.components)
@@ -136,16 +135,7 @@ class MooringSystem:
     @cached_property
     def components(self) -> tuple[Component, ...]:
         """Parts of a network that no free node joins, or none where it is one part."""
-
-        def build(model, layout):
-            part = MooringSystem(model, layout, self.axes, self.motion, self._seabed, None, self.period)
-            part.origin = self.origin
-            return part
-
-        parts = split_system(self, build)
-        for part in parts if self.source is not None else ():
-            part.system.source = lambda t, nodes=part.nodes: self.source(t)[:, nodes]
-        return parts
+        return split_system(self)
 
     def merge_responses(self, responses) -> harmonic.MooringResponse:
         """Return the periodic response of the network from those of its components."""
@@ -176,8 +166,7 @@ class MooringSystem:
         """Return the motion over time, as ``solvers.solve_time_domain`` asks with settings that it has validated."""
         if not self.components:
             return integrate_line(self, **settings)
-        moved = self.ramped(settings["ramp"]) if settings["ramp"] else self
-        return integrate_components(self, partial(MooringHistory, self, moved), **settings)
+        return integrate_components(self, MooringHistory, **settings)
 
     def rest_state(self) -> np.ndarray:
         """Return the coordinates of the nodes at rest, (n, N), m."""
@@ -232,7 +221,7 @@ class MooringSystem:
         if layout is None:
             return None
         source, share = self.source, share_loads(layout, self.layout) if self.source else None
-        given = self._seabed, source and (lambda t: share @ source(t)), self.period, self.calibrated
+        given = self.seabed, source and (lambda t: share @ source(t)), self.period, self.calibrated
         coarse = MooringSystem(self.model, layout, self.axes, self.motion, *given)
         return coarse, partial(prolong, layout, self.layout)
 

@@ -12,8 +12,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
-from ...common.outcome import Status
 from .layout import number_nodes
 
 WORK_FOR_THREADS = 2e5  # nodes times steps from which a second thread gains more than it costs
@@ -29,42 +30,34 @@ class Component:
     moved: list[int]
 
 
-def split_system(system, build) -> tuple[Component, ...]:
-    """Return the parts of a MooringSystem that no free point joins; ``build`` makes one of (model, layout)."""
+def split_system(system) -> tuple[Component, ...]:
+    """Return the parts of a MooringSystem that no free point joins, or none where it is one part."""
     model = system.model
-    parent = list(range(len(model.segments)))
-
-    def root(e):
-        while parent[e] != e:
-            e = parent[e]
-        return e
-
-    first_at: dict[int, int] = {}
-    for e, segment in enumerate(model.segments):
-        for p in segment.ends:
-            if model.points[p].kind == "free":
-                parent[root(e)] = root(first_at.setdefault(p, e))
-    roots = [root(e) for e in range(len(parent))]
-    groups = [[e for e, r in enumerate(roots) if r == one] for one in dict.fromkeys(roots)]
-    return tuple(_component(system, group, build) for group in groups) if len(groups) > 1 else ()
+    count, points = len(model.segments), len(model.points)
+    joins = [(e, p) for e, segment in enumerate(model.segments) for p in segment.ends if model.points[p].kind == "free"]
+    rows, columns = np.array(joins, dtype=int).reshape(-1, 2).T
+    joined = coo_array((np.ones(len(joins)), (rows, count + columns)), shape=(count + points,) * 2)
+    labels = connected_components(joined, directed=False)[1][:count].tolist()
+    groups = [[e for e, label in enumerate(labels) if label == one] for one in dict.fromkeys(labels)]
+    return tuple(_component(system, group) for group in groups) if len(groups) > 1 else ()
 
 
-def _component(system, group, build) -> Component:
+def _component(system, group) -> Component:
     model, layout = system.model, system.layout
     used = sorted({p for e in group for p in model.segments[e].ends})
     index = {p: i for i, p in enumerate(used)}
-    segments = tuple(
-        replace(segment, ends=tuple(index[p] for p in segment.ends)) for segment in (model.segments[e] for e in group)
-    )
+    segments = tuple(replace(model.segments[e], ends=tuple(index[p] for p in model.segments[e].ends)) for e in group)
     name = f"{model.name}, element{'s' if len(group) > 1 else ''} {', '.join(str(e + 1) for e in group)}"
     part = replace(model, segments=segments, points=tuple(model.points[p] for p in used), name=name)
     own = number_nodes(part, [layout.s[e] for e in group])
-    nodes, cells = np.empty(own.size, dtype=int), np.empty(own.first.size, dtype=int)
-    for e, own_nodes, own_cells in zip(group, own.nodes, own.cells, strict=True):
+    nodes = np.empty(own.size, dtype=int)
+    for e, own_nodes in zip(group, own.nodes, strict=True):
         nodes[own_nodes] = layout.nodes[e]
-        cells[own_cells] = np.arange(layout.cells[e].start, layout.cells[e].stop)
-    moved = [i for i, p in enumerate(model.moved) if p in index]
-    return Component(build(part, own), nodes, cells, moved)
+    cells = np.concatenate([np.arange(layout.first.size)[layout.cells[e]] for e in group])
+    source = None if system.source is None else lambda t: system.source(t)[:, nodes]
+    built = type(system)(part, own, system.axes, system.motion, system.seabed, source, system.period)
+    built.origin = system.origin
+    return Component(built, nodes, cells, [i for i, p in enumerate(model.moved) if p in index])
 
 
 def integrate_components(system, build_history, *, start=None, progress=None, **settings):
@@ -109,7 +102,7 @@ def integrate_components(system, build_history, *, start=None, progress=None, **
     counts = (sum(getattr(history, name) for history in histories) for name in ("iterations", "factorisations"))
     error, cut = max(history.residual_norm for history in histories), sum(history.cut for history in histories)
     return build_history(
-        time, *series, first.status, *counts, error, steps, cut, min(damped, default=None), settings["ramp"], event,
+        system, moved, time, *series, first.status, *counts, error, steps, cut, min(damped, default=None), ramp, event,
         {"start": start, **settings})  # fmt: skip
 
 
@@ -132,16 +125,3 @@ def merge_responses(system, responses):
     counts = {name: sum(getattr(r, name) for r in responses) for name in ("iterations", "coarse_iterations")}
     norm = max(response.residual_norm for response in responses)
     return replace(worst, system=system, z=z, residual_norm=norm, **counts)
-
-
-def merge_states(system, states):
-    """Return the MooringState of a network from those of its components."""
-    worst, y = min(states, key=lambda state: state.success), np.empty((len(system.axes), system.nodes))
-    for part, state in zip(system.components, states, strict=True):
-        y[:, part.nodes] = state.y
-    still = np.zeros((*y.shape, 1))
-    forces, tension = system.forces(y[..., None], still, still)  # a point that holds several parts bears its load once
-    norm, iterations = max(state.residual_norm for state in states), sum(state.iterations for state in states)
-    status = Status.SUCCESS if worst.success else worst.status
-    return replace(worst, system=system, y=y, tension=tension[..., 0], forces=forces[..., 0], status=status,
-                   iterations=iterations, residual_norm=norm)  # fmt: skip
