@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import cached_property, partial
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
+from scipy.interpolate import PchipInterpolator, PPoly
 
 from ...common.outcome import ConvergenceError, InputError, Outcome, Status
 from ...common.response import Response, describe_range, last_period, within_history
-from ...numerics.compiled import compiled
 from .. import diagnostics
 from ..diagnostics import largest_change
 from ..lines.coarsening import common_nodes
@@ -22,32 +21,6 @@ _UNEVEN = 1e-5  # of a step, by which the last one must differ to count as short
 _BEFORE = 2  # of these before the interval, and the place of zero: small powers leave little rounding
 _LAGRANGE = np.linalg.inv(np.vander(np.arange(_STENCIL) - _BEFORE, _STENCIL, increasing=True))
 """Column j: coefficients of the polynomial that is one at the j-th of the points -2..3 and zero at the others."""
-
-
-@compiled
-def _fit_polynomials(lagrange, values):
-    """Return the polynomials (K - 5, 6), in steps and of rising degree, that each pass through six of values (K,)."""
-    points = lagrange.shape[0]
-    coefficients = np.zeros((values.size - points + 1, points))
-    for first in range(coefficients.shape[0]):
-        for power in range(points):
-            for j in range(points):
-                coefficients[first, power] += lagrange[power, j] * values[first + j]
-    return coefficients
-
-
-@compiled
-def _evaluate_polynomials(coefficients, before, dt, t):
-    """Return the values at times t (S,) in s, each of the polynomial that has ``before`` of its points before t."""
-    values = np.empty(t.size)
-    for k in range(t.size):
-        steps = t[k] / dt
-        first = min(max(int(steps) - before, 0), coefficients.shape[0] - 1)
-        x, value = steps - (first + before), 0.0
-        for power in range(coefficients.shape[1] - 1, -1, -1):
-            value = value * x + coefficients[first, power]
-        values[k] = value
-    return values
 
 
 class Slack(NamedTuple):
@@ -274,7 +247,9 @@ class MooringHistory(MooringOutputs, Outcome):
         dt, last = float(time[1] - time[0]), float(time[-1] - time[-2])
         if self.damped_from is not None or time.size < _STENCIL or abs(dt - last) > _UNEVEN * last:
             return PchipInterpolator(time, tension)
-        return partial(_evaluate_polynomials, _fit_polynomials(_LAGRANGE, tension), _BEFORE, dt)
+        coefficients = _LAGRANGE @ np.lib.stride_tricks.sliding_window_view(tension, _STENCIL).T
+        polynomials = PPoly(coefficients[::-1], np.arange(_BEFORE, time.size - _STENCIL + _BEFORE + 2))
+        return lambda t: polynomials(t / dt)
 
     @cached_property
     def slack(self) -> tuple[Slack, ...]:
@@ -282,10 +257,6 @@ class MooringHistory(MooringOutputs, Outcome):
         loose = self.tension <= 0
         some = np.concatenate([[False], loose.any(axis=0), [False]])
         starts, ends = np.flatnonzero(some[1:] & ~some[:-1]), np.flatnonzero(some[:-1] & ~some[1:]) - 1
-        cells = (
-            tuple(np.flatnonzero(loose[:, a : b + 1].any(axis=1)).tolist()) for a, b in zip(starts, ends, strict=True)
-        )
-        return tuple(
-            Slack(float(self.time[a]), float(self.time[b]), which)
-            for a, b, which in zip(starts, ends, cells, strict=True)
-        )
+        spells = zip(starts.tolist(), ends.tolist(), strict=True)
+        which = lambda a, b: tuple(np.flatnonzero(loose[:, a : b + 1].any(axis=1)).tolist())
+        return tuple(Slack(float(self.time[a]), float(self.time[b]), which(a, b)) for a, b in spells)
