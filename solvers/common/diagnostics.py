@@ -108,6 +108,12 @@ def relative_change(fine, coarse) -> float | None:
     return float(np.sqrt(np.mean((tension - coarse.fairlead_tension(t)) ** 2)) / spread) if spread else 0.0
 
 
+def largest_change(fine, coarse) -> float | None:
+    """Return the largest ``relative_change`` of two results of a line, or of the elements of a network."""
+    changes = [relative_change(*pair) for pair in zip(fine.lines, coarse.lines, strict=True)]
+    return None if None in changes else max(changes)  # type: ignore[type-var]
+
+
 def _check_position(drift, system, end, cure):
     if system.motion is None:
         return

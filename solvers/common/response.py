@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .diagnostics import relative_change
-from .outcome import InputError
+from .diagnostics import largest_change
+from .outcome import ConvergenceError, InputError
 from .validation import real_array
 
 ROUNDING = 1e-12  # of a duration, that rounding may leave
@@ -55,6 +55,7 @@ class Response:
         rate_at: Any
 
     repeat: Any = None  # solves for another system with the same settings, or None
+    coarse: Any = None  # the result on half as many cells, where it is known
     correction: float | None = None  # mean |dz| of a deferred correction
 
     def field(self, name: str) -> np.ndarray:
@@ -75,11 +76,22 @@ class Response:
     def mesh_error(self) -> float | None:
         """Rms change of the fairlead tension that half as many nodes make, over its range; None where that fails.
 
-        About three times the error of the mesh where the response is smooth. Solved for when first asked, unless a
-        history began at a given state; None after a deferred correction, whose size tells it.
+        Of a network the largest of its elements. Over the last period, or the second half of a history; about three
+        times the error of the mesh where the response is smooth. Solved for when first asked, unless ``coarse`` is
+        there, or a history of a chain began at a given state; None after a deferred correction, whose size tells it.
         """
+        if self.coarse is not None:
+            return largest_change(self, self.coarse)
         coarser = self.system.coarser() if self.correction is None and self.repeat is not None else None
-        return None if coarser is None else relative_change(self, self.repeat(coarser[0]))
+        try:
+            return None if coarser is None else largest_change(self, self.repeat(coarser[0]))
+        except ConvergenceError:  # the coarser chain has no equilibrium
+            return None
+
+    @property
+    def lines(self) -> tuple:
+        """This result where it is that of one line, else its elements: each with a fairlead and an anchor."""
+        return (self,)
 
     def describe(self):
         """Yield how long the result is, and the extremes of its fairlead tension."""

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..catenary.pretension import mean_pretension, pretension_warnings
-from ..common.diagnostics import CURVED, SETTLED, TAIL, check_mesh, largest_slope_change, relative_change
+from ..common.diagnostics import CURVED, SETTLED, TAIL, check_mesh, largest_slope_change
 from ..common.outcome import ConvergenceError
 
 STILL = 1e-9  # of a tension: smaller ranges are rounding
@@ -46,12 +46,6 @@ def friction_warnings(system) -> tuple[str, ...]:
         f"friction: {friction:g} of the seabed acts in motion only; at rest the lying line slides freely, and "
         "solve_span and solve_network have the friction of a line as it was laid",
     )
-
-
-def largest_change(fine, coarse) -> float | None:
-    """Return the largest ``relative_change`` of two results of a line, or of the elements of a network."""
-    changes = [relative_change(*pair) for pair in zip(fine.lines, coarse.lines, strict=True)]
-    return None if None in changes else max(changes)  # type: ignore[type-var]
 
 
 def check_history(history):

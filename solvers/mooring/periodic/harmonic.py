@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ...common.outcome import ConvergenceError, InputError
+from ...common.outcome import InputError
 from ...harmonic_balance.blocks import Blocks
 from ...harmonic_balance.response import PeriodicResponse
 from ...harmonic_balance.solve import solve_periodic
@@ -21,7 +21,6 @@ from ...numerics.lu.block_elimination import BlockFactors
 from ...numerics.newton import damped_newton, full_newton
 from ...time_domain.solve import solve_time_domain
 from .. import diagnostics
-from ..diagnostics import largest_change
 from ..linearised.monodromy import LinearisedPeriod
 from ..linearised.stepped_orbit import SteppedOrbit
 from ..lines.assembly import evaluate_forces
@@ -98,20 +97,6 @@ class MooringResponse(MooringOutputs, PeriodicResponse):
     def end_tension_at(self, t, end, element=None) -> np.ndarray:
         """Return the size of the force at an end (0 or -1) of an element at times t (S,) in s, N."""
         return np.linalg.norm(self.end_force_at(t, end, element), axis=1)
-
-    @cached_property
-    def mesh_error(self) -> float | None:
-        """Rms change of the fairlead tension that half as many cells make, over its range; None where that fails.
-
-        Solved for on every second node when first asked, unless ``coarse`` is there.
-        """
-        if self.coarse is not None:
-            return largest_change(self, self.coarse)
-        coarser, repeat = self.system.coarser(), self.repeat
-        try:
-            return None if coarser is None or repeat is None else largest_change(self, repeat(coarser[0]))
-        except ConvergenceError:  # the coarser lines have no equilibrium
-            return None
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:

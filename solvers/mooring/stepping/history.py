@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from scipy.interpolate import PchipInterpolator, PPoly
 
-from ...common.outcome import ConvergenceError, InputError, Outcome, Status
+from ...common.outcome import InputError, Outcome, Status
 from ...common.response import Response, describe_range, last_period, within_history
 from .. import diagnostics
-from ..diagnostics import largest_change
 from ..lines.coarsening import common_nodes
 from ..lines.prescribed_motion import reference_point
 
@@ -200,25 +199,13 @@ class MooringHistory(MooringOutputs, Outcome):
         """What the mesh, the step or the number of periods has lost; where cells are slack."""
         return tuple(diagnostics.check_history(self))
 
-    @cached_property
-    def mesh_error(self) -> float | None:
-        """Rms change of the fairlead tension that half as many cells make, over its range; None where that fails.
-
-        Of a network the largest of its elements.
-        Over the last period, or the second half of the history; about three times the error of the mesh where the
-        response is smooth. Integrates the line on every second node when first asked: half of the first run time.
-        """
-        coarser = self.system.coarser()
-        if coarser is None:
-            return None
+    def repeat(self, coarser) -> MooringHistory:
+        """Return the history of the lines on every second node with the same settings: half of the first run time."""
         settings = dict(self.settings)
         if settings["start"] is not None:
-            kept = common_nodes(coarser[0].layout, self.system.layout)
+            kept = common_nodes(coarser.layout, self.system.layout)
             settings["start"] = [part if part is None else part[:, kept] for part in settings["start"]]
-        try:
-            return largest_change(self, coarser[0].integrate(**settings))
-        except ConvergenceError:  # the coarser lines have no equilibrium
-            return None
+        return coarser.integrate(**settings)
 
     @property
     def last_period(self) -> tuple[float, float]:
