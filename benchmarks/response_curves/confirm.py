@@ -16,7 +16,7 @@ import numpy as np
 from solvers import solve_time_domain
 from solvers.stability import find_landing, responses_at
 from solvers.stability.curves.special_points import BRANCH_POINT, FOLD, PERIOD_DOUBLING
-from solvers.stability.multipliers import floquet
+from solvers.stability.multipliers.floquet import floquet
 from solvers.stability.multipliers.monodromy import RADAU
 
 DISTURBANCE = (

@@ -6,7 +6,7 @@ import numpy as np
 
 from solvers import solve_periodic
 from solvers.stability import find_basins, response_curve, responses_at
-from solvers.stability.multipliers import floquet
+from solvers.stability.multipliers.floquet import floquet
 
 from . import systems
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from solvers import solve_periodic
 from solvers.stability import response_curve
-from solvers.stability.multipliers import floquet
+from solvers.stability.multipliers.floquet import floquet
 
 from . import systems
 

@@ -16,7 +16,7 @@ from solvers import CableProperties, Environment, Motion, Scene, mooring_system,
 from solvers.common.outcome import ConvergenceError
 from solvers.numerics.modes import natural_modes
 from solvers.stability import response_curve
-from solvers.stability.multipliers import floquet
+from solvers.stability.multipliers.floquet import floquet
 
 from ..run import console, results
 

@@ -25,7 +25,7 @@ from solvers import (
 from solvers.io import load_network
 from solvers.mooring.linearised.impedance import mooring_stiffness
 from solvers.numerics.modes import natural_modes
-from solvers.stability.multipliers import floquet
+from solvers.stability.multipliers.floquet import floquet
 
 SCENES = files("reference_data") / "scenes"
 MOST_LINES = 5  # of what a result shows of itself

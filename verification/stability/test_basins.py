@@ -11,7 +11,7 @@ import pytest
 from solvers import CableProperties, InputError, Motion, Scene, mooring_system, solve_periodic
 from solvers.stability import find_basins, find_landing, response_curve, responses_at
 from solvers.stability.curves.basins import Z_95, _Metric, wilson_interval
-from solvers.stability.multipliers import floquet
+from solvers.stability.multipliers.floquet import floquet
 
 from ..cases.oscillators import duffing
 from ..exact.oscillators import duffing_basins

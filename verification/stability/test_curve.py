@@ -25,7 +25,7 @@ from solvers.harmonic_balance.residual import HarmonicResidual
 from solvers.stability import response_curve
 from solvers.stability.curves.bordered import _solve_twice, factorise_bordered
 from solvers.stability.curves.family import HarmonicFamily, build_family
-from solvers.stability.multipliers import floquet
+from solvers.stability.multipliers.floquet import floquet
 
 from ..cases.oscillators import MassChain, cubic_chain, duffing, harmonic_force, towed_chain
 from ..exact.oscillators import duffing_bifurcations
