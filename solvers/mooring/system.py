@@ -92,8 +92,7 @@ class MooringSystem:
         self.model, self.layout, self.axes, self.motion, self.source = model, layout, axes, motion, source
         self.fields = ("along", "z") if len(axes) == 2 else ("x", "y", "z")
         self.nodes, self.seabed, self.period = layout.size, seabed, getattr(motion, "period", period)
-        first = np.array(model.points[0].r)
-        self.origin = np.array([first[0], first[1], 0.0])
+        self.origin = model.positions[0] * [1.0, 1.0, 0.0]
         self._prescribed_points = [i for i, point in enumerate(model.points) if point.kind != "free"]
         self.prescribed_nodes = layout.points[self._prescribed_points]
         self._moved = [self._prescribed_points.index(i) for i in model.moved]  # among these
@@ -226,13 +225,10 @@ class MooringSystem:
         return coarse, partial(prolong, layout, self.layout)
 
     # ------------------------------------------------------------ the points that are prescribed
-    def _mean_positions(self, points) -> np.ndarray:
-        return np.array([self.model.points[i].r for i in points]).reshape(-1, 3)
-
-    @cached_property
+    @property
     def moved_points(self) -> np.ndarray:
         """Mean positions (M, 3) of the coupled points, m."""
-        return self._mean_positions(self.model.moved)
+        return self.model.positions[self.model.moved]
 
     @property
     def coupled_nodes(self) -> np.ndarray:
@@ -241,7 +237,7 @@ class MooringSystem:
 
     @cached_property
     def _prescribed_positions(self):
-        return self.to_axes(self._mean_positions(self._prescribed_points).T).T
+        return self.to_axes(self.model.positions[self._prescribed_points].T).T
 
     def path(self, t) -> np.ndarray:
         """Return position, velocity and acceleration of the prescribed nodes at times t (S,), (S, 3, P, n)."""

@@ -31,7 +31,7 @@ def evaluate_forces(line, y, ydot, yddot):
 def find_axes(model, fields, motion) -> np.ndarray:
     """Return unit vectors of the coordinates, (2, 3) or (3, 3), the last one up."""
     one_of("fields", fields, ("auto", "planar", "spatial"))
-    points = np.array([point.r for point in model.points])
+    points = model.positions
     level = max((points[:, :2] - points[0, :2])[::-1], key=lambda d: math.hypot(*d))
     run = math.hypot(*level)
     along = np.array([*(level / run), 0.0]) if run > 0 else np.array([1.0, 0.0, 0.0])

@@ -10,18 +10,15 @@ import numpy as np
 
 from ...common.outcome import InputError
 from .mesh import FAIRLEAD_POSITIONS
-from .prescribed_motion import displace_points
+from .prescribed_motion import displace_over_period
 
 SMALL_CHANGE = 0.1  # of the tension at rest: quasi-static change over the motion below which lines are calibrated
 
 
 def estimate_tension_change(model, motion, places) -> float:
     """Return the quasi-static range of the fairlead tension over a period of the motion, over that at rest."""
-    times = motion.period * np.arange(places) / places
-    moved = np.array([model.points[i].r for i in model.moved])
-    tensions = [
-        model.pretension(displacement) for displacement in (np.zeros(3), *displace_points(motion, moved, times).T)
-    ]
+    displacements = np.zeros(3), *displace_over_period(model, motion, places)
+    tensions = [model.pretension(displacement) for displacement in displacements]
     return float(np.ptp(tensions) / tensions[0]) if tensions[0] > 0 else np.inf
 
 

@@ -7,6 +7,7 @@ element between two joints adds one block a node, and joints those of their Schu
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -62,76 +63,50 @@ def number_nodes(model, s) -> Layout:
     degree = np.bincount(np.ravel(ends), minlength=len(model.points)).tolist()
     is_joint = [p.kind == "free" and d > 2 for p, d in zip(model.points, degree, strict=True)]
     is_end = [p.kind != "free" or d == 1 for p, d in zip(model.points, degree, strict=True)]
-    number = _Numbers(ends, [part.size for part in s])
-    for start in [*np.flatnonzero(is_end).tolist(), *np.flatnonzero(is_joint).tolist(), *range(len(degree))]:
-        if not is_joint[start]:
-            number.point(start)
-        while (e := number.next_segment(start)) is not None:
-            at = start
-            while e is not None:
-                at = number.interior(e, at)
-                e = None
-                if not is_joint[at]:
-                    number.point(at)
-                    if not is_end[at]:
-                        e = number.next_segment(at)
-    for joint in _order_joints(ends, is_joint):
-        number.point(joint)
+    nodes, points, count = [np.empty(part.size, dtype=int) for part in s], np.full(len(degree), -1), 0
+    for e, p in _follow_segments(ends, is_joint, is_end):
+        if e is not None:
+            inner = np.arange(count, count + s[e].size - 2)
+            nodes[e][1:-1] = inner if ends[e][1] == p else inner[::-1]
+            count += inner.size
+        if points[p] < 0 and not is_joint[p]:
+            points[p], count = count, count + 1
+    joints = _order_joints(ends, is_joint)
+    points[joints] = np.arange(count, count + len(joints))
+    for numbers, pair in zip(nodes, ends, strict=True):
+        numbers[[0, -1]] = points[list(pair)]
     starts = np.cumsum([0, *(part.size - 1 for part in s)])
-    cells = tuple(slice(a, b) for a, b in zip(starts[:-1].tolist(), starts[1:].tolist(), strict=True))
-    pairs = np.sort(np.concatenate([np.stack([n[:-1], n[1:]]) for n in number.nodes], axis=1), axis=0)
-    return Layout(tuple(s), tuple(number.nodes), cells, number.points, *pairs.astype(INDEX))
+    cells = tuple(slice(a, b) for a, b in pairwise(starts.tolist()))
+    pairs = np.sort(np.concatenate([np.stack([n[:-1], n[1:]]) for n in nodes], axis=1), axis=0)
+    return Layout(tuple(s), tuple(nodes), cells, points, *pairs.astype(INDEX))
 
 
-class _Numbers:
-    """The numbers given so far: nodes of the segments and points."""
-
-    def __init__(self, ends, sizes):
-        self.ends, self.count = ends, 0
-        self.nodes = [np.full(size, -1) for size in sizes]
-        self.points = np.full(1 + max(map(max, ends)), -1)
-        self.at_point = [[] for _ in self.points]  # type: list[list[int]]
-        for e, pair in enumerate(ends):
-            for p in pair:
-                self.at_point[p].append(e)
-        self.is_numbered = [False] * len(ends)
-
-    def next_segment(self, point):
-        """Return the first segment at a point that has no numbers, or None."""
-        return next((e for e in self.at_point[point] if not self.is_numbered[e]), None)
-
-    def point(self, point):
-        """Number a point, unless it has its number."""
-        if self.points[point] >= 0:
-            return
-        self.points[point] = self.count
-        for e in self.at_point[point]:
-            for end, p in zip((0, -1), self.ends[e], strict=True):
-                if p == point:
-                    self.nodes[e][end] = self.count
-        self.count += 1
-
-    def interior(self, e, start):
-        """Number the nodes within a segment from one of its ends on; return the point at the other."""
-        inner = np.arange(self.count, self.count + self.nodes[e].size - 2)
-        self.nodes[e][1:-1] = inner if self.ends[e][0] == start else inner[::-1]
-        self.count += inner.size
-        self.is_numbered[e] = True
-        return self.ends[e][1] if self.ends[e][0] == start else self.ends[e][0]
+def _follow_segments(ends, is_joint, is_end):
+    """Yield segments (None: none) with the point that each leads to, through points where no more than two meet."""
+    at_point = [[] for _ in is_joint]  # type: list[list[int]]
+    for e, pair in enumerate(ends):
+        for p in pair:
+            at_point[p].append(e)
+    left = set(range(len(ends)))
+    for start in [*np.flatnonzero(is_end).tolist(), *np.flatnonzero(is_joint).tolist(), *range(len(is_joint))]:
+        yield None, start
+        for first in at_point[start]:
+            e, at = first, start
+            while e in left:
+                left.remove(e)
+                at = ends[e][1] if ends[e][0] == at else ends[e][0]
+                yield e, at
+                onward = [] if is_joint[at] or is_end[at] else at_point[at]
+                e = next((one for one in onward if one in left), None)
 
 
 def _order_joints(ends, is_joint) -> list[int]:
     """Return the joints by minimum degree: next is always one with the fewest neighbours, which it then joins."""
     neighbours = {p: set() for p, yes in enumerate(is_joint) if yes}  # type: dict[int, set[int]]
-    through = {}  # type: dict[int, set[int]]
     for a, b in ends:
-        for p, q in ((a, b), (b, a)):
-            if p in neighbours:
-                neighbours[p].add(q)
-            else:
-                through.setdefault(p, set()).add(q)
-    for p in neighbours:
-        neighbours[p] = {q for q in neighbours[p] if q in neighbours}
+        if is_joint[a] and is_joint[b]:
+            neighbours[a].add(b)
+            neighbours[b].add(a)
     order = []
     while neighbours:
         p = min(neighbours, key=lambda p: (len(neighbours[p]), p))

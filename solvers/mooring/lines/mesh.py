@@ -9,7 +9,7 @@ import numpy as np
 
 from ...common.outcome import InputError
 from ...common.validation import real_array, whole_number
-from .prescribed_motion import displace_points
+from .prescribed_motion import displace_over_period
 
 FAIRLEAD_POSITIONS = 16  # of the fairlead in its motion, over which the touchdown travels
 FEWEST_CELLS = 6  # of an element of a network that is short beside the longest
@@ -103,16 +103,13 @@ def _apportion_cells(amounts, cells) -> list[int]:
 
 def _cumulative_density(model, lengths, motion, at_touchdown=False):
     """Return fine arc lengths of each segment and the integral of the wanted density of nodes up to them."""
-    period = getattr(motion, "period", None)
-    places = [np.zeros(3)]
-    if motion is not None and period is not None:
-        moved = np.array([model.points[i].r for i in model.moved])
-        times = period * np.arange(FAIRLEAD_POSITIONS) / FAIRLEAD_POSITIONS
-        places = [*displace_points(motion, moved, times).T, *places]
+    displacements = [np.zeros(3)]
+    if getattr(motion, "period", None) is not None:
+        displacements = [*displace_over_period(model, motion, FAIRLEAD_POSITIONS), *displacements]
     fine = [np.linspace(0.0, length, _SAMPLES_PER_SEGMENT) for length in lengths]
     curvature = [np.zeros(part.size - 1) for part in fine]
     grounded: list[list[float]] = [[] for _ in lengths]
-    for displacement in places:
+    for displacement in displacements:
         points = model.equilibrium(displacement)
         for i, (segment, s) in enumerate(zip(model.segments, fine, strict=True)):
             local = (s[1:] + s[:-1]) / 2

@@ -76,20 +76,22 @@ class MooringModel:
         return sum(segment.length for segment in self.segments)
 
     @cached_property
+    def positions(self) -> np.ndarray:
+        """Positions (P, 3) of the points as they are given, m."""
+        return np.array([point.r for point in self.points], dtype=float)
+
+    @cached_property
     def moved(self) -> list[int]:
         """Indices of the M points that a motion moves: the coupled ones."""
         return [i for i, point in enumerate(self.points) if point.kind == "coupled"]
 
     def equilibrium(self, displacement=(0.0, 0.0, 0.0)) -> np.ndarray:
         """Return positions (P, 3) of the points at rest, the moved ones displaced by (3,) or (M, 3), m."""
-        places = np.array([point.r for point in self.points], dtype=float)
+        places = self.positions.copy()
         places[self.moved] += np.asarray(displacement)
         free = [i for i, point in enumerate(self.points) if point.kind == "free"]
         if free:
-            nodes = [
-                Node(p.kind, tuple(r), p.mass, p.volume, p.force)
-                for p, r in zip(self.points, places.tolist(), strict=True)
-            ]
+            nodes = [replace(p, r=tuple(r)) for p, r in zip(self.points, places.tolist(), strict=True)]
             elements = [Element(s.weight, s.EA, s.length, s.ends[:: -1 if s.reversed else 1]) for s in self.segments]
             places[free] = solve_network(Network(nodes, elements, self.environment)).r[free]
         return places
@@ -106,12 +108,7 @@ class MooringModel:
         Nodes that rest on the seabed are as deep as their weight presses them.
         """
         points, environment = self.equilibrium(displacement), self.environment
-        r, tension, horizontal_tension = (
-            np.zeros((3, layout.size)),
-            np.zeros(layout.first.size),
-            np.zeros(layout.first.size),
-        )
-        states = []
+        r, (tension, horizontal_tension), states = np.zeros((3, layout.size)), np.zeros((2, layout.first.size)), []
         for segment, s, nodes, cells in zip(self.segments, layout.s, layout.nodes, layout.cells, strict=True):
             start, end = (points[i] for i in segment.ends)
             position, _, state = segment.profile(start, end, environment, s)

@@ -18,6 +18,12 @@ def displace_points(motion, points, t) -> np.ndarray:
     return np.repeat(np.asarray(motion.displacement(t))[:, None], len(points), axis=1)
 
 
+def displace_over_period(model, motion, count) -> np.ndarray:
+    """Return ``count`` displacements (count, M, 3) of the coupled points of a MooringModel over a period, m."""
+    times = motion.period * np.arange(count) / count
+    return displace_points(motion, model.positions[model.moved], times).T
+
+
 def move_points(motion, points, t) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return displacement, velocity and acceleration of points (M, 3) in m at times t (S,) in s, (3, M, S) each.
 

@@ -248,8 +248,8 @@ DEFECTS = (
         "numbers against the run of an element",
         Fault(
             "mooring.lines.layout",
-            "_Numbers.interior",
-            "inner if self.ends[e][0] == start else inner[::-1]",
+            "number_nodes",
+            "inner if ends[e][1] == p else inner[::-1]",
             "inner",
         ),
         "order",
@@ -438,7 +438,7 @@ DEFECTS = (
     ),
     Defect(
         "a mesh for the line at rest alone",
-        Fault("mooring.lines.mesh", "_cumulative_density", "motion is not None and period is not None", "False"),
+        Fault("mooring.lines.mesh", "_cumulative_density", 'getattr(motion, "period", None) is not None', "False"),
         "regime",
         "the travel of the touchdown is not meshed",
         "mooring/test_model.py::test_a_fitted_mesh_covers_the_travel_of_the_touchdown",
