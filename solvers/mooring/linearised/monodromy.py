@@ -15,82 +15,88 @@ from .steps import factorise_steps, take_steps
 COLUMNS = {1: 32, 2: 16, 3: 12}  # by axes, disturbances that take a period in less than twice the time of one
 
 
-class LinearisedPeriod:
-    """Takes small disturbances of a moving line over one period of a MooringResponse.
+class PeriodMap:
+    """Takes small disturbances of a moving line over a period, by steps that are factorised once.
 
-    A disturbance is (displacement, velocity / omega) of the free nodes in the axes that are disturbed, ``size``
-    numbers. scheme: nodes, weights and last weights of an implicit Runge-Kutta scheme. sideways: disturb the axis
-    across the plane of the motion alone. has_slack: whether a cell is slack at some stage of the steps. columns: of
-    disturbances that ``apply`` takes at little more than one.
+    size: numbers of a disturbance, those of the free nodes in the axes that are disturbed; columns: of disturbances
+    that ``apply`` takes at little more than one. has_slack: whether a cell is slack at some stage of the steps.
     """
 
-    def __init__(self, response, steps, scheme, sideways=False):
-        system, stages = response.system, scheme.nodes.size
-        self.h, self.rate = response.last_period[1] / steps, response.basis.omega
-        t = self.h * (np.arange(steps)[:, None] + scheme.nodes).ravel()
-        orbit = [part.reshape(steps, stages, *part.shape[1:]) for part in response.motion_at(t)]
+    def __init__(self, system, orbit, sideways, units, weights, weight_of_M, right_weights):
+        """orbit: r, v, r'' (S, s, N, m) at the stages of the steps; weights as of ``factorise_steps``.
+
+        units: what the parts of a disturbance are multiplied by to be those of the state. sideways: disturb the axis
+        across the plane of the motion alone.
+        """
         self.line, orbit, kept = disturbed_axes(system, orbit, sideways)
-        self.free = np.flatnonzero(~system.order.is_prescribed)
-        self.n, nodes, cells, edges = kept.size, system.nodes, self.line.length.size, system.order.edges
-        self.size, self.columns, block = 2 * self.n * self.free.size, COLUMNS[self.n], stages * self.n
-        self.order = system.order.with_rows(block)
+        (steps, stages, nodes), self.n = orbit[0].shape[:3], kept.size
+        cells, edges, block = self.line.length.size, system.order.edges, stages * self.n
+        self.order, self.free = system.order.with_rows(block), np.flatnonzero(~system.order.is_prescribed)
+        self.units, self.columns = np.reshape(units, (-1, 1, 1, 1)), COLUMNS[self.n]
+        self.size = len(self.units) * self.n * self.free.size
         self.factors = tuple(np.empty((steps, count, block, block)) for count in (nodes, edges, edges))
-        self.right_side = tuple(np.empty((steps, 2, count, block, self.n)) for count in (nodes, cells, cells))
-        self.updates = scheme.last, scheme.last @ scheme.weights
-        A, right_weights = self.h * scheme.weights, np.zeros((2, 3, stages))
-        right_weights[0, 0] = right_weights[1, 1] = -1.0  # -K d - (C + h c K) v
-        right_weights[1, 0] = -self.h * scheme.nodes
-        slack = factorise_steps(self.line, self.order, orbit, kept, np.stack([A @ A, A]), 1.0, right_weights,
-                                self.factors, self.right_side)  # fmt: skip
+        sides = 2 if right_weights[1, :2].any() else 1  # the second disturbance may be in the masses alone
+        shapes = (2, nodes), (sides, cells), (sides, cells)
+        self.right_side = tuple(np.empty((steps, *shape, block, self.n)) for shape in shapes)
+        slack = factorise_steps(self.line, self.order, orbit, kept, weights, weight_of_M, right_weights, self.factors,
+                                self.right_side)  # fmt: skip
         self.has_slack = slack > 0
 
     def apply(self, disturbances) -> np.ndarray:
         """Return disturbances (size, k) one period later."""
         columns = disturbances.shape[1]
-        state = np.zeros((2, self.order.is_prescribed.size, self.n, columns))
-        state[:, self.free] = disturbances.reshape(2, self.free.size, self.n, columns)
-        state[1] *= self.rate
-        take_steps(self.line, self.order, self.h, *self.updates, self.factors, self.right_side, *state)
-        state[1] /= self.rate
+        state = np.zeros((len(self.units), self.order.is_prescribed.size, self.n, columns))
+        state[:, self.free] = disturbances.reshape(-1, self.free.size, self.n, columns)
+        state *= self.units
+        self.take_steps(state)
+        state /= self.units
         return state[:, self.free].reshape(self.size, columns)
 
 
-class SteppedPeriod:
+class LinearisedPeriod(PeriodMap):
+    """Takes small disturbances of a moving line over one period of a MooringResponse.
+
+    A disturbance is (displacement, velocity / omega). scheme: nodes, weights and last weights of an implicit
+    Runge-Kutta scheme.
+    """
+
+    def __init__(self, response, steps, scheme, sideways=False):
+        self.h, stages = response.last_period[1] / steps, scheme.nodes.size
+        t = self.h * (np.arange(steps)[:, None] + scheme.nodes).ravel()
+        orbit = [part.reshape(steps, stages, *part.shape[1:]) for part in response.motion_at(t)]
+        self.updates = scheme.last, scheme.last @ scheme.weights
+        A, right_weights = self.h * scheme.weights, np.zeros((2, 3, stages))
+        right_weights[0, 0] = right_weights[1, 1] = -1.0  # -K d - (C + h c K) v
+        right_weights[1, 0] = -self.h * scheme.nodes
+        units = 1.0, response.basis.omega
+        super().__init__(response.system, orbit, sideways, units, np.stack([A @ A, A]), 1.0, right_weights)
+
+    def take_steps(self, state):
+        """Replace a state (2, N, n, k) by that after all steps."""
+        take_steps(self.line, self.order, self.h, *self.updates, self.factors, self.right_side, *state)
+
+
+class SteppedPeriod(PeriodMap):
     """Takes small disturbances of the state of generalized-alpha over a period of equal steps of h in s.
 
-    A disturbance is that of r, v / omega, r'' / omega^2 and the algorithmic acceleration a / omega^2 of the free nodes.
-    scheme: alpha_m, alpha_f, beta, gamma; orbit: r, v, r'' (S, N, m) at the ends of the steps.
+    A disturbance is that of r, v / omega, r'' / omega^2 and the algorithmic acceleration a / omega^2. scheme: alpha_m,
+    alpha_f, beta, gamma; orbit: r, v, r'' (S, N, m) at the ends of the steps.
     """
 
     def __init__(self, system, orbit, h, scheme, sideways=False):
         self.h, self.scheme = h, scheme
-        self.line, orbit, kept = disturbed_axes(system, orbit, sideways)
-        self.free = np.flatnonzero(~system.order.is_prescribed)
-        steps, nodes = orbit[0].shape[:2]
-        self.n, cells, edges = kept.size, self.line.length.size, system.order.edges
-        self.size, self.columns, blocks = 4 * self.n * self.free.size, COLUMNS[self.n], (self.n, self.n)
-        self.order = system.order.with_rows(self.n)
-        self.units = (2 * np.pi / (steps * h)) ** np.array([0.0, 1.0, 2.0, 2.0])[:, None, None, None]
-        self.factors = tuple(np.empty((steps, count, *blocks)) for count in (nodes, edges, edges))
-        self.right_side = tuple(np.empty((steps, *shape, *blocks)) for shape in ((2, nodes), (1, cells), (1, cells)))
         alpha_m, alpha_f, beta, gamma = scheme
         weights = np.array([1.0, gamma / (beta * h)]).reshape(2, 1, 1)
         weight_of_M = (1 - alpha_m) / (1 - alpha_f) / (beta * h * h)
         right_weights = np.zeros((2, 3, 1))
         right_weights[0, 1] = right_weights[1, 2] = -1.0  # -C v - M r''
-        orbit = tuple(part[:, None] for part in orbit)
-        factorise_steps(self.line, self.order, orbit, kept, weights, weight_of_M, right_weights, self.factors,
-                        self.right_side)  # fmt: skip
+        units = (2 * np.pi / (len(orbit[0]) * h)) ** np.array([0.0, 1.0, 2.0, 2.0])
+        orbit = [part[:, None] for part in orbit]
+        super().__init__(system, orbit, sideways, units, weights, weight_of_M, right_weights)
 
-    def apply(self, disturbances) -> np.ndarray:
-        """Return disturbances (size, k) one period later."""
-        columns = disturbances.shape[1]
-        state = np.zeros((4, self.order.is_prescribed.size, self.n, columns))
-        state[:, self.free] = disturbances.reshape(4, self.free.size, self.n, columns)
-        state *= self.units
+    def take_steps(self, state):
+        """Replace a state (4, N, n, k) by that after all steps."""
         take_newmark_steps(self.line, self.order, self.h, self.scheme, self.factors, self.right_side, state)
-        state /= self.units
-        return state[:, self.free].reshape(self.size, columns)
 
     def pack(self, state) -> np.ndarray:
         """Return the disturbance (size,) of changes (4 or more, N, n) of r, v, r'' and a."""

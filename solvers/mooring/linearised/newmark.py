@@ -10,7 +10,7 @@ import numpy as np
 
 from ...numerics.compiled import compiled
 from . import steps as linearised_steps
-from .steps import add_product, solve_columns
+from .steps import set_right_side, solve_columns
 
 
 @compiled(calls=(linearised_steps,))
@@ -21,7 +21,6 @@ def take_newmark_steps(line, order, h, scheme, factors, right_side, state):
     """
     alpha_m, alpha_f, beta, gamma = scheme
     diagonal, right, left = factors
-    own, from_last, from_first = right_side
     d, v, acceleration, a = state
     nodes, n, columns = d.shape
     column, force = np.empty((1, n, columns)), np.empty(d.shape)
@@ -35,17 +34,7 @@ def take_newmark_steps(line, order, h, scheme, factors, right_side, state):
                     v[i, j, k] += h * ((1 - gamma) * old + gamma * a[i, j, k])
                     filtered = (1 - alpha_m) * a[i, j, k] + alpha_m * old - alpha_f * acceleration[i, j, k]
                     acceleration[i, j, k] = filtered / (1 - alpha_f)
-        force[:] = 0.0
-        damping, mass, from_end, from_start = own[step, 0], own[step, 1], from_last[step, 0], from_first[step, 0]
-        for i in range(nodes):
-            if not order.is_prescribed[i]:
-                add_product(1.0, damping, i, v, i, force, i)
-                add_product(1.0, mass, i, acceleration, i, force, i)
-        for c in range(line.length.size):
-            first, last = line.first[c], line.last[c]
-            if not (order.is_prescribed[first] or order.is_prescribed[last]):
-                add_product(1.0, from_end, c, v, last, force, first)
-                add_product(1.0, from_start, c, v, first, force, last)
+        set_right_side(line, order, right_side, step, v, acceleration, force)
         solve_columns(order, diagonal[step], right[step], left[step], force, column)
         for i in range(nodes):
             if order.is_prescribed[i]:

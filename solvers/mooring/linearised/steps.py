@@ -126,31 +126,39 @@ def solve_columns(order, diagonal, right, left, x, column):
 
 
 @compiled
+def set_right_side(line, order, right_side, step, one, other, x):
+    """Set x (N, m, k) to the right-hand side of a step that begins with two disturbances (N, n, k)."""
+    own, from_last, from_first = right_side
+    side = from_last.shape[1] - 1
+    own_one, own_other, last_one, last_other = own[step, 0], own[step, 1], from_last[step, 0], from_last[step, side]
+    first_one, first_other = from_first[step, 0], from_first[step, side]
+    x[:] = 0.0
+    for i in range(x.shape[0]):
+        if not order.is_prescribed[i]:
+            add_product(1.0, own_one, i, one, i, x, i)
+            add_product(1.0, own_other, i, other, i, x, i)
+    for c in range(line.length.size):
+        first, last = line.first[c], line.last[c]
+        if not (order.is_prescribed[first] or order.is_prescribed[last]):
+            add_product(1.0, last_one, c, one, last, x, first)
+            add_product(1.0, first_one, c, one, first, x, last)
+            if side == 1:
+                add_product(1.0, last_other, c, other, last, x, first)
+                add_product(1.0, first_other, c, other, first, x, last)
+
+
+@compiled
 def take_steps(line, order, h, by_velocity, by_position, factors, right_side, d, v):
     """Replace disturbances d and v (N, n, k), zero at prescribed nodes, by those after all steps.
 
     by_velocity, by_position (s,): weights of the stages' accelerations in v over h, in d over h^2.
     """
     diagonal, right, left = factors
-    own, from_last, from_first = right_side
     nodes, n, columns = d.shape
     m = diagonal.shape[2]
     x, column = np.empty((nodes, m, columns)), np.empty((1, m, columns))
     for step in range(diagonal.shape[0]):
-        x[:] = 0.0
-        own_d, own_v, last_d, last_v = own[step, 0], own[step, 1], from_last[step, 0], from_last[step, 1]
-        first_d, first_v = from_first[step, 0], from_first[step, 1]
-        for i in range(nodes):
-            if not order.is_prescribed[i]:
-                add_product(1.0, own_d, i, d, i, x, i)
-                add_product(1.0, own_v, i, v, i, x, i)
-        for c in range(line.length.size):
-            first, last = line.first[c], line.last[c]
-            if not (order.is_prescribed[first] or order.is_prescribed[last]):
-                add_product(1.0, last_d, c, d, last, x, first)
-                add_product(1.0, last_v, c, v, last, x, first)
-                add_product(1.0, first_d, c, d, first, x, last)
-                add_product(1.0, first_v, c, v, first, x, last)
+        set_right_side(line, order, right_side, step, d, v, x)
         solve_columns(order, diagonal[step], right[step], left[step], x, column)
         for i in range(nodes):
             for j in range(n):

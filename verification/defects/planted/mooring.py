@@ -538,7 +538,7 @@ DEFECTS = (
     # ------------------------------------------------------------ statics, calibration, modes
     Defect(
         "the forces of slack cells",
-        Fault("mooring.statics", "solve_rest", "system.axes.T @ -R.T", "system.axes.T @ R.T"),
+        Fault("mooring.statics", "_make_state", "system.axes.T @ forces[0].T", "system.axes.T @ -forces[0].T"),
         "sign",
         "the forces at rest are those on the line",
         "mooring/test_statics.py::test_order_against_the_catenary",
@@ -667,8 +667,8 @@ DEFECTS = (
     Defect(
         "equilibria of parts in their own order",
         Fault(
-            "mooring.lines.components",
-            "merge_states",
+            "mooring.statics",
+            "_merge_states",
             "y[:, part.nodes] = state.y",
             "y[:, : part.nodes.size] = state.y",
         ),

@@ -137,9 +137,9 @@ DEFECTS: tuple[Defect, ...] = (
         "waves that a period damps awaited at each point, more of them the finer the mesh", _PERIODS,
     ),
     _mooring_defect(
-        "period-velocity-not-scaled-back", "linearised.monodromy", "LinearisedPeriod.apply",
-        "state[1] /= self.rate",
-        "state[1] /= 1.0", "unit",
+        "period-velocity-not-scaled-back", "linearised.monodromy", "PeriodMap.apply",
+        "state /= self.units",
+        "pass", "unit",
         "velocities in m/s among displacements, on the way back", _TONGUE,
     ),
     _mooring_defect(
@@ -167,9 +167,9 @@ DEFECTS: tuple[Defect, ...] = (
         "squares of the weights for the square of their matrix", _STEPS,
     ),
     _mooring_defect(
-        "stages-neighbour-turned", "linearised.steps", "take_steps",
-        "add_product(1.0, first_d, c, d, first, x, last)",
-        "add_product(1.0, first_d, c, d, last, x, last)", "index",
+        "stages-neighbour-turned", "linearised.steps", "set_right_side",
+        "add_product(1.0, first_one, c, one, first, x, last)",
+        "add_product(1.0, first_one, c, one, last, x, last)", "index",
         "a node pulled by itself in place of its neighbour", _TONGUE,
     ),
     _mooring_defect(
@@ -191,8 +191,8 @@ DEFECTS: tuple[Defect, ...] = (
         "a velocity of the step in other units", _MAP,
     ),
     _mooring_defect(
-        "newmark-mass-left-out", "linearised.newmark", "take_newmark_steps",
-        "add_product(1.0, mass, i, acceleration, i, force, i)",
+        "newmark-mass-left-out", "linearised.steps", "set_right_side",
+        "add_product(1.0, own_other, i, other, i, x, i)",
         "pass", "term",
         "the inertia of the known acceleration left out", _MAP,
     ),
