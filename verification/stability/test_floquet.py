@@ -13,8 +13,7 @@ from scipy.special import mathieu_a, mathieu_b
 from solvers import InputError, Scene, cable_system, solve_periodic
 from solvers.stability.curves.curve import as_response
 from solvers.stability.curves.family import HarmonicFamily
-from solvers.stability.multipliers import floquet
-from solvers.stability.multipliers.floquet import MAX_UNKNOWNS, FloquetResult
+from solvers.stability.multipliers.floquet import MAX_UNKNOWNS, FloquetResult, floquet
 from solvers.stability.multipliers.monodromy import monodromy
 
 from ..cases import planar_systems as cases

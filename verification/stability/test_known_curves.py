@@ -11,7 +11,7 @@ from scipy.special import mathieu_a, mathieu_b
 
 from solvers import InputError, Status, response_curve, solve_periodic
 from solvers.stability.curves.special_points import BRANCH_POINT, PERIOD_DOUBLING
-from solvers.stability.multipliers import floquet
+from solvers.stability.multipliers.floquet import floquet
 
 from ..cases.planar_systems import forced_oscillator, lure, mathieu, unilateral_spring
 from ..exact.oscillators import lure as exact_lure

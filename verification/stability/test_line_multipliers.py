@@ -17,7 +17,7 @@ from solvers.mooring.linearised.monodromy import LinearisedPeriod
 from solvers.numerics.modes import natural_modes
 from solvers.stability import response_curve
 from solvers.stability.curves.special_points import WANTED
-from solvers.stability.multipliers import floquet
+from solvers.stability.multipliers.floquet import floquet
 from solvers.stability.multipliers.hill import line_multipliers
 from solvers.stability.multipliers.leading import FLOOR, LEAST, MAX_DENSE, RELATIVE, TOLERANCE, leading_eigenvalues
 from solvers.stability.multipliers.monodromy import GAUSS, RADAU

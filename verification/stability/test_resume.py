@@ -29,7 +29,7 @@ from solvers.stability.curves.adaptivity import more_harmonics, needed_harmonics
 from solvers.stability.curves.continuation import CorrectionError, Point, Tracer, next_step
 from solvers.stability.curves.family import HarmonicFamily
 from solvers.stability.curves.special_points import DoublingTest, explain_doubt
-from solvers.stability.multipliers import floquet
+from solvers.stability.multipliers.floquet import floquet
 
 from ..cases.planar_systems import forced_oscillator
 

@@ -29,7 +29,7 @@ from solvers.stability.curves.special_points import (
     CurveSegment,
     locate_special_points,
 )
-from solvers.stability.multipliers import floquet
+from solvers.stability.multipliers.floquet import floquet
 
 from ..cases.planar_systems import forced_oscillator
 from ..exact.oscillators.duffing_bifurcations import Oscillator, bifurcation
