@@ -107,11 +107,11 @@ def solve_periodic(
     with one_blas_thread(), np.errstate(all="ignore"):  # a diverging step is found by its size
         mirror = find_mirror(system, basis) if symmetry else None
         if multilevel and start is None and hasattr(system, "periodic_start"):
-            z, coarse_iterations = system.periodic_start(basis, nu)
+            z, coarse_iterations = system.periodic_start(basis)
         elif multilevel and start is None:
             z, coarse_iterations = multilevel_start(system, basis, nu, newton, mirror, iterative)
         solution = solve_with_continuation(system, basis, z, tolerance, newton, mirror, iterative)
-        if solution.amplitude == 1.0 and not solution.residual.satisfies_omitted_rows(solution.z):
+        if mirror and solution.amplitude == 1.0 and not solution.residual.satisfies_omitted_rows(solution.z):
             solution = solve_with_continuation(system, basis, z, tolerance, newton, None, iterative)
         response = _response(system, nu, coarse_iterations, solution, finer, tolerance)
     again = partial(

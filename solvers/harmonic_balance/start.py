@@ -5,6 +5,7 @@ Each level and each amplitude is solved by Newton's method on a ``HarmonicResidu
 
 from __future__ import annotations
 
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -13,13 +14,16 @@ from scipy.interpolate import CubicHermiteSpline
 from ..common.response import last_period
 from ..numerics.continuation import continue_in_load
 from ..numerics.fourier import Basis
-from ..numerics.newton import damped_newton, relaxed_newton
+from ..numerics.newton import newton_then_damped, relaxed_newton
 from .residual import HarmonicResidual, harmonic_residual
 
 COARSE_HARMONICS, COARSE_TOLERANCE = 3, 2e-2  # of the driving, and the error (76) that is good enough for a start
 MAX_UNDAMPED_STEPS = 8  # before damped ones are tried
 MIN_AMPLITUDE_STEP = 2.0**-5  # of the continuation
 MAX_STEPS = 200  # Newton steps of a continuation; the hardest that ever succeeded took fifty
+
+undamped_then_damped = partial(newton_then_damped, partial(relaxed_newton, limit=MAX_UNDAMPED_STEPS))
+"""Newton's method from a rough start: with drag full steps are few."""
 
 
 class Solution(NamedTuple):
@@ -109,15 +113,6 @@ def predictor_coefficients(system, basis) -> np.ndarray:
     rest = system.rest_state()
     y = system.quasi_static_predictor(basis.times)
     return np.zeros((*rest.shape, basis.harmonic.size)) if y is None else (y - rest[..., None]) @ basis.P
-
-
-def undamped_then_damped(linearise, residual, x, tolerance, norm):
-    """Try up to eight undamped steps, then damped Newton: from a rough start with drag full steps are few."""
-    result, undamped, converged = relaxed_newton(linearise, residual, x, tolerance, norm, MAX_UNDAMPED_STEPS)
-    if converged:
-        return result, undamped, True
-    result, steps, converged = damped_newton(linearise, residual, x, tolerance, norm)
-    return result, undamped + steps, converged
 
 
 def _levels(coarsest, fewest, harmonics):

@@ -14,6 +14,7 @@ from ..common.properties import MAX_STRAIN
 from ..common.types import as_system
 from ..common.validation import non_negative_number, positive_number
 from ..network.model import Network
+from ..numerics.newton import full_newton, newton_then_damped
 from .linearised.modes import LinePencil
 from .lines.assembly import assemble_line, evaluate_forces, find_axes, take_end_cell
 from .lines.calibration import calibrate_line, is_to_be_calibrated
@@ -136,10 +137,6 @@ class MooringSystem:
         """Parts of a network that no free node joins, or none where it is one part."""
         return split_system(self)
 
-    def merge_responses(self, responses) -> harmonic.MooringResponse:
-        """Return the periodic response of the network from those of its components."""
-        return merge_responses(self, responses)
-
     # ------------------------------------------------------------ about the equilibrium
     def input_warnings(self) -> tuple[str, ...]:
         """Return what is suspected in the scene or network, and where there is no drag across a line in motion."""
@@ -157,10 +154,6 @@ class MooringSystem:
         """Return the discrete equilibrium, as ``solvers.solve_static`` does."""
         return self.rest if throw else solve_rest(self, throw=False)
 
-    def solve_extrapolated(self, **options) -> harmonic.MooringResponse:
-        """Return the periodic response whose end forces are extrapolated from two meshes, as solve_periodic asks."""
-        return harmonic.solve_extrapolated(self, **options)
-
     def integrate(self, **settings) -> MooringHistory:
         """Return the motion over time, as ``solvers.solve_time_domain`` asks with settings that it has validated."""
         if not self.components:
@@ -176,16 +169,15 @@ class MooringSystem:
         return LinePencil(self)
 
     # ------------------------------------------------------------ what solve_periodic asks
-    newton = staticmethod(harmonic.full_then_damped_newton)
+    newton = staticmethod(partial(newton_then_damped, full_newton))  # full steps, which the mixed method takes, first
     periodic_response = harmonic.MooringResponse
+    periodic_start = harmonic.start_from_time
+    solve_extrapolated = harmonic.solve_extrapolated
+    merge_responses = merge_responses
 
     def harmonic_residual(self, basis, mirror, iterative) -> harmonic.MooringHarmonics:
         """Return the rows in Fourier coefficients; neither a mirror nor an iterative solver is used."""
         return harmonic.MooringHarmonics(self, basis)
-
-    def periodic_start(self, basis, harmonics_of_driving) -> tuple[np.ndarray, int]:
-        """Return coefficients z (n, N, C) from a short time integration, and the Newton steps that it took."""
-        return harmonic.start_from_time(self, basis)
 
     def mirror(self):
         """Return None: no symmetry is used."""

@@ -202,6 +202,18 @@ def damped_newton(linearise, residual, x, tolerance, norm, limit=50):
     return x, method.steps, converged
 
 
+def newton_then_damped(first, linearise, residual, x, tolerance, norm):
+    """Return (x, steps, converged) of a first method, or where it does not converge of damped steps from the same x.
+
+    first: as ``full_newton``; the steps of both count.
+    """
+    result, steps, converged = first(linearise, residual, x, tolerance, norm)
+    if not converged:
+        result, damped, converged = damped_newton(linearise, residual, x, tolerance, norm)
+        steps = steps + damped
+    return result, steps, converged
+
+
 class _ErrorOriented:
     """The steps of ``damped_newton``. A Jacobian is kept, with Broyden's updates, while its steps shrink by _KEEP."""
 

@@ -118,7 +118,7 @@ def test_a_start_that_does_not_settle_takes_one_more_period(Cdn, periods, monkey
 
     monkeypatch.setattr(harmonic, "solve_time_domain", integrate)
     made = system(replace(SURGE_5, Cdn=Cdn), 8, calibrate=False)
-    z, iterations = made.periodic_start(Basis(4, 16, 2 * np.pi / made.period, True), 1)
+    z, iterations = made.periodic_start(Basis(4, 16, 2 * np.pi / made.period, True))
     assert taken == pytest.approx(periods) and abs(z[:, -1]).max() == pytest.approx(5.0, rel=1e-3)
     assert iterations == sum(steps) > 0
 
@@ -131,7 +131,7 @@ def test_starts_are_as_fine_as_slack_and_touchdown_need(monkeypatch):
     bridles = mooring_system(case_network(cases.bridle_system()), 4, motion=motion)
     lying = replace(OC3_SEABED, amplitude=(5.0, 0.0, 0.0))
     for made in (system(SURGE_5, 8), system(lying, 8), bridles):
-        assert not made.periodic_start(Basis(4, 16, 2 * np.pi / made.period, True), 1)[0].any()
+        assert not made.periodic_start(Basis(4, 16, 2 * np.pi / made.period, True))[0].any()
     assert [one["tolerance"] for one in given] == [harmonic.START_TOLERANCE, None, None]
 
 

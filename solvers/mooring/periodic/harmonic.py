@@ -18,7 +18,6 @@ from ...harmonic_balance.blocks import Blocks
 from ...harmonic_balance.response import PeriodicResponse
 from ...harmonic_balance.solve import solve_periodic
 from ...numerics.lu.block_elimination import BlockFactors
-from ...numerics.newton import damped_newton, full_newton
 from ...time_domain.solve import solve_time_domain
 from .. import diagnostics
 from ..linearised.monodromy import LinearisedPeriod
@@ -46,41 +45,31 @@ class MooringResponse(MooringOutputs, PeriodicResponse):
 
     def acceleration_at(self, t) -> np.ndarray:
         """Accelerations at times t (S,) in s, (n, N, S), m/s^2."""
-        q = self.basis.functions(np.asarray(t, dtype=float))[0]
-        return -(self.z * (self.basis.omega * self.basis.harmonic) ** 2) @ q.T
+        return self._motion_of(t, slice(None))[2]
 
-    def end_forces(self, t) -> np.ndarray:
-        """Forces on what holds anchor and fairlead at times t (S,) in s, (3, 2, S), N; extrapolated with ``coarse``.
+    def _motion_of(self, t, nodes):
+        """Return the states, rates and accelerations (n, k, S) of some nodes at times t (S,) in s."""
+        z, (q, q_t) = self.z[:, nodes], self.basis.functions(np.asarray(t, dtype=float))
+        omega = self.basis.omega * self.basis.harmonic
+        return self.system.rest_state()[:, nodes, None] + z @ q.T, z @ q_t.T, -(z * omega**2) @ q.T
 
-        The error of both meshes is of second order in the cells, so a third of their difference is left.
-        """
-        both = np.stack([self.end_force_at(t, end) for end in (0, -1)])
-        return np.einsum("dc,ekd->cek", self.system.axes, both)
-
-    @property
-    def fairlead_force(self) -> np.ndarray:
-        """Force on the vessel at the samples, (3, Nt), N."""
-        return self._of_line(self).end_forces(self.time)[:, 1]
-
-    @property
-    def anchor_force(self) -> np.ndarray:
-        """Force on the anchor at the samples, (3, Nt), N."""
-        return self._of_line(self).end_forces(self.time)[:, 0]
+    def end_force(self, end) -> np.ndarray:
+        """Force on what holds the anchor (0) or the fairlead (-1) at the samples, (3, Nt), N."""
+        return np.einsum("dc,kd->ck", self.system.axes, self._of_line(self).end_force_at(self.time, end))
 
     def end_force_at(self, t, end, element=None) -> np.ndarray:
-        """Return the force at an end (0 or -1) of an element at times t (S,) in s, (S, n), N, as ``end_forces``."""
-        (line, nodes), t = self.system.end_cell(end, element), np.asarray(t, dtype=float)
-        z, (q, q_t), omega = self.z[:, nodes], self.basis.functions(t), self.basis.omega * self.basis.harmonic
-        y = self.system.rest_state()[:, nodes, None] + z @ q.T
-        force = evaluate_forces(line, y, z @ q_t.T, -(z * omega**2) @ q.T)[0][:, end]
+        """Return the force at an end (0 or -1) of an element at times t (S,) in s, (S, n), N.
+
+        Extrapolated with ``coarse``: the error of both meshes is of second order in the cells, so a third of their
+        difference is left.
+        """
+        line, nodes = self.system.end_cell(end, element)
+        force = evaluate_forces(line, *self._motion_of(t, nodes))[0][:, end]
         return force if self.coarse is None else force + (force - self.coarse.end_force_at(t, end, element)) / 3
 
-    def motion_at(self, t) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def motion_at(self, t) -> tuple[np.ndarray, ...]:
         """Return r, v and r'' (S, N, n) of the nodes at times t (S,) in s, in the axes of the system."""
-        q, q_t = self.basis.functions(np.asarray(t, dtype=float))
-        functions = q, q_t, -q * (self.basis.omega * self.basis.harmonic) ** 2
-        r, v, a = (np.ascontiguousarray((self.z @ f.T).T) for f in functions)
-        return r + self.system.rest_state().T, v, a
+        return tuple(np.ascontiguousarray(part.T) for part in self._motion_of(t, slice(None)))
 
     def linearised_period(self, steps, scheme, sideways=False) -> LinearisedPeriod:
         """Return what takes small disturbances of this response over its period, as ``floquet`` asks."""
@@ -154,11 +143,10 @@ SINGLE_PRECISION_STEPS = 3  # linearisations in single precision; where Newton's
 class MooringHarmonics:
     """Rows of a MooringSystem for the coefficients z (n, N, C) of its displacement from rest; x (N, n C) as a vector.
 
-    The methods are those of ``harmonic_balance.residual.HarmonicResidual``.
+    The methods are those of ``harmonic_balance.residual.HarmonicResidual`` without a mirror.
     """
 
     symmetric = False
-    iterative = False
 
     def __init__(self, system, basis):
         self.system, self.basis = system, basis
@@ -178,14 +166,6 @@ class MooringHarmonics:
         self.last_linearisation: Any = None  # samples, tensions and directions where the last Jacobian stood
 
     # ------------------------------------------------------------ what solve_periodic asks
-    def start_is_symmetric(self, z) -> bool:
-        """Return True: a line uses no symmetry, so every start will do."""
-        return True
-
-    def satisfies_omitted_rows(self, z) -> bool:
-        """Return True: without a symmetry no rows are left out."""
-        return True
-
     def pack(self, z) -> np.ndarray:
         """Return x (N, n C) of z (n, N, C)."""
         return np.swapaxes(z, 0, 1).reshape(self.shape[0], -1)
@@ -245,27 +225,23 @@ class MooringHarmonics:
         else:
             predict_tensions(self.system.line, samples, *self.last_linearisation, self.auxiliary)
 
+    def tangents(self, samples):
+        """Return what ``sampled_tangents`` sets: diagonal (3, n, n, N, Nt), right and left (2, n, n, C, Nt)."""
+        cells = self.auxiliary.shape[1]
+        sizes = (3, self.shape[0]), (2, cells), (2, cells)
+        parts = [np.empty((count, self.n, self.n, size, self.basis.samples)) for count, size in sizes]
+        sampled_tangents(self.system.line, samples, self.auxiliary, *parts)
+        return parts
+
     def jacobian(self, samples, precision=float):
         """Return blocks diagonal (N, m, m), right and left (C, m, m) of the rows, m = n C, in a precision."""
-        n, nodes, count, line = self.n, self.shape[0], self.basis.samples, self.system.line
-        by = [
-            np.empty((d, n, n, size, count)) for d, size in ((3, nodes), (2, line.length.size), (2, line.length.size))
-        ]
-        sampled_tangents(line, samples, self.auxiliary, *by)
         diagonal, right, left = (
-            self.blocks(parts[0], parts[1], self.rows, precision, by_yddot=parts[2:]) for parts in by
+            self.blocks(parts[0], parts[1], self.rows, precision, by_yddot=parts[2:])
+            for parts in self.tangents(samples)
         )
+        line = self.system.line
         is_prescribed = self.system.order.is_prescribed
         diagonal[is_prescribed] = np.eye(diagonal.shape[1])
         right[is_prescribed[line.first]] = 0.0
         left[is_prescribed[line.last]] = 0.0
         return diagonal, right, left
-
-
-def full_then_damped_newton(linearise, residual, x, tolerance, norm):
-    """Return (x, steps, converged): full steps, which the mixed method takes; where they diverge damped ones from x."""
-    result, full, converged = full_newton(linearise, residual, x, tolerance, norm)
-    if converged:
-        return result, full, True
-    result, steps, converged = damped_newton(linearise, residual, x, tolerance, norm)
-    return result, full + steps, converged

@@ -6,10 +6,11 @@ Jacobian of the harmonic balance, D has the blocks of C and twice those of the m
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from ...numerics.lu.block_elimination import BlockFactors
-from .samples import sampled_residual, sampled_tangents
 
 
 class LineHill:
@@ -20,16 +21,13 @@ class LineHill:
 
     def __init__(self, response):
         rows = response.system.harmonic_residual(response.basis, None, False)
-        line, count, (nodes, n, _) = response.system.line, response.basis.samples, rows.shape
-        samples, cells = rows.samples(rows.pack(response.z)), line.length.size
-        T, R, unit = np.zeros((count, cells)), np.empty(samples[0].shape), np.empty((count, cells, n))
-        sampled_residual(line, samples, np.zeros(T.shape), R, T, unit)
-        by = [np.empty((d, n, n, size, count)) for d, size in ((3, nodes), (2, cells), (2, cells))]
-        sampled_tangents(line, samples, T, *by)
-        own, *beside = by
+        samples = rows.samples(rows.pack(response.z))
+        rows.auxiliary[:] = 0.0
+        rows.auxiliary = rows.evaluate(rows.pack(response.z), samples)[1]
+        own, *beside = rows.tangents(samples)
         none, blocks = np.zeros_like(own[0]), lambda *parts, **also: rows.blocks(*parts, rows.rows, float, **also)
-        self.line, self.order, self.shape = line, response.system.order, rows.shape
-        self.size = 2 * nodes * n * rows.shape[2]
+        self.line, self.order, self.shape = response.system.line, response.system.order, rows.shape
+        self.size = 2 * math.prod(rows.shape)
         self.J = (blocks(own[0], own[1], by_yddot=own[2:]), *(blocks(*part) for part in beside))
         self.D = (blocks(own[1], 2 * own[2]), *(blocks(part[1], np.zeros_like(part[1])) for part in beside))
         self.M = blocks(own[2], none)

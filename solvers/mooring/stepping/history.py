@@ -30,7 +30,24 @@ class Slack(NamedTuple):
     cells: tuple[int, ...]
 
 
-class MooringOutputs(Response):
+class EndForces(Response):
+    """Outputs of a line between two ends, from its end_force(end): on what holds its anchor (0) or fairlead (-1)."""
+
+    if TYPE_CHECKING:  # of the class of the result
+        end_force: Any
+
+    @property
+    def fairlead_force(self) -> np.ndarray:
+        """Force on what holds the fairlead end at the stored times, (3, K), N."""
+        return self.end_force(-1)
+
+    @property
+    def anchor_force(self) -> np.ndarray:
+        """Force on what holds the anchor end at the stored times, (3, K), N."""
+        return self.end_force(0)
+
+
+class MooringOutputs(EndForces):
     """Outputs over time that a history and a periodic response of moving lines share.
 
     system, time (K,), y, ydot, yddot (n, N, K). Forces are those of the lines on what holds them, N, public frame.
@@ -65,15 +82,9 @@ class MooringOutputs(Response):
         """Tension of the cells at the stored times, (C, K), N."""
         return self._forces[1]
 
-    @property
-    def fairlead_force(self) -> np.ndarray:
-        """Force on the vessel at the stored times, (3, K), N."""
-        return self._of_line(self.forces)[:, -1]
-
-    @property
-    def anchor_force(self) -> np.ndarray:
-        """Force on the anchor at the stored times, (3, K), N."""
-        return self._of_line(self.forces)[:, 0]
+    def end_force(self, end) -> np.ndarray:
+        """Force on what holds the anchor (0) or the fairlead (-1) at the stored times, (3, K), N."""
+        return self._of_line(self.forces)[:, end]
 
     def _of_line(self, value):
         if not self.system.model.is_line:
@@ -111,7 +122,7 @@ class MooringOutputs(Response):
         return np.cross(arms, self.forces[:, nodes], axis=0).sum(axis=1)
 
 
-class ElementOutputs(Response):
+class ElementOutputs(EndForces):
     """Outputs over time of one element of a network: forces at its ends, tensions of its cells.
 
     result: the history or response of the network; index: of the element; the force at an end is that of the element
@@ -137,16 +148,6 @@ class ElementOutputs(Response):
         result = self.result
         force = self.system.end_force(result.y, result.ydot, result.yddot, end, self.index)
         return np.einsum("dc,kd->ck", self.system.axes, force)
-
-    @property
-    def fairlead_force(self) -> np.ndarray:
-        """Force on what holds the fairlead end at the stored times, (3, K), N."""
-        return self.end_force(-1)
-
-    @property
-    def anchor_force(self) -> np.ndarray:
-        """Force on what holds the anchor end at the stored times, (3, K), N."""
-        return self.end_force(0)
 
     @property
     def tension(self) -> np.ndarray:
