@@ -43,23 +43,20 @@ def integrate_line(
     settings |= {"ramp": ramp, "start": start, "every": every}
     moved = system.ramped(ramp) if ramp else system
     run = _Run(moved, rho_inf, tolerance, step_tolerance, _initial_state(moved, start, moves_at_once=not ramp))
-    kept = count // every
-    record = tuple(np.empty((kept + 1 + (count % every > 0), *run.state[0].shape)) for _ in range(3))
-    for part, first in zip(record, run.state, strict=False):
-        part[0] = first
-    done, chunk = 0, count if progress is None else every * max(1, STEPS_AT_ONCE // every)
-    event = None
-    while done < count and event is None:
-        last = min(done + chunk, count)
-        known = None if path is None else path[done : last + 1]
-        taken = run.advance(
-            dt * np.arange(done, last + 1), [part[1 + done // every :] for part in record], every, known
-        )
-        if done + taken < last:
-            event = dt * (done + taken), run.worst
-        done += taken
+    record = tuple(np.empty((count // every + 1 + (count % every > 0), *run.state[0].shape)) for _ in range(3))
+    for part, begin in zip(record, run.state, strict=False):
+        part[0] = begin
+    path = moved.path(dt * np.arange(count + 1)) if path is None else path
+    chunk, event = count if progress is None else every * max(1, STEPS_AT_ONCE // every), None
+    for first in range(0, count, chunk):
+        last = min(first + chunk, count)
+        kept = [part[1 + first // every :] for part in record]
+        done = first + run.advance(dt * np.arange(first, last + 1), kept, every, path[first : last + 1])
         if progress is not None:
             progress(dt * done)
+        if done < last:
+            event = dt * done, run.worst
+            break
     time = dt * every * np.arange(done // every + 1)
     if done % every:
         time = np.append(time, dt * done)
@@ -67,17 +64,19 @@ def integrate_line(
             part[time.size - 1] = now
     y, ydot, yddot = (part[: time.size].transpose(2, 1, 0) for part in record)
     status = Status.SUCCESS if event is None else Status.STEP_FAILED
-    could_tear = run.greatest_tension() > MAX_STRAIN * system.line.EA.min()
-    if event is None and could_tear and (invalid := system.invalid(y)) is not None:
-        status, event = invalid[0], _first_time(system, time, y)
+    if event is None and (torn := _first_torn(run, time, y)) is not None:
+        status, event = torn
     counts = run.iterations, run.factorisations, run.error, done, run.cut, run.damped_from
     return MooringHistory(system, moved, time, y, ydot, yddot, status, *counts, ramp, event, settings)
 
 
-def _first_time(system, time, y):
-    """Return (time in s, node) of the first stored state of y (n, N, K) that is invalid."""
+def _first_torn(run, time, y):
+    """Return the status and (time in s, node) of the first of the states y (n, N, K) that is invalid, or None."""
+    system, greatest = run.system, run.rest.max() + run.scale[0] * run.scale[2]
+    if greatest <= MAX_STRAIN * system.line.EA.min() or system.invalid(y) is None:
+        return None
     each = ((t, system.invalid(y[..., k])) for k, t in enumerate(time.tolist()))
-    return next((t, invalid[1]) for t, invalid in each if invalid is not None)
+    return next((invalid[0], (t, invalid[1])) for t, invalid in each if invalid is not None)
 
 
 class _Run:
@@ -97,20 +96,16 @@ class _Run:
         self.iterations = self.factorisations = self.cut = self.worst = self.halvings = 0
         self.error = self.largest_displacement = 0.0
 
-    def greatest_tension(self) -> float:
-        """Return a bound of the tensions so far, N."""
-        return float(self.rest.max() + self.scale[0] * self.scale[2])
-
-    def advance(self, t, record, every, path=None) -> int:
-        """Take the steps between the times t; return how many succeeded. path: of the prescribed nodes, if known."""
-        path, done, steps = self.system.path(t) if path is None else path, 0, t.size - 1
-        h = t[1] - t[0]
+    def advance(self, t, record, every, path) -> int:
+        """Take the steps between the times t; return how many succeeded. path: of the prescribed nodes."""
+        done, steps, h = 0, t.size - 1, t[1] - t[0]
         while done < steps:
             if self.step_tolerance is None:
                 until_stored = -done % every  # steps to the next one that is kept
                 end = min(done + until_stored, steps) if until_stored else steps
                 kept = tuple(part[done // every :] for part in record)
-                taken = self._integrate(path[done : end + 1], t[done : end + 1], h, kept, until_stored or every)
+                times, store_each, stop = t[done : end + 1], until_stored or every, self.stops_at_slack
+                taken = self._integrate(path[done : end + 1], times, h, kept, store_each, stop)
                 done += taken
                 if done == end or self._damp_after_slack(taken, t[done]):
                     continue
@@ -123,12 +118,12 @@ class _Run:
                     part[done // every - 1] = now
         return done
 
-    def _integrate(self, path, t, h, record, every) -> int:
+    def _integrate(self, path, t, h, record, every, stop) -> int:
         source = self.system.source_at(t[1:])
         system, tolerance = self.system, self.tolerance
         taken, iterations, factorisations, self.error = integrate(
             system.line, system.order, system.prescribed_nodes, path, source, h, self.scheme, self.scale, tolerance,
-            self.rest, self.state, self.auxiliary, record, every, self.stops_at_slack)  # fmt: skip
+            self.rest, self.state, self.auxiliary, record, every, stop)  # fmt: skip
         self.iterations += iterations
         self.factorisations += factorisations
         return taken
@@ -143,16 +138,15 @@ class _Run:
     def _subdivide_step(self, t, h) -> bool:
         """Take one step in as many parts as it needs; False, with the state as it was, where no number of them does."""
         begin, auxiliary = [part.copy() for part in self.state], self.auxiliary.copy()
-        adapts, stops = self.step_tolerance is not None, self.stops_at_slack
+        adapts = self.step_tolerance is not None
         for halvings in range(self.halvings if adapts else 1, MOST_HALVINGS + 1):
             parts = 2**halvings
             times = t + h / parts * np.arange(parts + 1)
             record = tuple(np.empty((parts, *begin[0].shape)) for _ in range(3))
             if not adapts:  # the acceleration changed too fast for the step to be predicted with it
                 self.state[4][:] = self.state[3]
-            self.stops_at_slack = False  # the scheme stays the same within a step
-            taken = self._integrate(self.system.path(times), times, h / parts, record, 1)
-            self.stops_at_slack = stops
+            path, stop = self.system.path(times), False  # the scheme stays the same within a step
+            taken = self._integrate(path, times, h / parts, record, 1, stop)
             error = self._step_error(record, begin[2], h / parts) if adapts and taken == parts else 0.0
             if taken == parts and (not adapts or error <= self.step_tolerance):
                 if not adapts:
@@ -222,15 +216,13 @@ def stream_line(system, *, dt, count, tolerance, ramp, path, chunk, rho_inf=None
     yield 0, *(part[None].copy() for part in run.state[:3])
     record = tuple(np.empty((chunk, *run.state[0].shape)) for _ in range(3))
     for done in range(0, count, chunk):
-        last = min(done + chunk, count)
-        taken = run.advance(dt * np.arange(done, last + 1), record, 1, path[done : last + 1])
+        times = dt * np.arange(done, min(done + chunk, count) + 1)
+        taken = run.advance(times, record, 1, path[done : done + times.size])
         states = tuple(part[:taken] for part in record)
         if taken:
             yield done + 1, *states
-        if done + taken < last:
-            return Status.STEP_FAILED, (dt * (done + taken), run.worst), run.iterations
-        if run.greatest_tension() > MAX_STRAIN * system.line.EA.min():
-            y = states[0].transpose(2, 1, 0)
-            if (invalid := system.invalid(y)) is not None:
-                return invalid[0], _first_time(system, dt * np.arange(done + 1, last + 1), y), run.iterations
+        if taken < times.size - 1:
+            return Status.STEP_FAILED, (float(times[taken]), run.worst), run.iterations
+        if (torn := _first_torn(run, times[1:], states[0].transpose(2, 1, 0))) is not None:
+            return *torn, run.iterations
     return Status.SUCCESS, None, run.iterations
