@@ -41,15 +41,15 @@ def mean_change(step) -> float:
     return float(abs(step).mean())
 
 
-def solve_with_continuation(system, basis, z, tolerance, newton, mirror, iterative) -> Solution:
+def solve_with_continuation(system, basis, z, tolerance, newton, mirror) -> Solution:
     """Solve at the full amplitude from z, or from rest by steps in the amplitude of the driving."""
-    if mirror is not None and not harmonic_residual(system, basis, mirror, iterative).start_is_symmetric(z):
+    if mirror is not None and not harmonic_residual(system, basis, mirror).start_is_symmetric(z):
         mirror = None
     last: list = []
 
     def solve(amplitude, guess):
         chain = system if amplitude == 1.0 else system.scaled(amplitude)
-        residual = harmonic_residual(chain, basis, mirror, iterative)
+        residual = harmonic_residual(chain, basis, mirror)
         linearise, inverse = _keep_last_solve(residual.linearise)
         last[:] = residual, inverse  # before Newton's method: the factors of the last try go before new ones come
         x, steps, converged = newton(linearise, residual.residual, residual.pack(guess), tolerance, mean_change)
@@ -77,7 +77,7 @@ def _keep_last_solve(linearise):
     return linearise_again, inverse
 
 
-def multilevel_start(system, basis, harmonics_of_driving, newton, mirror, iterative):
+def multilevel_start(system, basis, harmonics_of_driving, newton, mirror):
     """Return coefficients z from fewer nodes and harmonics, and the Newton steps that they took."""
     chains, prolongations = [system], []
     while (coarser := chains[-1].coarser()) is not None:
@@ -92,7 +92,7 @@ def multilevel_start(system, basis, harmonics_of_driving, newton, mirror, iterat
         z = _prolongate(z, prolongations[coarse:level])
         level, new = coarse, Basis(harmonics, 4 * harmonics, basis.omega, basis.mean)
         start = truncate_or_pad(z, old, new)
-        z, steps, *_ = solve_with_continuation(chains[level], new, start, COARSE_TOLERANCE, method, mirror, iterative)
+        z, steps, *_ = solve_with_continuation(chains[level], new, start, COARSE_TOLERANCE, method, mirror)
         old, iterations, method = new, iterations + steps, newton
     return truncate_or_pad(_prolongate(z, prolongations[:level]), old, basis), iterations
 

@@ -172,7 +172,6 @@ class MooringHarmonics:
     """
 
     symmetric = False
-    iterative = False
 
     def __init__(self, system, basis):
         self.system, self.basis = system, basis

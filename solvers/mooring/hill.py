@@ -19,7 +19,7 @@ class LineHill:
     """
 
     def __init__(self, response):
-        rows = response.system.harmonic_residual(response.basis, None, False)
+        rows = response.system.harmonic_residual(response.basis, None)
         line, count, (nodes, n, _) = response.system.line, response.basis.samples, rows.shape
         samples, cells = rows.samples(rows.pack(response.z)), line.length.size
         T, R, unit = np.zeros((count, cells)), np.empty(samples[0].shape), np.empty((count, cells, n))

@@ -190,8 +190,8 @@ class MooringSystem:
     newton = staticmethod(full_then_damped_newton)
     periodic_response = MooringResponse
 
-    def harmonic_residual(self, basis, mirror, iterative) -> MooringHarmonics:
-        """Return the rows in Fourier coefficients; neither a mirror nor an iterative solver is used."""
+    def harmonic_residual(self, basis, mirror) -> MooringHarmonics:
+        """Return the rows in Fourier coefficients; no mirror is used."""
         return MooringHarmonics(self, basis)
 
     def periodic_start(self, basis, harmonics_of_driving) -> tuple[np.ndarray, int]:

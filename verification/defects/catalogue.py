@@ -253,7 +253,6 @@ _FILES = {
         (
             "numerics.fourier",
             "harmonic_balance.residual",
-            "harmonic_balance.krylov",
             "harmonic_balance.blocks",
             "harmonic_balance.start",
         ),

@@ -594,33 +594,6 @@ DEFECTS = (
         "the block that tells the C library to keep memory is a small one",
         "harmonic_balance/test_start.py::test_a_second_solve_touches_no_new_memory",
     ),
-    # ------------------------------------------------------------ harmonic_krylov
-    Defect(
-        "conjugate on the way in only",
-        Fault(
-            "harmonic_balance.krylov",
-            "HarmonicKrylov.precondition",
-            "part[..., c] - 1j * part[..., s]",
-            "part[..., c] + 1j * part[..., s]",
-        ),
-        "sign",
-        "the preconditioner takes sines with the other sign",
-        "harmonic_balance/test_jacobian.py::test_harmonics_of_the_averaged_chain_are_the_inverse_at_rest "
-        "-k 'mass or towed'",
-    ),
-    Defect(
-        "harmonics of the second on",
-        Fault(
-            "harmonic_balance.krylov",
-            "HarmonicKrylov.__init__",
-            "range(1, basis.harmonics + 1)",
-            "range(basis.harmonics)",
-        ),
-        "index",
-        "each harmonic is preconditioned with the frequency of the one below",
-        "harmonic_balance/test_jacobian.py::test_harmonics_of_the_averaged_chain_are_the_inverse_at_rest "
-        "-k 'mass or towed'",
-    ),
     Defect(
         "product without the drift",
         Fault(
@@ -630,7 +603,7 @@ DEFECTS = (
             '0 * np.einsum("djnt,jnt->dt", slope, moved[0][0])',
         ),
         "term",
-        "J x of the iterative solver leaves the closing of the mean out",
+        "J x, which refines a step, leaves the closing of the mean out",
         "harmonic_balance/test_jacobian.py::test_products_agree_with_complex_step -k 'mass or towed'",
     ),
     Defect(

@@ -197,7 +197,7 @@ def test_each_level_is_solved_and_counted(nodes, harmonics, levels, monkeypatch)
     monkeypatch.setattr(start, "solve_with_continuation", recorded)
     chain = cable_system(scene(1), nodes)
     basis = Basis(harmonics, 4 * harmonics, 2 * math.pi / chain.period, True)
-    z, iterations = start.multilevel_start(chain, basis, 1, newton.damped_newton, None, False)
+    z, iterations = start.multilevel_start(chain, basis, 1, newton.damped_newton, None)
     assert [level[:2] for level in solved] == levels
     assert [level[2] for level in solved] == [True] + [False] * (len(levels) - 1)
     assert iterations == sum(level[3] for level in solved) and z.shape[1:] == (nodes, 2 * harmonics + 1)
