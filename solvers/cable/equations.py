@@ -8,7 +8,7 @@ Inside, vectors are (up, along, out): HB's X, Y, Z with Y from the anchor toward
 from __future__ import annotations
 
 import math
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -20,10 +20,9 @@ from . import spatial as spatial_equations
 from .loads import seabed_support
 from .mesh import trapezoidal_weights
 from .midpoint_stencils import midpoint_stencils
-from .outputs import CableOutputs, append_sample_axes
 
 
-class CableEquations(CableOutputs, ChainSystem):
+class CableEquations(ChainSystem):
     """The equations of the line of a scene on the nodes ``s`` (N,), m; ``axes`` (2 or 3, 3): (up, along[, out]).
 
     planar: whether the fields are those of motion in the line's vertical plane. motion, source: as in ``cable_system``.
@@ -42,7 +41,7 @@ class CableEquations(CableOutputs, ChainSystem):
             if getattr(cable, name) is None:
                 raise InputError(f"not given, and dynamics needs it ({unit})", field=name, unit=unit)
         self.scene, self.s, self.motion, self.source, self.order = scene, s, motion, source, order
-        self.stencils = midpoint_stencils(s) if order == 4 else None
+        self.stencils: Any = midpoint_stencils(s) if order == 4 else None
         self.period = getattr(motion, "period", None) if period is None else period
         self.ds = np.diff(s)
         self.nodes, self.planar = s.size, planar
@@ -56,7 +55,7 @@ class CableEquations(CableOutputs, ChainSystem):
         self._start_tangent = np.zeros((self.start_rows, len(self.fields)))
         self._start_tangent[: self.dimension, 1 : 1 + self.dimension] = np.eye(self.dimension)
         self._start_tangent[self.dimension :, -1] = 1.0
-        self._quadrature = trapezoidal_weights(self.ds) if order == 2 else self.stencils.quadrature()
+        self._quadrature = self.stencils.quadrature() if self.stencils else trapezoidal_weights(self.ds)
 
     def _set_loads(self, cable, environment, current, seabed_stiffness):
         """Set stiffness, masses, coefficients of drag and current, and the seabed."""
@@ -158,6 +157,25 @@ class CableEquations(CableOutputs, ChainSystem):
             return Status.COMPRESSION, int(least[0])
         return (Status.OVERSTRETCHED, int(most[0])) if y[0][most] > MAX_STRAIN else None
 
+    # ------------------------------------------------------------ outputs, in the public frame
+    def tension(self, y, ydot=None) -> np.ndarray:
+        """Return EA (eps + beta eps_t), (N, *S), N; without ydot the elastic part."""
+        return self.EA * (y[0] if ydot is None else y[0] + self.beta * ydot[0])
+
+    def positions(self, y) -> np.ndarray:
+        """Return the positions of the nodes, (3, N, *S), m: anchor plus the integral of (1 + eps) t ds."""
+        tangent, stencils = self.equations.stretched_tangent(y, False)[0], self.stencils
+        if stencils is None:
+            steps = (tangent[:, 1:] + tangent[:, :-1]) * append_sample_axes(self.ds / 2, y)
+        else:
+            steps = stencils(tangent, stencils.integral)[0]
+        local = np.concatenate([np.zeros_like(steps[:, :1]), np.cumsum(steps, axis=1)], axis=1)
+        return np.einsum("dc,dn...->cn...", self.axes, local) + append_sample_axes(self.anchor[:, None], y)
+
+    def direction(self, y) -> np.ndarray:
+        """Return the unit tangent of the nodes, (3, N, *S)."""
+        return np.einsum("dc,dn...->cn...", self.axes, self.equations.stretched_tangent(y, False)[0] / (1 + y[0]))
+
     # ------------------------------------------------------------ the position of the fairlead
     def drift(self, y, t) -> np.ndarray:
         """Return the integral of (1 + eps) t ds less the prescribed position of the fairlead, (2 or 3, *S), m."""
@@ -168,6 +186,11 @@ class CableEquations(CableOutputs, ChainSystem):
     def drift_tangent(self, y) -> np.ndarray:
         """Return d(drift)/dy, (2 or 3, n_f, N, *S)."""
         return self.equations.stretched_tangent(y)[1] * append_sample_axes(self._quadrature, y)
+
+
+def append_sample_axes(array, y):
+    """Return the array with the axes of the samples of y (n_f, N, *S) appended, each of length one."""
+    return array.reshape(*array.shape, *(1,) * (y.ndim - 2))
 
 
 def line_axes(scene) -> np.ndarray:

@@ -160,23 +160,6 @@ def _has_contact(system) -> bool:
     return system.has_seabed and system.seabed_stiffness > 0
 
 
-def rest_sensitivity(system) -> tuple[np.ndarray, np.ndarray] | None:
-    """Return the derivatives of the rest state (n_d, n_f, N) and of its positions (n_d, n_d, N) by the fairlead's.
-
-    The first axis is the direction of the fairlead's displacement, the second that of the positions, along the axes of
-    the system. None where the stiffness is singular.
-    """
-    statics, n, y = _Statics(system), system.dimension, system.rest_state()
-    position = system.axes @ (system.positions(y) - system.anchor[:, None])
-    rows = statics.rows(np.concatenate([y[statics.angles], position]), True)
-    if not statics.jacobian.factorise(*(part.dy for part in rows)):
-        return None
-    displacement = np.zeros((2 * n * system.nodes, n))
-    displacement[-n:] = np.eye(n)  # in the rows of the end
-    x = statics.jacobian.solve(displacement).T.reshape(n, system.nodes, 2 * n).swapaxes(1, 2)
-    return np.array([statics.full(one) - statics.full(0 * one) for one in x]), x[:, n:]
-
-
 def _shots_per_cell(system) -> int:
     """Return how many shots a cell takes for none to pass more than two boundary layers sqrt(T/k) of the seabed."""
     if not _has_contact(system):
@@ -194,7 +177,7 @@ def _with_eased_loads(system, x, load_factor) -> CableEquations:
         soft = system.EA * x[0].max() / (4 * system.ds.max() ** 2)  # the line lifts off over two cells, sqrt(T / k)
         ratio = min(1.0, soft / system.seabed_stiffness)
         loads["seabed_stiffness"] = system.seabed_stiffness * ratio ** (1 - load_factor)
-    return system.replace(**loads)
+    return system.replace(**loads) if loads else system
 
 
 class _Statics:
@@ -236,7 +219,7 @@ class _Statics:
         system, n = self.system, self.system.dimension
         y = self.full(x)
         cells = system.cells(y, np.zeros_like(y), 0.0, tangents)
-        tangent, by_angles = system.stretched_tangent(y)
+        tangent, by_angles = system.equations.stretched_tangent(y)
         position = x[n:]
         value = np.concatenate(
             [

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
+from functools import cached_property
 from typing import Protocol, Self
 
 import numpy as np
@@ -18,7 +20,7 @@ from ..common.types import Movement, Vector
 from ..common.validation import one_of
 from .equations import CableEquations, line_axes
 from .mesh import check_mesh, every_second_node
-from .predictor import Equilibrium, RestrictedEquilibrium, quasi_static_predictor
+from .statics import StaticState, solve_static
 
 _MIN_NODES = 20  # below which a coarser mesh saves nothing
 _SMALL_TURN = 0.02  # rad in a cell, up to which a drift correction feeds no wave that the water damps
@@ -89,7 +91,13 @@ class CableSystem(CableEquations):
     def __init__(self, *arguments, equilibrium=None, **options):
         """As CableEquations; equilibrium: that of a cable with the same one, None: solved for when first asked."""
         super().__init__(*arguments, **options)
-        self.equilibrium = Equilibrium(self) if equilibrium is None else equilibrium
+        if equilibrium is not None:
+            self.equilibrium = equilibrium
+
+    @cached_property
+    def equilibrium(self) -> StaticState:
+        """The discrete equilibrium."""
+        return solve_static(self)
 
     @property
     def needs_mesh_check(self) -> bool:  # type: ignore[override]
@@ -124,7 +132,7 @@ class CableSystem(CableEquations):
         coarse = self.replace(
             s=self.s[nodes],
             source=source and (lambda t: source(t)[:, nodes]),
-            equilibrium=RestrictedEquilibrium.to_nodes(self.equilibrium, nodes),
+            equilibrium=replace(self.equilibrium, y=self.rest_state()[:, nodes]),
         )
         return coarse, lambda z: make_interp_spline(coarse.s, z, axis=1)(self.s)
 
@@ -146,9 +154,16 @@ class CableSystem(CableEquations):
             suspected.append(f"friction: {friction:g} of the seabed is not in these equations, the line slides freely")
         return tuple(dict.fromkeys(suspected))
 
-    def quasi_static_predictor(self, t) -> np.ndarray | None:
-        """Return the equilibrium as it follows the fairlead, (n_f, N, S), or None."""
-        return quasi_static_predictor(self, t)
+    def predict_motion(self, t) -> np.ndarray | None:
+        """Return the equilibrium, (n_f, N, S), with velocities that grow from the anchor to the fairlead's, or None."""
+        if self.motion is None:
+            return None
+        rest, velocities = self.rest_state(), slice(1, 1 + self.dimension)
+        rotation = self.equations.velocity(rest)[1][:, velocities]  # d(velocity in the axes)/d(u, v[, w])
+        y = np.repeat(rest[..., None], np.size(t), axis=2)
+        rate = self.axes @ self.motion.velocity(t)
+        y[velocities] = np.einsum("dcn,n,dt->cnt", rotation, self.s / self.s[-1], rate)
+        return y
 
     def scale(self) -> np.ndarray:
         """Return the largest strain at rest; 1 m/s, 1 rad, 1 m."""

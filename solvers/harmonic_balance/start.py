@@ -105,9 +105,9 @@ def _prolongate(z, prolongations):
 
 
 def predictor_coefficients(system, basis) -> np.ndarray:
-    """Return the coefficients of the chain's quasi-static predictor, zeros where it has none."""
+    """Return the coefficients of the motion that the chain predicts, zeros where it predicts none."""
     rest = system.rest_state()
-    y = system.quasi_static_predictor(basis.times)
+    y = system.predict_motion(basis.times)
     return np.zeros((*rest.shape, basis.harmonic.size)) if y is None else (y - rest[..., None]) @ basis.P
 
 

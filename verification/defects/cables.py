@@ -123,7 +123,7 @@ LOAD_FAULTS = [
     (Fault("cable.spatial", "cells", "F[:3] += support * S_up", "F[:3] -= support * S_up"), "the seabed pulls"),
     (Fault("cable.planar", "cells", "S[Z] / 2", "S[Z]"), "the seabed at the sum of two heights"),
     (Fault("cable.equations", "CableEquations.cells", "np.subtract", "np.add"), "source with the wrong sign"),
-    (Fault("cable.outputs", "CableOutputs.positions", "self.ds / 2", "self.ds"), "positions twice as far"),
+    (Fault("cable.equations", "CableEquations.positions", "self.ds / 2", "self.ds"), "positions twice as far"),
     (
         Fault("cable.mesh", "trapezoidal_weights", "weights[1:] += ds / 2", "weights[1:] += ds"),
         "drift by a wrong quadrature",
@@ -461,7 +461,7 @@ DEFECTS = (
     ),
     Defect(
         "damping out of the tension",
-        Fault("cable.outputs", "CableOutputs.tension", "y[0] + self.beta * ydot[0]", "y[0]"),
+        Fault("cable.equations", "CableEquations.tension", "y[0] + self.beta * ydot[0]", "y[0]"),
         "term",
         "the tension that is reported has no part of the material's damping",
         "common/test_response.py::test_tension_includes_the_material_damping",

@@ -222,8 +222,6 @@ _FILES = {
             "cable.system",
             "cable.equations",
             "cable.mesh",
-            "cable.outputs",
-            "cable.predictor",
             "cable.planar",
             "cable.spatial",
             "cable.loads",
