@@ -118,17 +118,57 @@ class CableEquations(ChainSystem):
         """Return the rows 1, 2, (3), 4, 5, (6), (z) of the box scheme (39), less the source."""
         if self.is_fourth_order and not tangents:
             return Residual(self._midpoint_residual(y, ydot, t))
-        rows = self.equations.cells(self, y, ydot, tangents)
+        rows = self._box_scheme(y, ydot, tangents)
         if self.source is not None:
             q = self.source(t)
             np.subtract(rows.value, q[:, 1:] + q[:, :-1], out=rows.value)
         return rows._replace(value=self._midpoint_residual(y, ydot, t)) if self.is_fourth_order else rows
 
+    def _box_scheme(self, y, ydot, tangents) -> Residual:
+        """Return the rows (39), without a source."""
+        equations, n, ds = self.equations, self.dimension, append_sample_axes(self.ds, y)
+        a, T, by, bt = equations.local_terms(self, y, ydot, tangents)
+        D = (y[:, 1:] - y[:, :-1]) / ds  # y_s
+        sums = [q[1:] + q[:-1] for q in equations.stiffness_coefficients(y, T)]  # twice the mean
+        F = a[:, 1:] + a[:, :-1]
+        equations.add_stiffness(F, sums, D, 2 * (T[1:] - T[:-1]) / ds, 2)
+        if self.has_seabed:
+            support, support_z = self.support((y[-1, 1:] + y[-1, :-1]) / 2)
+            up, up_by_angles = equations.upward(y)
+            S_up = up[:, 1:] + up[:, :-1]
+            F[:n] += support * S_up
+            F[-1] += 2 * D[-1]
+        if not tangents:
+            return Residual(F)
+
+        J, Jt = (np.stack([part[:, :, :-1], part[:, :, 1:]]) for part in (by, bt))
+        for side, per, at in ((0, -1 / ds, slice(None, -1)), (1, 1 / ds, slice(1, None))):
+            by_tension = equations.add_stiffness_tangents(J[side], y[:, at], T[at], sums, D, per)
+            for row, by_T in enumerate(by_tension):
+                J[side, row, 0] += self.EA * by_T
+                if self.beta:
+                    Jt[side, row, 0] += self.EA * self.beta * by_T
+            if self.has_seabed:
+                J[side, :n, 1 + n : 2 * n] += support * up_by_angles[:, :, at]
+                J[side, :n, -1] += support_z / 2 * S_up
+                J[side, -1, -1] += 2 * per
+        return Residual(F, J, Jt)
+
+    def point(self, y, ydot, y_s, ydot_s):
+        """Return M y_t + K y_s + f at points of the cable, all (n_f, n, *S)."""
+        F, T, *_ = self.equations.local_terms(self, y, ydot, False)
+        T_s = self.EA * (y_s[0] + self.beta * ydot_s[0])
+        self.equations.add_stiffness(F, self.equations.stiffness_coefficients(y, T), y_s, T_s, 1)
+        if self.has_seabed:
+            F[: self.dimension] += self.support(y[-1])[0] * self.equations.upward(y)[0]
+            F[-1] += y_s[-1]
+        return F
+
     def _midpoint_residual(self, y, ydot, t):
         """Return twice the equations at the cells' midpoints, less the source; y and y_s there from four nodes."""
         stencils = self.stencils
         (value, slope), n = stencils(np.concatenate([y, ydot]), stencils.value, stencils.slope), len(y)
-        F = 2 * self.equations.point(self, value[:n], value[n:], slope[:n], slope[n:])
+        F = 2 * self.point(value[:n], value[n:], slope[:n], slope[n:])
         return F if self.source is None else F - 2 * stencils(self.source(t), stencils.value)[0]
 
     def end(self, y, ydot, t, tangents=True, correction=None) -> Residual:
