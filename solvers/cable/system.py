@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
-from typing import Protocol, Self
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,8 +15,7 @@ from scipy.interpolate import make_interp_spline
 from ..common.diagnostics import check_drag
 from ..common.motion import Ramped
 from ..common.outcome import InputError
-from ..common.properties import CableProperties, Environment
-from ..common.types import Movement, Vector
+from ..common.types import Movement
 from ..common.validation import one_of
 from .equations import CableEquations, line_axes
 from .mesh import check_mesh, every_second_node
@@ -27,36 +26,8 @@ _SMALL_TURN = 0.02  # rad in a cell, up to which a drift correction feeds no wav
 _IN_PLANE = 1e-12  # out-of-plane parts below this share of a vector come from rounding its direction
 
 
-class CableScene(Protocol):
-    """What a cable asks of a scene, as ``solvers.Scene`` has it: SI units, anchor and fairlead in x, y, z."""
-
-    @property
-    def cable(self) -> CableProperties:
-        """Section of the line."""
-
-    @property
-    def environment(self) -> Environment:
-        """Water, gravity and seabed."""
-
-    @property
-    def length(self) -> float:
-        """Unstretched length, m."""
-
-    @property
-    def anchor(self) -> Vector:
-        """Position of the anchor, m."""
-
-    @property
-    def fairlead(self) -> Vector:
-        """Mean position of the fairlead, m."""
-
-    @property
-    def motion(self) -> Movement | None:
-        """Motion of the fairlead about it, or None."""
-
-
 def cable_system(
-    scene: CableScene,
+    scene,
     nodes: int = 50,
     *,
     mesh: ArrayLike | None = None,
@@ -66,6 +37,8 @@ def cable_system(
 ) -> CableSystem:
     """Return the line of a scene on ``nodes`` nodes, for solve_static, solve_time_domain and solve_periodic.
 
+    scene: a Scene; of another object its cable (CableProperties), environment (Environment), length in m, anchor and
+    fairlead (3,) in m, and motion are taken.
     mesh: unstretched arc lengths (N,) of the nodes in m, from 0 to the length, or None: uniform.
     fields: "planar" (eps, u, v, phi), "spatial" (+ w, theta), or "auto": planar when current and motion lie in the
     line's vertical plane. z is added when the scene has a seabed.
