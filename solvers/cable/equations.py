@@ -134,7 +134,7 @@ class CableEquations(ChainSystem):
         equations.add_stiffness(F, sums, D, 2 * (T[1:] - T[:-1]) / ds, 2)
         if self.has_seabed:
             support, support_z = self.support((y[-1, 1:] + y[-1, :-1]) / 2)
-            up, up_by_angles = equations.upward(y)
+            (up, *_), (up_by_angles, *_) = equations.frame(y)
             S_up = up[:, 1:] + up[:, :-1]
             F[:n] += support * S_up
             F[-1] += 2 * D[-1]
@@ -160,7 +160,7 @@ class CableEquations(ChainSystem):
         T_s = self.EA * (y_s[0] + self.beta * ydot_s[0])
         self.equations.add_stiffness(F, self.equations.stiffness_coefficients(y, T), y_s, T_s, 1)
         if self.has_seabed:
-            F[: self.dimension] += self.support(y[-1])[0] * self.equations.upward(y)[0]
+            F[: self.dimension] += self.support(y[-1])[0] * self.equations.frame(y, False)[0][0]
             F[-1] += y_s[-1]
         return F
 
@@ -173,13 +173,35 @@ class CableEquations(ChainSystem):
 
     def end(self, y, ydot, t, tangents=True, correction=None) -> Residual:
         """Return the velocity of the fairlead less the prescribed one, (43)-(45), less the ``correction`` (n_d, *S)."""
-        value, tangent = self.equations.velocity(y[:, -1], tangents)
+        value, tangent = self.velocity(y[:, -1], tangents)
         if self.motion is not None:
             value = value - self.axes @ self.motion.velocity(t)
         if correction is not None:
             value = value - correction
         return Residual(value, tangent, np.zeros_like(tangent) if tangents else None)
 
+    # ------------------------------------------------------------ kinematics
+    def velocity(self, y, tangents=True):
+        """Return the velocity of the nodes along the axes, (n_d, *shape), (43)-(45); and d/dy (n_d, n_f, *shape)."""
+        n, (frame, by_angles) = self.dimension, self.equations.frame(y, tangents)
+        value = np.einsum("ij...,j...->i...", frame, y[1 : 1 + n])
+        if not tangents:
+            return value, None
+        by_y = np.zeros((n, *y.shape), dtype=y.dtype)
+        by_y[:, 1 : 1 + n] = frame
+        by_y[:, 1 + n : 2 * n] = np.einsum("ija...,j...->ia...", by_angles, y[1 : 1 + n])
+        return value, by_y
+
+    def stretched_tangent(self, y, tangents=True):
+        """Return (1 + eps) t of the nodes along the axes, (n_d, *shape); and d/dy (n_d, n_f, *shape)."""
+        n, (frame, by_angles), stretch = self.dimension, self.equations.frame(y, tangents), 1 + y[0]
+        if not tangents:
+            return stretch * frame[:, 0], None
+        by_y = np.zeros((n, *y.shape), dtype=y.dtype)
+        by_y[:, 0], by_y[:, 1 + n : 2 * n] = frame[:, 0], stretch * by_angles[:, 0]
+        return stretch * frame[:, 0], by_y
+
+    # ------------------------------------------------------------ what holds for a state
     def mirror(self) -> tuple[tuple[int, ...], ...] | None:
         """Return the signs under a reflection at the plane of the line, None for planar fields.
 
@@ -204,7 +226,7 @@ class CableEquations(ChainSystem):
 
     def positions(self, y) -> np.ndarray:
         """Return the positions of the nodes, (3, N, *S), m: anchor plus the integral of (1 + eps) t ds."""
-        tangent, stencils = self.equations.stretched_tangent(y, False)[0], self.stencils
+        tangent, stencils = self.stretched_tangent(y, False)[0], self.stencils
         if stencils is None:
             steps = (tangent[:, 1:] + tangent[:, :-1]) * append_sample_axes(self.ds / 2, y)
         else:
@@ -214,18 +236,18 @@ class CableEquations(ChainSystem):
 
     def direction(self, y) -> np.ndarray:
         """Return the unit tangent of the nodes, (3, N, *S)."""
-        return np.einsum("dc,dn...->cn...", self.axes, self.equations.stretched_tangent(y, False)[0] / (1 + y[0]))
+        return np.einsum("dc,dn...->cn...", self.axes, self.equations.frame(y, False)[0][:, 0])
 
     # ------------------------------------------------------------ the position of the fairlead
     def drift(self, y, t) -> np.ndarray:
         """Return the integral of (1 + eps) t ds less the prescribed position of the fairlead, (2 or 3, *S), m."""
         chord = append_sample_axes(self.chord[:, None] / self.s[-1], y)  # subtracted at nodes: smaller sums round less
-        offset = np.einsum("dn...,n->d...", self.equations.stretched_tangent(y, False)[0] - chord, self._quadrature)
+        offset = np.einsum("dn...,n->d...", self.stretched_tangent(y, False)[0] - chord, self._quadrature)
         return offset - (0.0 if self.motion is None else self.axes @ self.motion.displacement(t))
 
     def drift_tangent(self, y) -> np.ndarray:
         """Return d(drift)/dy, (2 or 3, n_f, N, *S)."""
-        return self.equations.stretched_tangent(y)[1] * append_sample_axes(self._quadrature, y)
+        return self.stretched_tangent(y)[1] * append_sample_axes(self._quadrature, y)
 
 
 def append_sample_axes(array, y):

@@ -88,32 +88,9 @@ def add_stiffness_tangents(J, y, T, sums, D, per):
     return 2 * per, D[PHI]
 
 
-def upward(y):
-    """Return the upward parts of t and n, (2, *shape), and their derivatives by phi, (2, 1, *shape)."""
-    sin, cos = np.sin(y[PHI]), np.cos(y[PHI])
-    return np.array([cos, -sin]), np.array([[-sin], [-cos]])
-
-
-def velocity(y, tangents=True):
-    """Return the velocity of the nodes, (up, along): (2, *shape), (43), (44); and d/dy (2, n_f, *shape), or None."""
-    u, v, phi = y[U], y[V], y[PHI]
-    sin, cos = np.sin(phi), np.cos(phi)
-    value = np.array([u * cos - v * sin, u * sin + v * cos])
-    if not tangents:
-        return value, None
-    by_y = np.zeros((2, *y.shape), dtype=y.dtype)
-    by_y[0, U], by_y[0, V], by_y[0, PHI] = cos, -sin, -value[1]
-    by_y[1, U], by_y[1, V], by_y[1, PHI] = sin, cos, value[0]
-    return value, by_y
-
-
-def stretched_tangent(y, tangents=True):
-    """Return (1 + eps) t of the nodes in (up, along): (2, *shape), and d/dy (2, n_f, *shape), or None."""
-    stretch, sin, cos = 1 + y[EPS], np.sin(y[PHI]), np.cos(y[PHI])
-    value = np.array([stretch * cos, stretch * sin])
-    if not tangents:
-        return value, None
-    by_y = np.zeros((2, *y.shape), dtype=y.dtype)
-    by_y[0, EPS], by_y[0, PHI] = cos, -value[1]
-    by_y[1, EPS], by_y[1, PHI] = sin, value[0]
-    return value, by_y
+def frame(y, tangents=True):
+    """Return t and n as columns in (up, along), (2, 2, *shape), and their derivatives by phi, (2, 2, 1, *shape)."""
+    vectors, sin, cos = np.empty((2, 2, *y.shape[1:]), y.dtype), np.sin(y[PHI]), np.cos(y[PHI])
+    vectors[0, 0], vectors[0, 1] = cos, -sin
+    vectors[1, 0], vectors[1, 1] = sin, cos
+    return vectors, np.stack([-vectors[1], vectors[0]])[:, :, None] if tangents else None

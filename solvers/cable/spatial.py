@@ -141,42 +141,18 @@ def add_stiffness_tangents(J, y, T, sums, D, per):
     return 2 * per, cos * D_phi, -D_theta
 
 
-def upward(y):
-    """Return the upward parts of t, n and b, (3, *shape), and their derivatives by phi and theta, (3, 2, *shape)."""
+def frame(y, tangents=True):
+    """Return t, n and b as columns in (up, along, out), (3, 3, *shape), and their derivatives by phi and theta.
+
+    The latter (3, 3, 2, *shape), None without ``tangents``.
+    """
+    vectors, by_angles = np.zeros((3, 3, *y.shape[1:]), y.dtype), None
     sin_p, cos_p, sin_t, cos_t = np.sin(y[PHI]), np.cos(y[PHI]), np.sin(y[THETA]), np.cos(y[THETA])
-    t_up, b_up = cos_p * cos_t, cos_p * sin_t
-    by_angles = [-sin_p * cos_t, -b_up], [-cos_p, np.zeros_like(cos_p)], [-sin_p * sin_t, t_up]
-    return np.array([t_up, -sin_p, b_up]), np.array(by_angles)
-
-
-def velocity(y, tangents=True):
-    """Return the velocity of the nodes (up, along, out): (3, *shape), (43)-(45); and d/dy (3, n_f, *shape), or None."""
-    u, v, w = y[U], y[V], y[W]
-    sin_p, cos_p, sin_t, cos_t = np.sin(y[PHI]), np.cos(y[PHI]), np.sin(y[THETA]), np.cos(y[THETA])
-    level = u * cos_t + w * sin_t
-    out = w * cos_t - u * sin_t
-    value = np.array([level * cos_p - v * sin_p, level * sin_p + v * cos_p, out])
-    if not tangents:
-        return value, None
-    by_y = np.zeros((3, *y.shape), dtype=y.dtype)
-    by_y[0, U], by_y[0, V], by_y[0, W] = cos_p * cos_t, -sin_p, cos_p * sin_t
-    by_y[1, U], by_y[1, V], by_y[1, W] = sin_p * cos_t, cos_p, sin_p * sin_t
-    by_y[2, U], by_y[2, W] = -sin_t, cos_t
-    by_y[0, PHI], by_y[1, PHI] = -value[1], value[0]
-    by_y[0, THETA], by_y[1, THETA], by_y[2, THETA] = out * cos_p, out * sin_p, -level
-    return value, by_y
-
-
-def stretched_tangent(y, tangents=True):
-    """Return (1 + eps) t of the nodes in (up, along, out): (3, *shape), and d/dy (3, n_f, *shape), or None."""
-    stretch = 1 + y[EPS]
-    sin_p, cos_p, sin_t, cos_t = np.sin(y[PHI]), np.cos(y[PHI]), np.sin(y[THETA]), np.cos(y[THETA])
-    t = np.array([cos_p * cos_t, sin_p * cos_t, -sin_t])
-    if not tangents:
-        return stretch * t, None
-    by_y = np.zeros((3, *y.shape), dtype=y.dtype)
-    by_y[:, EPS] = t
-    by_y[0, PHI], by_y[1, PHI] = -stretch * t[1], stretch * t[0]
-    by_y[0, THETA], by_y[1, THETA] = -stretch * cos_p * sin_t, -stretch * sin_p * sin_t
-    by_y[2, THETA] = -stretch * cos_t
-    return stretch * t, by_y
+    vectors[0, 0], vectors[0, 1], vectors[0, 2] = cos_p * cos_t, -sin_p, cos_p * sin_t
+    vectors[1, 0], vectors[1, 1], vectors[1, 2] = sin_p * cos_t, cos_p, sin_p * sin_t
+    vectors[2, 0], vectors[2, 2] = -sin_t, cos_t
+    if tangents:
+        by_angles = np.zeros((3, 3, 2, *y.shape[1:]), y.dtype)
+        by_angles[0, :, 0], by_angles[1, :, 0] = -vectors[1], vectors[0]
+        by_angles[:, 0, 1], by_angles[:, 2, 1] = -vectors[:, 2], vectors[:, 0]
+    return vectors, by_angles

@@ -189,8 +189,7 @@ class _Statics:
         self.jacobian = BandedJacobian(2 * n, system.nodes, n)
         self.scale = np.ones((2 * n, 1))
         self.scale[n:] = np.linalg.norm(system.chord) or 1.0
-        self.end_tangent = np.zeros((n, 2 * n))
-        self.end_tangent[:, n:] = np.eye(n)
+        self.end_tangent = np.eye(n, 2 * n, n)
 
     def catenary(self) -> np.ndarray:
         """Return the continuous equilibrium without current at the nodes, x; a seabed is rigid there."""
@@ -198,11 +197,11 @@ class _Statics:
         state = solve_span(_span(system))
         along, up, T = state.profile(system.s)
         x = np.zeros((2 * n, system.nodes))
-        x[0] = T / system.EA
-        x[1] = np.arctan2(state.H, _vertical(state, system))
+        vertical = state.V - system.w0 * (system.s[-1] - system.s)
         if state.grounded_length > 0:
+            vertical = np.maximum(vertical, 0.0)
             up = np.where(system.s <= state.grounded_length, up - 0.5 * system.w0 / system.seabed_stiffness, up)
-        x[n], x[n + 1] = up, along
+        x[0], x[1], x[n], x[n + 1] = T / system.EA, np.arctan2(state.H, vertical), up, along
         return x
 
     def full(self, x) -> np.ndarray:
@@ -219,14 +218,10 @@ class _Statics:
         system, n = self.system, self.system.dimension
         y = self.full(x)
         cells = system.cells(y, np.zeros_like(y), 0.0, tangents)
-        tangent, by_angles = system.equations.stretched_tangent(y)
+        tangent, by_angles = system.stretched_tangent(y)
         position = x[n:]
-        value = np.concatenate(
-            [
-                cells.value[:n],
-                2 * (position[:, 1:] - position[:, :-1]) / system.ds - tangent[:, 1:] - tangent[:, :-1],
-            ]
-        )
+        placed = 2 * (position[:, 1:] - position[:, :-1]) / system.ds - tangent[:, 1:] - tangent[:, :-1]
+        value = np.concatenate([cells.value[:n], placed])
         start, end = Residual(position[:, 0]), Residual(position[:, -1] - system.chord)
         if not tangents:
             return start, Residual(value), end
@@ -255,9 +250,3 @@ class _Statics:
 
         with np.errstate(all="ignore"):  # trial states may have eps < -1; they are refused as not finite
             return damped_newton(linearise, self.residual, x, tolerance, lambda d: float(np.mean(abs(d / self.scale))))
-
-
-def _vertical(state, system) -> np.ndarray:
-    """Return the vertical force at the nodes of the catenary, N; zero where it rests on the seabed."""
-    V = state.V - system.w0 * (system.s[-1] - system.s)
-    return np.maximum(V, 0.0) if state.grounded_length > 0 else V

@@ -132,7 +132,7 @@ class CableSystem(CableEquations):
         if self.motion is None:
             return None
         rest, velocities = self.rest_state(), slice(1, 1 + self.dimension)
-        rotation = self.equations.velocity(rest)[1][:, velocities]  # d(velocity in the axes)/d(u, v[, w])
+        rotation = self.equations.frame(rest, False)[0]
         y = np.repeat(rest[..., None], np.size(t), axis=2)
         rate = self.axes @ self.motion.velocity(t)
         y[velocities] = np.einsum("dcn,n,dt->cnt", rotation, self.s / self.s[-1], rate)
@@ -154,7 +154,7 @@ class CableSystem(CableEquations):
         Velocities and positions of the nodes agree only to that square at a bend, so a full correction excites waves.
         """
         y = self.rest_state()
-        turn = np.diff(self.equations.stretched_tangent(y, False)[0] / (1 + y[0]), axis=-1)
+        turn = np.diff(self.equations.frame(y, False)[0][:, 0], axis=-1)
         return min(1.0, float(_SMALL_TURN**2 / max((turn**2).sum(axis=0).max(), _SMALL_TURN**2)))
 
 

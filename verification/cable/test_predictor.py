@@ -19,7 +19,7 @@ def test_the_predicted_velocities_grow_linearly_from_the_anchor(case):
     chain, t = system(case, 15), np.array([0.7, 4.0])
     y, rest = chain.predict_motion(t), chain.rest_state()
     wanted = (chain.axes @ chain.motion.velocity(t))[:, None] * (chain.s / chain.s[-1])[:, None]
-    assert abs(chain.equations.velocity(y)[0] - wanted).max() <= ROUND_OFF
+    assert abs(chain.velocity(y)[0] - wanted).max() <= ROUND_OFF
     still = [i for i, name in enumerate(chain.fields) if name not in "uvw"]
     assert np.array_equal(y[still], np.repeat(rest[still][..., None], 2, axis=2))
 

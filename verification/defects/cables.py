@@ -544,8 +544,8 @@ DEFECTS = (
         Fault(
             "cable.equations",
             "CableEquations.point",
-            "F[: self.dimension] += self.support(y[-1])[0] * self.equations.upward(y)[0]",
-            "F[: self.dimension] -= self.support(y[-1])[0] * self.equations.upward(y)[0]",
+            "F[: self.dimension] += self.support(y[-1])[0] * self.equations.frame(y, False)[0][0]",
+            "F[: self.dimension] -= self.support(y[-1])[0] * self.equations.frame(y, False)[0][0]",
         ),
         "sign",
         "support of the seabed reversed in the rows of fourth order",
