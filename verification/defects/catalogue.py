@@ -211,7 +211,6 @@ _FILES = {
             "network.nested",
             "network.start",
             "network.monolithic",
-            "network.rounding",
             "io.network_scene",
             "io.map_file",
         ),
