@@ -308,8 +308,8 @@ DEFECTS = (
         Fault(
             "network.model",
             "Network._supported_nodes",
-            "return supported",
-            ("return [True] * len(supported)\nreturn supported"),
+            'np.isin(part, part[[node.kind != "free" for node in self.nodes]])',
+            "part >= 0",
         ),
         "input",
         "parts of a network that nothing ties down are accepted",
