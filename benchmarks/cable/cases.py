@@ -172,7 +172,6 @@ _SOLVERS = (
     "numerics/fourier",
     "harmonic_balance/solve",
     "harmonic_balance/residual",
-    "harmonic_balance/krylov",
     "harmonic_balance/blocks",
     "numerics/compiled",
     "numerics/lu/bordered",

@@ -25,14 +25,12 @@ QUICK_AMPLITUDES = (5.0, 7.0, 9.0, 10.0, 10.25, 10.5)
 RAISED = 15  # harmonics
 
 GROWTH = {
-    "nodes": ("case_1", "direct", (25, 50, 100, 200, 400, 700, 1000)),
-    "harmonics, direct": ("case_3", "direct", (9, 15, 20, 30, 45, 60)),
-    "harmonics, iterative": ("case_3", "iterative", (9, 15, 20, 30, 45, 60)),
+    "nodes": ("case_1", (25, 50, 100, 200, 400, 700, 1000)),
+    "harmonics": ("case_3", (9, 15, 20, 30, 45, 60)),
 }
-"""(case, linear solver, sizes); nodes at Nh = 9, harmonics at N = 50. The iterative solver is for moderate changes of
-the tension, such as those of case 3."""
-QUICK_MOST = {"nodes": 200, "harmonics, direct": 20, "harmonics, iterative": 20}
-FITTED_FROM = {"nodes": 100, "harmonics, direct": 15, "harmonics, iterative": 15}
+"""(case, sizes); nodes at Nh = 9, harmonics at N = 50."""
+QUICK_MOST = {"nodes": 200, "harmonics": 20}
+FITTED_FROM = {"nodes": 100, "harmonics": 15}
 TURNS, QUICK_TURNS = 9, 3
 
 SIZES = {"10 masses": (10, 9), "50 masses": (50, 9), "100 masses": (100, 15), "300 masses": (300, 15)}
@@ -79,13 +77,13 @@ def vanishing(rows) -> float | None:
 def growth(quick: bool, references):
     """Seconds by nodes and by harmonics, with the fitted exponents."""
     rows, exponents = [], {}
-    for name, (case, solver, sizes) in GROWTH.items():
+    for name, (case, sizes) in GROWTH.items():
         mine = []
         for size in sizes:
             if quick and size > QUICK_MOST[name]:
                 continue
             nodes, Nh = (size, HARMONICS) if name == "nodes" else (NODES, size)
-            run = partial(solve_periodic, system(case, nodes), harmonics=Nh, linear_solver=solver)
+            run = partial(solve_periodic, system(case, nodes), harmonics=Nh)
             seconds, response = least_seconds(run)
             mine.append({"series": name, "case": case, "size": size, "seconds": seconds,
                          "iterations": response.iterations + response.coarse_iterations})  # fmt: skip

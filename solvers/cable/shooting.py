@@ -28,8 +28,7 @@ def shoot(system, y, tolerance):
     scale = np.repeat([system.EA * abs(y[0]).max(), np.linalg.norm(system.chord) or 1.0], n)[:, None]
     x = np.concatenate([system.EA * y[0] * tangent, position]) / scale
     jacobian = BandedJacobian(2 * n, nodes, n)
-    ends = np.zeros((n, 2 * n))
-    ends[:, n:] = np.eye(n)
+    ends = np.eye(n, 2 * n, n)
 
     def shots(x):
         """Return the states at the ends of the cells, from those at their starts (2 n_d, *S)."""

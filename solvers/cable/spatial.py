@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..numerics.chain import Residual
 from .loads import quadratic_drag, transverse_drag
 
 FIELDS = ("eps", "u", "v", "w", "phi", "theta")
-EPS, U, V, W, PHI, THETA, Z = range(7)
+EPS, U, V, W, PHI, THETA = range(6)
 
 
 class _Current:
@@ -24,13 +23,13 @@ class _Current:
         self.n_phi, self.t_theta, self.b_theta = -level, -self.b, self.t
 
 
-def _local(c, y, ydot, tangents):
+def local_terms(c, y, ydot, tangents):
     """Return M y_t + f of HB (1)-(6) at points of the cable ``c``, the tension, and tangents of the former or None."""
     eps, u, v, w, phi, theta = y[:6]
     eps_t, u_t, v_t, w_t, phi_t, theta_t = ydot[:6]
-    m, ma, EA = c.m, c.ma, c.EA
+    m, ma = c.m, c.ma
     sin_p, cos_p, sin_t, cos_t = np.sin(phi), np.cos(phi), np.sin(theta), np.cos(theta)
-    T = EA * (eps + c.beta * eps_t) if c.beta else EA * eps
+    T = c.EA * (eps + c.beta * eps_t) if c.beta else c.EA * eps
     stretch = np.sqrt(1 + eps)
     flow = None if c.current is None else _Current(c.current, sin_p, cos_p, sin_t, cos_t)
     u_r, v_r, w_r = (u, v, w) if flow is None else (u - flow.t, v - flow.n, w - flow.b)
@@ -92,16 +91,16 @@ def _local(c, y, ydot, tangents):
     return a, T, by, bt
 
 
-def _stiffness_coefficients(y, T):
+def stiffness_coefficients(y, T):
     """Return what y_s is multiplied by in K y_s: T, T cos, v cos, w, u cos + w sin, v sin, u (of theta)."""
     u, v, w, sin, cos = y[U], y[V], y[W], np.sin(y[THETA]), np.cos(y[THETA])
     return T, T * cos, v * cos, w, u * cos + w * sin, v * sin, u
 
 
-def _add_stiffness(F, coefficients, y_s, T_s, count):
+def add_stiffness(F, coefficients, y_s, T_s, count):
     """Add K y_s to the rows F at a point (count 1), or summed over the two nodes of a cell (count 2).
 
-    coefficients: as ``_stiffness_coefficients`` gives them, at the point or summed; T_s: dT/ds, summed likewise.
+    coefficients: as ``stiffness_coefficients`` gives them, at the point or summed; T_s: dT/ds, summed likewise.
     """
     T, k25, k45, k46, k55, k65, k66 = coefficients
     D_phi, D_theta = y_s[PHI], y_s[THETA]
@@ -111,115 +110,49 @@ def _add_stiffness(F, coefficients, y_s, T_s, count):
     F[3] += count * y_s[U] - k45 * D_phi + k46 * D_theta
     F[4] += count * y_s[V] + k55 * D_phi
     F[5] += count * y_s[W] - k65 * D_phi - k66 * D_theta
-    if len(F) > Z:
-        F[Z] += count * y_s[Z]
 
 
-def _up(y):
-    """Return the upward parts of t, n and b."""
-    cos_p = np.cos(y[PHI])
-    return np.array([cos_p * np.cos(y[THETA]), -np.sin(y[PHI]), cos_p * np.sin(y[THETA])])
+def add_stiffness_tangents(J, y, T, sums, D, per):
+    """Add to J those d/dy at one node of a cell of K y_s that are not by the tension; return those, of the first rows.
 
-
-def point(c, y, ydot, y_s, ydot_s):
-    """Return M y_t + K y_s + f at points of the cable ``c``, all (6 or 7, n, *S)."""
-    F, T, *_ = _local(c, y, ydot, False)
-    _add_stiffness(F, _stiffness_coefficients(y, T), y_s, c.EA * (y_s[EPS] + c.beta * ydot_s[EPS]), 1)
-    if c.has_seabed:
-        F[:3] += c.support(y[Z])[0] * _up(y)
-    return F
-
-
-def cells(c, y, ydot, tangents=True) -> Residual:
-    """Return the rows of the box scheme (39) between the nodes of the cable ``c``; y and ydot (6 or 7, N, *S)."""
-    a, T, by, bt = _local(c, y, ydot, tangents)
-    EA = c.EA
-
-    ds = c.ds if y.ndim == 2 else c.ds[:, None]
-    D = (y[:, 1:] - y[:, :-1]) / ds  # y_s
-    D_phi, D_theta = D[PHI], D[THETA]
-    sums = [q[1:] + q[:-1] for q in _stiffness_coefficients(y, T)]  # twice the mean
+    sums: coefficients of both nodes; D: y_s of the cell; per: +-1/ds, d(D)/dy.
+    """
     S_T, S25, S45, S46, S55, S65, S66 = sums
-    F = a[:, 1:] + a[:, :-1]
-    _add_stiffness(F, sums, D, 2 * (T[1:] - T[:-1]) / ds, 2)
-    if c.has_seabed:
-        support, support_z = c.support((y[Z, 1:] + y[Z, :-1]) / 2)
-        up = _up(y)
-        S_up = up[:, 1:] + up[:, :-1]
-        F[:3] += support * S_up
-    if not tangents:
-        return Residual(F)
-
-    _, u, v, w, _, theta = y[:6]
-    sin_t, cos_t = np.sin(theta), np.cos(theta)
-    J = np.stack([by[:, :, :-1], by[:, :, 1:]])
-    Jt = np.stack([bt[:, :, :-1], bt[:, :, 1:]])
-    for side, sign, at in ((0, -1.0, slice(None, -1)), (1, 1.0, slice(1, None))):
-        per, sin, cos = sign / ds, sin_t[at], cos_t[at]
-        J[side, 0, EPS] += 2 * EA * per
-        J[side, 1, EPS] += EA * cos * D_phi
-        J[side, 1, PHI] += S25 * per
-        J[side, 1, THETA] -= T[at] * sin * D_phi
-        J[side, 2, EPS] -= EA * D_theta
-        J[side, 2, THETA] -= S_T * per
-        J[side, 3, U] += 2 * per
-        J[side, 3, V] -= cos * D_phi
-        J[side, 3, W] += D_theta
-        J[side, 3, PHI] -= S45 * per
-        J[side, 3, THETA] += S46 * per + v[at] * sin * D_phi
-        J[side, 4, V] += 2 * per
-        J[side, 4, U] += cos * D_phi
-        J[side, 4, W] += sin * D_phi
-        J[side, 4, PHI] += S55 * per
-        J[side, 4, THETA] += (w[at] * cos - u[at] * sin) * D_phi
-        J[side, 5, W] += 2 * per
-        J[side, 5, V] -= sin * D_phi
-        J[side, 5, U] -= D_theta
-        J[side, 5, PHI] -= S65 * per
-        J[side, 5, THETA] -= S66 * per + v[at] * cos * D_phi
-        if c.beta:
-            Jt[side, 0, EPS] += 2 * EA * c.beta * per
-            Jt[side, 1, EPS] += EA * c.beta * cos * D_phi
-            Jt[side, 2, EPS] -= EA * c.beta * D_theta
-        if c.has_seabed:
-            J[side, 0, PHI] += support * up[1, at] * cos_t[at]
-            J[side, 1, PHI] -= support * np.cos(y[PHI, at])
-            J[side, 2, PHI] += support * up[1, at] * sin_t[at]
-            J[side, 0, THETA] -= support * up[2, at]
-            J[side, 2, THETA] += support * up[0, at]
-            J[side, :3, Z] += support_z / 2 * S_up
-            J[side, 6, Z] += 2 * per
-    return Residual(F, J, Jt)
+    D_phi, D_theta = D[PHI], D[THETA]
+    u, v, w, sin, cos = y[U], y[V], y[W], np.sin(y[THETA]), np.cos(y[THETA])
+    J[1, PHI] += S25 * per
+    J[1, THETA] -= T * sin * D_phi
+    J[2, THETA] -= S_T * per
+    J[3, U] += 2 * per
+    J[3, V] -= cos * D_phi
+    J[3, W] += D_theta
+    J[3, PHI] -= S45 * per
+    J[3, THETA] += S46 * per + v * sin * D_phi
+    J[4, V] += 2 * per
+    J[4, U] += cos * D_phi
+    J[4, W] += sin * D_phi
+    J[4, PHI] += S55 * per
+    J[4, THETA] += (w * cos - u * sin) * D_phi
+    J[5, W] += 2 * per
+    J[5, V] -= sin * D_phi
+    J[5, U] -= D_theta
+    J[5, PHI] -= S65 * per
+    J[5, THETA] -= S66 * per + v * cos * D_phi
+    return 2 * per, cos * D_phi, -D_theta
 
 
-def velocity(y, tangents=True):
-    """Return the velocity of the nodes (up, along, out): (3, *shape), (43)-(45); and d/dy (3, n_f, *shape), or None."""
-    u, v, w = y[U], y[V], y[W]
+def frame(y, tangents=True):
+    """Return t, n and b as columns in (up, along, out), (3, 3, *shape), and their derivatives by phi and theta.
+
+    The latter (3, 3, 2, *shape), None without ``tangents``.
+    """
+    vectors, by_angles = np.zeros((3, 3, *y.shape[1:]), y.dtype), None
     sin_p, cos_p, sin_t, cos_t = np.sin(y[PHI]), np.cos(y[PHI]), np.sin(y[THETA]), np.cos(y[THETA])
-    level = u * cos_t + w * sin_t
-    out = w * cos_t - u * sin_t
-    value = np.array([level * cos_p - v * sin_p, level * sin_p + v * cos_p, out])
-    if not tangents:
-        return value, None
-    by_y = np.zeros((3, *y.shape), dtype=y.dtype)
-    by_y[0, U], by_y[0, V], by_y[0, W] = cos_p * cos_t, -sin_p, cos_p * sin_t
-    by_y[1, U], by_y[1, V], by_y[1, W] = sin_p * cos_t, cos_p, sin_p * sin_t
-    by_y[2, U], by_y[2, W] = -sin_t, cos_t
-    by_y[0, PHI], by_y[1, PHI] = -value[1], value[0]
-    by_y[0, THETA], by_y[1, THETA], by_y[2, THETA] = out * cos_p, out * sin_p, -level
-    return value, by_y
-
-
-def stretched_tangent(y, tangents=True):
-    """Return (1 + eps) t of the nodes in (up, along, out): (3, *shape), and d/dy (3, n_f, *shape), or None."""
-    stretch = 1 + y[EPS]
-    sin_p, cos_p, sin_t, cos_t = np.sin(y[PHI]), np.cos(y[PHI]), np.sin(y[THETA]), np.cos(y[THETA])
-    t = np.array([cos_p * cos_t, sin_p * cos_t, -sin_t])
-    if not tangents:
-        return stretch * t, None
-    by_y = np.zeros((3, *y.shape), dtype=y.dtype)
-    by_y[:, EPS] = t
-    by_y[0, PHI], by_y[1, PHI] = -stretch * t[1], stretch * t[0]
-    by_y[0, THETA], by_y[1, THETA] = -stretch * cos_p * sin_t, -stretch * sin_p * sin_t
-    by_y[2, THETA] = -stretch * cos_t
-    return stretch * t, by_y
+    vectors[0, 0], vectors[0, 1], vectors[0, 2] = cos_p * cos_t, -sin_p, cos_p * sin_t
+    vectors[1, 0], vectors[1, 1], vectors[1, 2] = sin_p * cos_t, cos_p, sin_p * sin_t
+    vectors[2, 0], vectors[2, 2] = -sin_t, cos_t
+    if tangents:
+        by_angles = np.zeros((3, 3, 2, *y.shape[1:]), y.dtype)
+        by_angles[0, :, 0], by_angles[1, :, 0] = -vectors[1], vectors[0]
+        by_angles[:, 0, 1], by_angles[:, 2, 1] = -vectors[:, 2], vectors[:, 0]
+    return vectors, by_angles

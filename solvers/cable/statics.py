@@ -160,23 +160,6 @@ def _has_contact(system) -> bool:
     return system.has_seabed and system.seabed_stiffness > 0
 
 
-def rest_sensitivity(system) -> tuple[np.ndarray, np.ndarray] | None:
-    """Return the derivatives of the rest state (n_d, n_f, N) and of its positions (n_d, n_d, N) by the fairlead's.
-
-    The first axis is the direction of the fairlead's displacement, the second that of the positions, along the axes of
-    the system. None where the stiffness is singular.
-    """
-    statics, n, y = _Statics(system), system.dimension, system.rest_state()
-    position = system.axes @ (system.positions(y) - system.anchor[:, None])
-    rows = statics.rows(np.concatenate([y[statics.angles], position]), True)
-    if not statics.jacobian.factorise(*(part.dy for part in rows)):
-        return None
-    displacement = np.zeros((2 * n * system.nodes, n))
-    displacement[-n:] = np.eye(n)  # in the rows of the end
-    x = statics.jacobian.solve(displacement).T.reshape(n, system.nodes, 2 * n).swapaxes(1, 2)
-    return np.array([statics.full(one) - statics.full(0 * one) for one in x]), x[:, n:]
-
-
 def _shots_per_cell(system) -> int:
     """Return how many shots a cell takes for none to pass more than two boundary layers sqrt(T/k) of the seabed."""
     if not _has_contact(system):
@@ -194,7 +177,7 @@ def _with_eased_loads(system, x, load_factor) -> CableEquations:
         soft = system.EA * x[0].max() / (4 * system.ds.max() ** 2)  # the line lifts off over two cells, sqrt(T / k)
         ratio = min(1.0, soft / system.seabed_stiffness)
         loads["seabed_stiffness"] = system.seabed_stiffness * ratio ** (1 - load_factor)
-    return system.replace(**loads)
+    return system.replace(**loads) if loads else system
 
 
 class _Statics:
@@ -206,8 +189,7 @@ class _Statics:
         self.jacobian = BandedJacobian(2 * n, system.nodes, n)
         self.scale = np.ones((2 * n, 1))
         self.scale[n:] = np.linalg.norm(system.chord) or 1.0
-        self.end_tangent = np.zeros((n, 2 * n))
-        self.end_tangent[:, n:] = np.eye(n)
+        self.end_tangent = np.eye(n, 2 * n, n)
 
     def catenary(self) -> np.ndarray:
         """Return the continuous equilibrium without current at the nodes, x; a seabed is rigid there."""
@@ -215,11 +197,11 @@ class _Statics:
         state = solve_span(_span(system))
         along, up, T = state.profile(system.s)
         x = np.zeros((2 * n, system.nodes))
-        x[0] = T / system.EA
-        x[1] = np.arctan2(state.H, _vertical(state, system))
+        vertical = state.V - system.w0 * (system.s[-1] - system.s)
         if state.grounded_length > 0:
+            vertical = np.maximum(vertical, 0.0)
             up = np.where(system.s <= state.grounded_length, up - 0.5 * system.w0 / system.seabed_stiffness, up)
-        x[n], x[n + 1] = up, along
+        x[0], x[1], x[n], x[n + 1] = T / system.EA, np.arctan2(state.H, vertical), up, along
         return x
 
     def full(self, x) -> np.ndarray:
@@ -238,12 +220,8 @@ class _Statics:
         cells = system.cells(y, np.zeros_like(y), 0.0, tangents)
         tangent, by_angles = system.stretched_tangent(y)
         position = x[n:]
-        value = np.concatenate(
-            [
-                cells.value[:n],
-                2 * (position[:, 1:] - position[:, :-1]) / system.ds - tangent[:, 1:] - tangent[:, :-1],
-            ]
-        )
+        placed = 2 * (position[:, 1:] - position[:, :-1]) / system.ds - tangent[:, 1:] - tangent[:, :-1]
+        value = np.concatenate([cells.value[:n], placed])
         start, end = Residual(position[:, 0]), Residual(position[:, -1] - system.chord)
         if not tangents:
             return start, Residual(value), end
@@ -272,9 +250,3 @@ class _Statics:
 
         with np.errstate(all="ignore"):  # trial states may have eps < -1; they are refused as not finite
             return damped_newton(linearise, self.residual, x, tolerance, lambda d: float(np.mean(abs(d / self.scale))))
-
-
-def _vertical(state, system) -> np.ndarray:
-    """Return the vertical force at the nodes of the catenary, N; zero where it rests on the seabed."""
-    V = state.V - system.w0 * (system.s[-1] - system.s)
-    return np.maximum(V, 0.0) if state.grounded_length > 0 else V

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Protocol, Self
+from dataclasses import replace
+from functools import cached_property
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,48 +15,19 @@ from scipy.interpolate import make_interp_spline
 from ..common.diagnostics import check_drag
 from ..common.motions.motion import Ramped
 from ..common.outcome import InputError
-from ..common.properties import CableProperties, Environment
-from ..common.types import Movement, Vector
+from ..common.types import Movement
 from ..common.validation import one_of
 from .equations import CableEquations, line_axes
 from .mesh import check_mesh, every_second_node
-from .predictor import Equilibrium, RestrictedEquilibrium, quasi_static_predictor
+from .statics import StaticState, solve_static
 
 _MIN_NODES = 20  # below which a coarser mesh saves nothing
 _SMALL_TURN = 0.02  # rad in a cell, up to which a drift correction feeds no wave that the water damps
 _IN_PLANE = 1e-12  # out-of-plane parts below this share of a vector come from rounding its direction
 
 
-class CableScene(Protocol):
-    """What a cable asks of a scene, as ``solvers.Scene`` has it: SI units, anchor and fairlead in x, y, z."""
-
-    @property
-    def cable(self) -> CableProperties:
-        """Section of the line."""
-
-    @property
-    def environment(self) -> Environment:
-        """Water, gravity and seabed."""
-
-    @property
-    def length(self) -> float:
-        """Unstretched length, m."""
-
-    @property
-    def anchor(self) -> Vector:
-        """Position of the anchor, m."""
-
-    @property
-    def fairlead(self) -> Vector:
-        """Mean position of the fairlead, m."""
-
-    @property
-    def motion(self) -> Movement | None:
-        """Motion of the fairlead about it, or None."""
-
-
 def cable_system(
-    scene: CableScene,
+    scene,
     nodes: int = 50,
     *,
     mesh: ArrayLike | None = None,
@@ -64,6 +37,8 @@ def cable_system(
 ) -> CableSystem:
     """Return the line of a scene on ``nodes`` nodes, for solve_static, solve_time_domain and solve_periodic.
 
+    scene: a Scene; of another object its cable (CableProperties), environment (Environment), length in m, anchor and
+    fairlead (3,) in m, and motion are taken.
     mesh: unstretched arc lengths (N,) of the nodes in m, from 0 to the length, or None: uniform.
     fields: "planar" (eps, u, v, phi), "spatial" (+ w, theta), or "auto": planar when current and motion lie in the
     line's vertical plane. z is added when the scene has a seabed.
@@ -89,7 +64,13 @@ class CableSystem(CableEquations):
     def __init__(self, *arguments, equilibrium=None, **options):
         """As CableEquations; equilibrium: that of a cable with the same one, None: solved for when first asked."""
         super().__init__(*arguments, **options)
-        self.equilibrium = Equilibrium(self) if equilibrium is None else equilibrium
+        if equilibrium is not None:
+            self.equilibrium = equilibrium
+
+    @cached_property
+    def equilibrium(self) -> StaticState:
+        """The discrete equilibrium."""
+        return solve_static(self)
 
     @property
     def needs_mesh_check(self) -> bool:  # type: ignore[override]
@@ -124,7 +105,7 @@ class CableSystem(CableEquations):
         coarse = self.replace(
             s=self.s[nodes],
             source=source and (lambda t: source(t)[:, nodes]),
-            equilibrium=RestrictedEquilibrium.to_nodes(self.equilibrium, nodes),
+            equilibrium=replace(self.equilibrium, y=self.rest_state()[:, nodes]),
         )
         return coarse, lambda z: make_interp_spline(coarse.s, z, axis=1)(self.s)
 
@@ -146,9 +127,16 @@ class CableSystem(CableEquations):
             suspected.append(f"friction: {friction:g} of the seabed is not in these equations, the line slides freely")
         return tuple(dict.fromkeys(suspected))
 
-    def quasi_static_predictor(self, t) -> np.ndarray | None:
-        """Return the equilibrium as it follows the fairlead, (n_f, N, S), or None."""
-        return quasi_static_predictor(self, t)
+    def predict_motion(self, t) -> np.ndarray | None:
+        """Return the equilibrium, (n_f, N, S), with velocities that grow from the anchor to the fairlead's, or None."""
+        if self.motion is None:
+            return None
+        rest, velocities = self.rest_state(), slice(1, 1 + self.dimension)
+        rotation = self.equations.frame(rest, False)[0]
+        y = np.repeat(rest[..., None], np.size(t), axis=2)
+        rate = self.axes @ self.motion.velocity(t)
+        y[velocities] = np.einsum("dcn,n,dt->cnt", rotation, self.s / self.s[-1], rate)
+        return y
 
     def scale(self) -> np.ndarray:
         """Return the largest strain at rest; 1 m/s, 1 rad, 1 m."""
@@ -166,7 +154,7 @@ class CableSystem(CableEquations):
         Velocities and positions of the nodes agree only to that square at a bend, so a full correction excites waves.
         """
         y = self.rest_state()
-        turn = np.diff(self.equations.stretched_tangent(y, False)[0] / (1 + y[0]), axis=-1)
+        turn = np.diff(self.equations.frame(y, False)[0][:, 0], axis=-1)
         return min(1.0, float(_SMALL_TURN**2 / max((turn**2).sum(axis=0).max(), _SMALL_TURN**2)))
 
 

@@ -140,12 +140,11 @@ def _grounded_forces(f, p, h, e):
     return H, H * sinh, H * (1 + cosh_minus_1)
 
 
-def _other_end(f, H, dH, c, e):
-    """Return V, dV for dH, asinh(V/H), C11 and C12 of an end at height c >= 0 where the horizontal force is H."""
+def _other_end(f, H, c, e):
+    """Return V, asinh(V/H) and ``_end_compliance`` of an end at height c >= 0 where the horizontal force is H."""
     V = hanging_force(f, H, c, e)
     angle = f.arcsinh(V / H)
-    C11, C12, C22 = _end_compliance(f, angle, H, V, f.sqrt(H * H + V * V), e)
-    return V, -C12 / f.where(c > 0, C22, 1.0) * dH, angle, C11, C12
+    return V, angle, _end_compliance(f, angle, H, V, f.sqrt(H * H + V * V), e)
 
 
 def friction_stretch(f, H, grounded, CB):
@@ -188,7 +187,8 @@ def grounded_residual(f, p, l, h, e, CB, c=None):
     C11, C12, C22 = _end_compliance(f, p, H, V, T, e)
     dH = -H * T / (V + H * C12 / C22)  # at fixed height: C12 dH + C22 dV = 0, and H T dp = H dV - V dH
     dV = -C12 / C22 * dH
-    Vc, dVc, angle, B11, B12 = (0.0,) * 5 if c is None else _other_end(f, H, dH, c, e)
+    Vc, angle, (B11, B12, B22) = (0.0, 0.0, (0.0, 0.0, 0.0)) if c is None else _other_end(f, H, c, e)
+    dVc = 0.0 if c is None else -B12 / f.where(c > 0, B22, 1.0) * dH
     grounded = 1 - V - Vc
     stretch, S_H, lost = friction_stretch(f, H, grounded, CB)
     reach = grounded + H * (p + angle) + e * (H * (V + Vc) + stretch)
@@ -205,10 +205,7 @@ def grounded_state(f, p, l, h, e, CB, c=None, swapped=False):
     """Return forces and stiffness from p; swapped : the anchor is the higher end (only with c > 0, no friction)."""
     H, V, T = _grounded_forces(f, p, h, e)
     top = _end_compliance(f, p, H, V, T, e)
-    low, Vc = (0.0, 0.0, 0.0), 0.0 * V
-    if c is not None:
-        Vc = hanging_force(f, H, c, e)
-        low = _end_compliance(f, f.arcsinh(Vc / H), H, Vc, f.sqrt(H * H + Vc * Vc), e)
+    Vc, _, low = (0.0 * V, 0.0, (0.0, 0.0, 0.0)) if c is None else _other_end(f, H, c, e)
     grounded = 1 - V - Vc
     _, S_H, lost = friction_stretch(f, H, grounded, CB)
     F11, F12, F22 = (f.where(swapped, b, a) for a, b in zip(top, low, strict=True))

@@ -14,7 +14,6 @@ import numpy as np
 
 from ..numerics.lu.bordered import BlockChain
 from .blocks import Blocks
-from .krylov import HarmonicKrylov
 
 SINGLE_PRECISION_FROM = 48  # unknowns of a node from which on single precision saves more than its check costs
 CELLS_AT_ONCE = 32  # cells whose blocks exist at once, beside the factors
@@ -23,10 +22,10 @@ SYMMETRY_TOLERANCE = 1e-9  # share of the rows that may be left where a symmetry
 _NONE = np.empty(0, int)
 
 
-def harmonic_residual(system, basis, mirror=None, iterative=False):
+def harmonic_residual(system, basis, mirror=None):
     """Return the HarmonicResidual of a chain, or what another system gives in its place with the same methods."""
     build = getattr(system, "harmonic_residual", None)
-    return HarmonicResidual(system, basis, mirror, iterative) if build is None else build(basis, mirror, iterative)
+    return HarmonicResidual(system, basis, mirror) if build is None else build(basis, mirror)
 
 
 def find_mirror(system, basis):
@@ -58,17 +57,15 @@ class HarmonicResidual:
     period later, fields that it keeps have even harmonics and fields that it turns have odd ones.
     """
 
-    def __init__(self, system, basis, mirror=None, iterative=False):
-        """mirror: signs as ``find_mirror`` gives them; iterative: GMRES in place of blocks."""
-        self.iterative, self.symmetric = iterative, mirror is not None
-        self.system, self.basis, self.rest = system, basis, system.rest_state()
+    def __init__(self, system, basis, mirror=None):
+        """mirror: signs as ``find_mirror`` gives them."""
+        self.system, self.basis, self.rest, self.symmetric = system, basis, system.rest_state(), mirror is not None
         fields, start, cells, end = mirror or (None,) * 4
         n_f, first = len(system.fields), system.start_rows
         self.columns = self._active(fields, n_f)
         self.start_rows, self.cell_rows = self._active(start, first), self._active(cells, n_f)
         self.end_rows = self._active(end, n_f - first)
         drift = system.drift(self.rest, 0.0) if basis.mean else None
-        self.drifting = 0 if drift is None else len(drift)
         self.mean_constraints = []  # components of the drift whose mean is in place of that of an end row
         if drift is not None:
             offset = n_f - first - len(drift)
@@ -150,39 +147,21 @@ class HarmonicResidual:
         means = drift[self.mean_constraints] @ self.basis.P[:, 0] if self.mean_constraints else ()
         return np.concatenate([start.ravel()[self.of_start], middle.ravel(), end.ravel()[self.of_end], means])
 
-    def coefficients(self, F):
-        """The way back from ``vector``: start, cells, end rows (n_r, *, C) and the drift's means; elsewhere zeros."""
-        start, cells, end, means = self.split(F)
-        drift, parts = np.zeros(self.drifting), []
-        drift[self.mean_constraints] = means
-        for part, active, of in (
-            (start[None], self.start_rows, self.of_start),
-            (cells, self.cell_rows, self.of_cell),
-            (end[None], self.end_rows, self.of_end),
-        ):
-            full = np.zeros((len(part), len(active) * self.basis.harmonic.size))
-            full[:, of] = part
-            parts.append(full.reshape(len(part), len(active), self.basis.harmonic.size).swapaxes(0, 1))
-        return parts[0][:, 0], parts[1], parts[2][:, 0], drift
-
     def linearise(self, x):
         """The residual and a function that solves with the Jacobian, None where it is singular."""
         rows, state = self.rows(x, True)
         F = self._sampled(rows, state)
         if not np.isfinite(F).all():
             return F, None
-        if self.iterative:
-            factors = HarmonicKrylov(self, rows, state)
-            return F, None if factors.singular else factors.solve
         slope = self.slope(state)
         if self.n >= SINGLE_PRECISION_FROM:
-            factors = BlockChain(*self.jacobian(rows, slope, CELLS_AT_ONCE, np.float32))  # type: ignore[assignment]
+            factors = BlockChain(*self.jacobian(rows, slope, CELLS_AT_ONCE, np.float32))
             solve = lambda F: factors.solve(*self.split(F))
             step = solve(F)
             more = solve(F - self.product(rows, slope, step))
             if not factors.singular and abs(more).mean() <= MAX_REFINEMENT * abs(step).mean():
                 return F, lambda right: step + more if right is F else solve(right)
-        factors = BlockChain(*self.jacobian(rows, slope, CELLS_AT_ONCE, float))  # type: ignore[assignment]
+        factors = BlockChain(*self.jacobian(rows, slope, CELLS_AT_ONCE, float))
         return F, None if factors.singular else lambda F: factors.solve(*self.split(F))
 
     def slope(self, state):

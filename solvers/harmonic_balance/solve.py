@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from ..common.outcome import InputError, Status
 from ..common.response import Response
 from ..common.types import as_system
-from ..common.validation import flags, one_of, positive_number, real_array, refuse_for_lines, whole_number
+from ..common.validation import flags, one_of, positive_number, real_array, whole_number
 from ..numerics.chain import ChainSystem
 from ..numerics.fourier import Basis
 from ..numerics.memory import keep_freed_memory
@@ -43,7 +43,6 @@ def solve_periodic(
     globalisation: str = "damped",
     multilevel: bool = True,
     symmetry: bool = True,
-    linear_solver: str = "direct",
     deferred_correction: bool = False,
     throw: bool = True,
 ) -> PeriodicResponse:
@@ -58,8 +57,6 @@ def solve_periodic(
     Jacobians kept, and updated, while they serve) or "relaxation" (the paper's factor, a new Jacobian at every step).
     multilevel: start from a solution with three harmonics on the fewest nodes, then with more of both; a line of nodes
     and elements from a short time integration.
-    linear_solver: "direct" (blocks, storage N Nh^2, work N Nh^3) or "iterative" (GMRES preconditioned by the harmonics
-    of the averaged chain, storage N Nh; for motions that change the tension by less than about a third of its mean).
     symmetry: use a mirror symmetry of the chain where its rows show it.
     deferred_correction: at the end up to three steps with the last Jacobian to rows of ``ChainSystem.fourth_order``:
     what the mesh adds to the error is then of fourth order in its cells, where response and mesh are smooth (Pereyra,
@@ -90,16 +87,13 @@ def solve_periodic(
         return response.or_raise(f"{harmonics} harmonics; {'; '.join(failed)}") if throw else response
     tolerance = positive_number("tolerance", tolerance, "(mean change of a coefficient)")
     one_of("globalisation", globalisation, _NEWTON)
-    one_of("linear_solver", linear_solver, ("direct", "iterative"))
     flags(mean=mean, multilevel=multilevel, symmetry=symmetry, deferred_correction=deferred_correction, throw=throw)
-    if hasattr(system, "harmonic_residual"):  # a line of nodes and elements
-        refuse_for_lines(("linear_solver", linear_solver, "direct"))
     finer = system.fourth_order() if deferred_correction else None
     if deferred_correction and finer is None:
         problem = "this chain has no rows of higher order"
         raise InputError(problem, field="deferred_correction", value=deferred_correction)
     basis, nu = _basis(system, harmonics, samples, subharmonic, mean)
-    newton, iterative = _NEWTON[globalisation], linear_solver == "iterative"
+    newton = _NEWTON[globalisation]
     if globalisation == "damped":
         newton = getattr(system, "newton", newton)  # a line of nodes and elements takes full steps first
     z, coarse_iterations = _start_coefficients(system, basis, start), 0
@@ -109,14 +103,14 @@ def solve_periodic(
         if multilevel and start is None and hasattr(system, "periodic_start"):
             z, coarse_iterations = system.periodic_start(basis)
         elif multilevel and start is None:
-            z, coarse_iterations = multilevel_start(system, basis, nu, newton, mirror, iterative)
-        solution = solve_with_continuation(system, basis, z, tolerance, newton, mirror, iterative)
+            z, coarse_iterations = multilevel_start(system, basis, nu, newton, mirror)
+        solution = solve_with_continuation(system, basis, z, tolerance, newton, mirror)
         if mirror and solution.amplitude == 1.0 and not solution.residual.satisfies_omitted_rows(solution.z):
-            solution = solve_with_continuation(system, basis, z, tolerance, newton, None, iterative)
+            solution = solve_with_continuation(system, basis, z, tolerance, newton, None)
         response = _response(system, nu, coarse_iterations, solution, finer, tolerance)
     again = partial(
         solve_periodic, harmonics=basis.harmonics, samples=basis.samples, subharmonic=nu, mean=mean,
-        tolerance=tolerance, throw=False, globalisation=globalisation, linear_solver=linear_solver,
+        tolerance=tolerance, throw=False, globalisation=globalisation,
         multilevel=multilevel, symmetry=symmetry)  # fmt: skip
     response = replace(response, repeat=again)
     given = f"{basis.harmonics} harmonics, {basis.samples} samples, amplitude reached: {solution.amplitude:.4g}"

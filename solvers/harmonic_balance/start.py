@@ -5,7 +5,6 @@ Each level and each amplitude is solved by Newton's method on a ``HarmonicResidu
 
 from __future__ import annotations
 
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -14,16 +13,11 @@ from scipy.interpolate import CubicHermiteSpline
 from ..common.response import last_period
 from ..numerics.continuation import continue_in_load
 from ..numerics.fourier import Basis
-from ..numerics.newton import newton_then_damped, relaxed_newton
 from .residual import HarmonicResidual, harmonic_residual
 
 COARSE_HARMONICS, COARSE_TOLERANCE = 3, 2e-2  # of the driving, and the error (76) that is good enough for a start
-MAX_UNDAMPED_STEPS = 8  # before damped ones are tried
 MIN_AMPLITUDE_STEP = 2.0**-5  # of the continuation
 MAX_STEPS = 200  # Newton steps of a continuation; the hardest that ever succeeded took fifty
-
-undamped_then_damped = partial(newton_then_damped, partial(relaxed_newton, limit=MAX_UNDAMPED_STEPS))
-"""Newton's method from a rough start: with drag full steps are few."""
 
 
 class Solution(NamedTuple):
@@ -45,15 +39,15 @@ def mean_change(step) -> float:
     return float(abs(step).mean())
 
 
-def solve_with_continuation(system, basis, z, tolerance, newton, mirror, iterative) -> Solution:
+def solve_with_continuation(system, basis, z, tolerance, newton, mirror) -> Solution:
     """Solve at the full amplitude from z, or from rest by steps in the amplitude of the driving."""
-    if mirror is not None and not harmonic_residual(system, basis, mirror, iterative).start_is_symmetric(z):
+    if mirror is not None and not harmonic_residual(system, basis, mirror).start_is_symmetric(z):
         mirror = None
     last: list = []
 
     def solve(amplitude, guess):
         chain = system if amplitude == 1.0 else system.scaled(amplitude)
-        residual = harmonic_residual(chain, basis, mirror, iterative)
+        residual = harmonic_residual(chain, basis, mirror)
         linearise, inverse = _keep_last_solve(residual.linearise)
         last[:] = residual, inverse  # before Newton's method: the factors of the last try go before new ones come
         x, steps, converged = newton(linearise, residual.residual, residual.pack(guess), tolerance, mean_change)
@@ -81,7 +75,7 @@ def _keep_last_solve(linearise):
     return linearise_again, inverse
 
 
-def multilevel_start(system, basis, harmonics_of_driving, newton, mirror, iterative):
+def multilevel_start(system, basis, harmonics_of_driving, newton, mirror):
     """Return coefficients z from fewer nodes and harmonics, and the Newton steps that they took."""
     chains, prolongations = [system], []
     while (coarser := chains[-1].coarser()) is not None:
@@ -89,15 +83,12 @@ def multilevel_start(system, basis, harmonics_of_driving, newton, mirror, iterat
         prolongations.append(coarser[1])
     level, old, iterations = len(chains) - 1, basis, 0
     z = predictor_coefficients(chains[level], basis)
-    levels, method = _levels(level, COARSE_HARMONICS * harmonics_of_driving, basis.harmonics), newton
-    if z.any():
-        method, levels = undamped_then_damped, levels or [(level, basis.harmonics)]
-    for coarse, harmonics in levels:
+    for coarse, harmonics in _levels(level, COARSE_HARMONICS * harmonics_of_driving, basis.harmonics):
         z = _prolongate(z, prolongations[coarse:level])
         level, new = coarse, Basis(harmonics, 4 * harmonics, basis.omega, basis.mean)
         start = truncate_or_pad(z, old, new)
-        z, steps, *_ = solve_with_continuation(chains[level], new, start, COARSE_TOLERANCE, method, mirror, iterative)
-        old, iterations, method = new, iterations + steps, newton
+        z, steps, *_ = solve_with_continuation(chains[level], new, start, COARSE_TOLERANCE, newton, mirror)
+        old, iterations = new, iterations + steps
     return truncate_or_pad(_prolongate(z, prolongations[:level]), old, basis), iterations
 
 
@@ -109,9 +100,9 @@ def _prolongate(z, prolongations):
 
 
 def predictor_coefficients(system, basis) -> np.ndarray:
-    """Return the coefficients of the chain's quasi-static predictor, zeros where it has none."""
+    """Return the coefficients of the motion that the chain predicts, zeros where it predicts none."""
     rest = system.rest_state()
-    y = system.quasi_static_predictor(basis.times)
+    y = system.predict_motion(basis.times)
     return np.zeros((*rest.shape, basis.harmonic.size)) if y is None else (y - rest[..., None]) @ basis.P
 
 

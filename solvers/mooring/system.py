@@ -14,7 +14,7 @@ from ..common.properties import MAX_STRAIN
 from ..common.types import as_system
 from ..common.validation import non_negative_number, positive_number
 from ..network.model import Network
-from ..numerics.newton import full_newton, newton_then_damped
+from ..numerics.newton import full_then_damped_newton
 from .linearised.modes import LinePencil
 from .lines.assembly import assemble_line, evaluate_forces, find_axes, take_end_cell
 from .lines.calibration import calibrate_line, is_to_be_calibrated
@@ -169,14 +169,14 @@ class MooringSystem:
         return LinePencil(self)
 
     # ------------------------------------------------------------ what solve_periodic asks
-    newton = staticmethod(partial(newton_then_damped, full_newton))  # full steps, which the mixed method takes, first
+    newton = staticmethod(full_then_damped_newton)  # full steps, which the mixed method takes, first
     periodic_response = harmonic.MooringResponse
     periodic_start = harmonic.start_from_time
     solve_extrapolated = harmonic.solve_extrapolated
     merge_responses = merge_responses
 
-    def harmonic_residual(self, basis, mirror, iterative) -> harmonic.MooringHarmonics:
-        """Return the rows in Fourier coefficients; neither a mirror nor an iterative solver is used."""
+    def harmonic_residual(self, basis, mirror) -> harmonic.MooringHarmonics:
+        """Return the rows in Fourier coefficients; no mirror is used."""
         return harmonic.MooringHarmonics(self, basis)
 
     def mirror(self):

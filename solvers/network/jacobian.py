@@ -45,9 +45,10 @@ def difference_jacobian(now):
     scale = np.concatenate([np.abs(now.r[now.moving]), np.abs(forces)])
     for i in range(units.size):
         step = DIFFERENCE * max(scale[i], typical[i], units[i] * 1e-3)
-        change = np.zeros(units.size)
-        change[i] = step
-        shifted = _shifted(now, change)
+        scaled = np.zeros(units.size)
+        scaled[i] = step / units[i]
+        dr, *forces_change = split_step(now, scaled)
+        shifted = system.evaluate(now.r + dr, *(now.elements.Q[:2] + forces_change))
         force_change = (shifted.force - now.force)[now.moving] / system.force_unit
         gap_change = (shifted.gap - now.gap)[now.unknown] / system.length_unit
         difference = np.concatenate([force_change, gap_change])
@@ -59,12 +60,6 @@ def _units(now):
     """Return the unit of each unknown."""
     units = now.system.length_unit, now.system.force_unit
     return np.repeat(units, [np.count_nonzero(now.moving), np.count_nonzero(now.unknown)])
-
-
-def _shifted(now, change):
-    """Return the Iterate at z + change (unscaled), without the safeguards of a step."""
-    dr, *forces = split_step(now, change / _units(now))
-    return now.system.evaluate(now.r + dr, *(now.elements.Q[:2] + forces))
 
 
 def split_step(now, scaled):
@@ -82,11 +77,16 @@ def scaled_jacobian(now, jacobian):
     return analytic_jacobian(now) if jacobian == "analytic" else difference_jacobian(now)
 
 
-def dense_step(now, jacobian):
-    """Return the Newton step (dr, dH, dV) of an Iterate by the whole matrix; counts (2/3) n^3 operations (MSQS 5.6)."""
+def _newton_step(now, jacobian):
+    """Return the scaled Jacobian and the scaled Newton step; counts (2/3) n^3 operations (MSQS 5.6)."""
     J = scaled_jacobian(now, jacobian)
     now.system.count.operations += 2 / 3 * J.shape[0] ** 3
-    return split_step(now, _solve(J, -now.residual))
+    return J, _solve(J, -now.residual)
+
+
+def dense_step(now, jacobian):
+    """Return the Newton step (dr, dH, dV) of an Iterate by the whole matrix."""
+    return split_step(now, _newton_step(now, jacobian)[1])
 
 
 def trust_region_step(now, jacobian, radius):
@@ -94,9 +94,7 @@ def trust_region_step(now, jacobian, radius):
 
     Accepted by the reduction that the linear model predicts, not by ``halve_step``: the direction changes with length.
     """
-    J, Z = scaled_jacobian(now, jacobian), now.residual
-    now.system.count.operations += 2 / 3 * J.shape[0] ** 3
-    newton = _solve(J, -Z)
+    (J, newton), Z = _newton_step(now, jacobian), now.residual
     gradient = J.T @ Z
     cauchy = -gradient * (gradient @ gradient) / np.sum((J @ gradient) ** 2)
     radius = np.linalg.norm(newton) if radius is None else radius

@@ -12,6 +12,8 @@ from functools import cached_property
 from operator import index
 
 import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 
 from ..catenary.span import Span
 from ..common.outcome import InputError
@@ -133,20 +135,12 @@ class Network:
             if not supported[i]:
                 raise node_error(i, "no chain of elements ties it to a fixed or coupled node")
 
-    def _supported_nodes(self) -> list[bool]:
-        """Return whether each node is tied to a fixed or coupled one by elements; one without elements is not."""
-        neighbours = [[] for _ in self.nodes]  # type: ignore[var-annotated]
-        for first, last in (element.ends for element in self.elements):
-            neighbours[first].append(last)
-            neighbours[last].append(first)
-        supported = [node.kind != "free" and bool(neighbours[i]) for i, node in enumerate(self.nodes)]
-        front = [i for i, yes in enumerate(supported) if yes]
-        while front:
-            for other in neighbours[front.pop()]:
-                if not supported[other]:
-                    supported[other] = True
-                    front.append(other)
-        return supported
+    def _supported_nodes(self) -> np.ndarray:
+        """Return whether each node is tied to a fixed or coupled one by elements."""
+        first, last = np.array([element.ends for element in self.elements]).T
+        links = coo_matrix((np.ones(first.size), (first, last)), shape=(len(self.nodes),) * 2)
+        _, part = connected_components(links, directed=False)
+        return np.isin(part, part[[node.kind != "free" for node in self.nodes]])
 
     def moved(self, positions) -> Network:
         """Return the same network with its coupled nodes at positions (c, 3), m, in their order: u of section 1.3.

@@ -32,13 +32,9 @@ class SoftenedStage:
         self.equations, self.contact = copy(equations), contact
         if not contact:
             self.equations.can_rest = np.zeros_like(equations.can_rest)
-        weight = np.abs(equations.w) * equations.L
-        total = weight.sum() + np.abs(equations.load).sum()
-        if total > 0:
-            self.equations.set_stiffness(1 / (1 / equations.EA + softness / total))
-        node_load = np.abs(equations.load).sum(axis=1)
-        np.add.at(node_load, equations.anchor, weight / 2)
-        np.add.at(node_load, equations.fairlead, weight / 2)
+        node_load = _node_loads(equations)
+        if node_load.any():
+            self.equations.set_stiffness(1 / (1 / equations.EA + softness / node_load.sum()))
         self.load = node_load[equations.free].max(initial=0.0)
         self.spring = np.where(equations.free, node_load, 0.0) / (softness * equations.L.sum())
         self.dof, self.size, self.soft_stiffness = equations.dof, equations.size, self.equations.soft_stiffness
@@ -78,6 +74,13 @@ class SoftenedStage:
         return above @ tangent @ above + sparse.diags(springs, format="csc")
 
 
+def _node_loads(equations):
+    """Return the size (n,) of the load on each node, half the weight of each of its lines included, N."""
+    node_load = np.abs(equations.load).sum(axis=1)
+    np.add.at(node_load, equations.both_ends, np.tile(np.abs(equations.w) * equations.L / 2, 2))
+    return node_load
+
+
 def force_density(equations):
     """Return positions (n, 3) of a net of springs with force density 1/L under the same loads, by one linear solve."""
     r, free = equations.position.copy(), np.flatnonzero(equations.free)
@@ -89,9 +92,7 @@ def force_density(equations):
         (np.concatenate([q, q, -q, -q]), (np.concatenate([a, f, a, f]), np.concatenate([a, f, f, a]))), shape=(n, n)
     ).tocsr()
     load = equations.load.copy()
-    weight = equations.w * equations.L / 2
-    np.subtract.at(load[:, 2], a, weight)
-    np.subtract.at(load[:, 2], f, weight)
+    np.subtract.at(load[:, 2], equations.both_ends, np.tile(equations.w * equations.L / 2, 2))
     fixed = np.flatnonzero(~equations.free)
     scale = np.abs(load).sum() or 1.0
     right = load[free] / scale - laplacian[free][:, fixed] @ r[fixed]
@@ -106,7 +107,7 @@ def robust_start(equations, count, contact):
         short elements converges better by its nodes alone
     """
     r, softness = force_density(equations), SOFTNESS_START
-    total = (np.abs(equations.w) * equations.L).sum() + np.abs(equations.load).sum()
+    total = _node_loads(equations).sum()
     last = min(SOFTNESS_END / equations.w.size, max(SOFTNESS_RATIO * total / equations.EA.max(), MIN_SOFTNESS))
     while softness > last:
         stage = SoftenedStage(equations, softness, contact)

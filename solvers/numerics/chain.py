@@ -95,10 +95,10 @@ class ChainSystem:
         """Return the size (n_f,) of each field that relative errors refer to where the field itself is smaller."""
         return np.ones(len(self.fields))
 
-    def quasi_static_predictor(self, t) -> np.ndarray | None:
+    def predict_motion(self, t) -> np.ndarray | None:
         """Return a rough state (n_f, N, S) of the moving chain at times t (S,), from which Newton starts, or None.
 
-        At rest a quadratic drag has no slope, so Newton's first undamped step from there goes far too far.
+        At rest a quadratic drag has no slope, so Newton's first steps from there are short and many.
         """
         return None
 

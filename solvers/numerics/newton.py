@@ -143,9 +143,10 @@ def _newton_step(linearise, x, norm):
     return (solve, full, error) if np.isfinite(error) else None
 
 
-def _last_step_is_small(steps, tolerance):
-    """Return the stopping rule: the last step of the list is no larger than the tolerance."""
-    return lambda _: bool(steps) and steps[-1].error <= tolerance
+def _repeat(step, steps, x, tolerance, limit):
+    """Return (x, steps, converged) of a method that lists its steps, until the last is no larger than the tolerance."""
+    x, converged = iterate(step, lambda _: bool(steps) and steps[-1].error <= tolerance, x, limit)
+    return x, steps, converged
 
 
 def relaxed_newton(linearise, residual, x, tolerance, norm, limit=50):
@@ -163,8 +164,7 @@ def relaxed_newton(linearise, residual, x, tolerance, norm, limit=50):
         steps.append(Step(newton[2], adapted_relaxation(last.relaxation, newton[2], last.error)))
         return x + steps[-1].relaxation * newton[1]
 
-    x, converged = iterate(step, _last_step_is_small(steps, tolerance), x, limit)
-    return x, steps, converged
+    return _repeat(step, steps, x, tolerance, limit)
 
 
 def full_newton(linearise, residual, x, tolerance, norm, limit=12):
@@ -186,8 +186,7 @@ def full_newton(linearise, residual, x, tolerance, norm, limit=12):
         kept[:] = [newton[0]] if newton[2] <= _KEEP_FULL * last else []
         return x + newton[1]
 
-    x, converged = iterate(step, _last_step_is_small(steps, tolerance), x, limit)
-    return x, steps, converged
+    return _repeat(step, steps, x, tolerance, limit)
 
 
 def damped_newton(linearise, residual, x, tolerance, norm, limit=50):
@@ -198,16 +197,15 @@ def damped_newton(linearise, residual, x, tolerance, norm, limit=50):
     Converged when norm(step) <= tolerance. P. Deuflhard, Newton Methods for Nonlinear Problems.
     """
     method = _ErrorOriented(linearise, residual, tolerance, norm)
-    x, converged = iterate(method.step, _last_step_is_small(method.steps, tolerance), x, limit)
-    return x, method.steps, converged
+    return _repeat(method.step, method.steps, x, tolerance, limit)
 
 
-def newton_then_damped(first, linearise, residual, x, tolerance, norm):
-    """Return (x, steps, converged) of a first method, or where it does not converge of damped steps from the same x.
+def full_then_damped_newton(linearise, residual, x, tolerance, norm):
+    """Return (x, steps, converged) of full steps, or where they do not converge of damped ones from the same x.
 
-    first: as ``full_newton``; the steps of both count.
+    Arguments as of ``damped_newton``; the steps of both count.
     """
-    result, steps, converged = first(linearise, residual, x, tolerance, norm)
+    result, steps, converged = full_newton(linearise, residual, x, tolerance, norm)
     if not converged:
         result, damped, converged = damped_newton(linearise, residual, x, tolerance, norm)
         steps = steps + damped

@@ -215,15 +215,15 @@ def test_work_and_energy_of_a_swing_balance(case, fields):
 @pytest.mark.parametrize(
     "fault",
     [
-        Fault("cable.planar", "_local", "v * phi_t - u_t", "-v * phi_t - u_t"),
+        Fault("cable.planar", "local_terms", "v * phi_t - u_t", "-v * phi_t - u_t"),
         Fault(
             "cable.planar",
-            "_local",
-            "m * u if c.current is None else m * u + c.inertia * along",
-            "-m * u if c.current is None else m * u + c.inertia * along",
+            "local_terms",
+            "u_r, v_r, turning = u, v, m * u",
+            "u_r, v_r, turning = u, v, -m * u",
         ),
         Fault("cable.loads", "quadratic_drag", "-coefficient", "-1.02 * coefficient"),
-        Fault("cable.planar", "_add_stiffness", "count * y_s[V] + u * y_s[PHI]", "count * y_s[V] + 0.9 * u * y_s[PHI]"),
+        Fault("cable.planar", "add_stiffness", "count * y_s[V] + u * y_s[PHI]", "count * y_s[V] + 0.9 * u * y_s[PHI]"),
     ],
     ids=str,
 )

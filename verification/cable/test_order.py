@@ -208,19 +208,18 @@ def test_tables_that_are_none_are_refused(steps):
 # ---------------------------------------------------------------- planted faults
 SHARE = 30  # every thirtieth sign by default; all of them in the long version
 SIGNS = {
-    "cable.planar": ("_loads", "_local", "_add_stiffness", "_up", "cells", "velocity", "stretched_tangent"),
+    "cable.equations": ("_box_scheme", "velocity", "stretched_tangent"),
+    "cable.planar": ("local_terms", "add_stiffness", "add_stiffness_tangents", "frame"),
     "cable.spatial": (
         "__init__",
-        "_local",
-        "_stiffness_coefficients",
-        "_add_stiffness",
-        "_up",
-        "cells",
-        "velocity",
-        "stretched_tangent",
+        "local_terms",
+        "stiffness_coefficients",
+        "add_stiffness",
+        "add_stiffness_tangents",
+        "frame",
     ),
 }
-"""Functions of the two modules of HB (1)-(12) in which each term in turn is planted with the wrong sign."""
+"""Functions of the box scheme and of HB (1)-(12) in which each term in turn is planted with the wrong sign."""
 
 
 @pytest.mark.parametrize(("fault", "what"), ERRATA_FAULTS + LOAD_FAULTS, ids=lambda v: None)

@@ -367,14 +367,11 @@ def test_a_seabed_too_soft_for_a_catenary_gives_no_pretension_error():
 @pytest.mark.parametrize(
     "fault",
     [
-        Fault("cable.planar", "_local", "m * (v * phi_t - u_t) - c.w0 * cos", "m * (v * phi_t - u_t) + c.w0 * cos"),
-        Fault("cable.planar", "_add_stiffness", "F[1] += T * y_s[PHI]", "F[1] -= T * y_s[PHI]"),
         Fault(
-            "cable.planar",
-            "cells",
-            "(S_T, S[U], S[V])",
-            "(2 * T[1:], S[U], S[V])",
+            "cable.planar", "local_terms", "m * (v * phi_t - u_t) - c.w0 * cos", "m * (v * phi_t - u_t) + c.w0 * cos"
         ),
+        Fault("cable.planar", "add_stiffness", "F[1] += T * y_s[PHI]", "F[1] -= T * y_s[PHI]"),
+        Fault("cable.equations", "CableEquations._box_scheme", "q[1:] + q[:-1]", "2 * q[1:]"),
         Fault(
             "cable.statics",
             "_Statics.rows",

@@ -20,7 +20,6 @@ from solvers.cable.system import cable_system
 from solvers.harmonic_balance import blocks as harmonic_blocks
 from solvers.harmonic_balance import residual as harmonic_rows
 from solvers.harmonic_balance.blocks import Blocks
-from solvers.harmonic_balance.krylov import HarmonicKrylov
 from solvers.harmonic_balance.residual import HarmonicResidual, find_mirror
 from solvers.numerics.fourier import Basis
 
@@ -331,30 +330,14 @@ def test_newton_steps_solve_the_complex_step_jacobian(name, single, monkeypatch)
 @each_setting
 @each_chain
 def test_products_agree_with_complex_step(name, setting):
-    """What the iterative solver multiplies with, without making blocks, is the same matrix."""
+    """What refines a step in single precision, without making blocks, is the same matrix."""
     balance, x = random_balance(name, setting)
     d = np.random.default_rng(8).uniform(-1, 1, x.shape)
     wanted, _ = truth(balance, setting, x)
-    got = HarmonicKrylov(balance, *balance.rows(x, True)).product(d)
+    rows, state = balance.rows(x, True)
+    got = balance.product(rows, balance.slope(state), d)
     error = abs(got - wanted @ d.ravel()) / (abs(wanted) @ abs(d.ravel()))
     assert error.max() <= RESIDUAL
-
-
-@pytest.mark.parametrize("name", [name for name in CHAINS if "loads" not in name and "seabed" not in name])
-def test_harmonics_of_the_averaged_chain_are_the_inverse_at_rest(name):
-    """At rest tangents do not change in time: the preconditioner of the iterative solver then is the exact inverse.
-
-    Not over a seabed: an anchor that just touches it is at a kink, where no derivative is the right one.
-    """
-    for setting in SETTINGS:
-        balance, x = random_balance(name, setting)
-        F = balance.residual(x)
-        krylov = HarmonicKrylov(balance, *balance.rows(0 * x, True))
-        wanted, _ = truth(balance, setting, 0 * x)
-        chain = _Dense(wanted, F)
-        allowed = max(NO_WORSE * backward_error(chain, np.linalg.solve(wanted, F)), BLOCK)
-        assert not krylov.singular
-        assert backward_error(chain, krylov.precondition(F).ravel()) <= allowed, f"{setting}"
 
 
 class _Dense:
@@ -532,7 +515,7 @@ def test_one_per_cent_in_any_block_is_found(name):
 
 
 def test_one_per_cent_in_any_tangent_is_found_in_the_product():
-    """The same for the product of the iterative solver."""
+    """The same for the product that refines a step."""
     setting = SETTINGS[2]
     balance, x = random_balance("in its plane, all loads", setting)
     d = np.random.default_rng(8).uniform(-1, 1, x.shape)
@@ -540,7 +523,8 @@ def test_one_per_cent_in_any_tangent_is_found_in_the_product():
     for plant in plants(balance, x):
         wrong = copy.copy(balance)
         wrong.system = Planted(balance.system, *plant)
-        got = HarmonicKrylov(wrong, *wrong.rows(x, True)).product(d)
+        rows, state = wrong.rows(x, True)
+        got = wrong.product(rows, wrong.slope(state), d)
         assert (abs(got - J @ d.ravel()) / (abs(J) @ abs(d.ravel()))).max() > RESIDUAL, plant
 
 

@@ -13,13 +13,11 @@ import platform
 import subprocess
 import sys
 import weakref
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from solvers import Motion, Status
-from solvers.cable.statics import solve_static
+from solvers import Status
 from solvers.cable.system import CableSystem, cable_system
 from solvers.harmonic_balance import residual as harmonic_rows
 from solvers.harmonic_balance import start
@@ -38,8 +36,6 @@ SINGLE = np.finfo(np.float32).eps
 DETUNED = 2e-7  # share of the stiffness, twice the spacing of single precision: the condition is the inverse
 NEAR_RESONANCE = 1e-7  # of the amplitude: rounding, 1e-16, times that condition, and a hundred
 CUBIC = 1e-12  # of the values: splines reproduce cubic polynomials
-SMALL, RATE_STEP = 1e-3, 1e-2  # m of a motion that is small for a line; s, small for a period of 20
-SECOND_ORDER = 1e-4  # share of a small motion that is of second order, of its rates that differences miss; found 2.4e-5
 
 
 # ---------------------------------------------------------------- single precision
@@ -183,24 +179,23 @@ def test_levels_are_those_of_the_rule(coarsest, harmonics, levels):
 
 
 @pytest.mark.parametrize(
-    ("nodes", "harmonics", "levels"), [(41, 9, [(11, 3), (21, 9)]), (15, 3, [(15, 3)]), (15, 5, [(15, 3)])]
+    ("nodes", "harmonics", "levels"), [(41, 9, [(11, 3), (21, 9)]), (15, 3, []), (15, 5, [(15, 3)])]
 )
 def test_each_level_is_solved_and_counted(nodes, harmonics, levels, monkeypatch):
-    """Of a line with a predictor, without fewer nodes and harmonics once with its own; undamped steps only at first."""
+    """Of a line, which has none with as few nodes and harmonics as there can be."""
     solved, solve = [], start.solve_with_continuation
 
     def recorded(chain, basis, z, tolerance, newton, *options):
         solution = solve(chain, basis, z, tolerance, newton, *options)
-        solved.append((chain.nodes, basis.harmonics, newton is start.undamped_then_damped, solution.iterations))
+        solved.append((chain.nodes, basis.harmonics, solution.iterations))
         return solution
 
     monkeypatch.setattr(start, "solve_with_continuation", recorded)
     chain = cable_system(scene(1), nodes)
     basis = Basis(harmonics, 4 * harmonics, 2 * math.pi / chain.period, True)
-    z, iterations = start.multilevel_start(chain, basis, 1, newton.damped_newton, None, False)
+    z, iterations = start.multilevel_start(chain, basis, 1, newton.damped_newton, None)
     assert [level[:2] for level in solved] == levels
-    assert [level[2] for level in solved] == [True] + [False] * (len(levels) - 1)
-    assert iterations == sum(level[3] for level in solved) and z.shape[1:] == (nodes, 2 * harmonics + 1)
+    assert iterations == sum(level[2] for level in solved) and z.shape[1:] == (nodes, 2 * harmonics + 1)
 
 
 @pytest.mark.parametrize("coarsest, harmonics", [(0, 3), (0, 60), (1, 3), (2, 9), (2, 24), (6, 60), (6, 2)])
@@ -212,45 +207,11 @@ def test_levels_grow_to_all(coarsest, harmonics):
     assert (levels[-1] == (1, harmonics)) if coarsest else all(few < harmonics for _, few in levels)
 
 
-@pytest.mark.parametrize("fields", ["planar", "spatial"])
-def test_the_carried_state_is_the_equilibrium_that_follows(fields):
-    """A start that moves: at each instant the places are those of the line at rest with its fairlead there, to first
-    order, and the velocities are the rates of the places; a motion in space where there are fields for it."""
-    motion = Motion.harmonic(0.05, (SMALL, SMALL if fields == "spatial" else 0.0, SMALL))
-    chain = cable_system(scene(1), 21, fields=fields, motion=motion)
-    t = np.linspace(0.0, chain.period, 7)
-    y, later, earlier = (chain.quasi_static_predictor(t + step) for step in (0.0, RATE_STEP, -RATE_STEP))
-    for i, end in enumerate(motion.displacement(t).T + chain.scene.fairlead):
-        wanted = solve_static(cable_system(replace(chain.scene, fairlead=tuple(end)), 21)).r
-        assert largest(chain.positions(y)[..., i] - wanted) < SECOND_ORDER * SMALL
-    rates = (chain.positions(later) - chain.positions(earlier)) / (2 * RATE_STEP)
-    velocity = np.einsum("dc,dnt->cnt", chain.axes, chain.equations.velocity(y)[0])
-    assert largest(velocity - rates) < SECOND_ORDER * largest(rates)
-    assert largest(chain.start(y, 0 * y, t, False).value) < SECOND_ORDER * largest(rates)
-
-
-def test_a_coarser_cable_follows_its_fairlead_as_the_fine_one_does():
-    """On the nodes that they share."""
-    fine = system(1, 40)
-    coarse, _ = fine.coarser()
-    t = np.linspace(0.0, fine.period, 7)
-    at = np.searchsorted(fine.s, coarse.s)
-    assert largest(coarse.quasi_static_predictor(t) - fine.quasi_static_predictor(t)[:, at]) == 0
-
-
 def test_a_carried_start_saves_steps(monkeypatch):
     """Surge and sway: from rest, where drag has no slope, the first steps are short and many."""
     carried = solve_periodic(system(4), harmonics=9).coarse_iterations
-    monkeypatch.setattr(CableSystem, "quasi_static_predictor", lambda self, t: None)
+    monkeypatch.setattr(CableSystem, "predict_motion", lambda self, t: None)
     assert carried < solve_periodic(system(4), harmonics=9).coarse_iterations
-
-
-def test_damped_steps_follow_where_full_ones_fail(monkeypatch):
-    """Without any full step the response is the same."""
-    response = solve_periodic(system(3), harmonics=5)
-    monkeypatch.setattr(start, "MAX_UNDAMPED_STEPS", 0)
-    again = solve_periodic(system(3), harmonics=5)
-    assert largest(response.z - again.z) < 1e-8 * largest(response.z)  # two ways to (76) < 1e-10
 
 
 # ---------------------------------------------------------------- updates

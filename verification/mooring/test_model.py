@@ -22,7 +22,6 @@ from solvers import (
     Scene,
     mooring_system,
     solve_network,
-    solve_periodic,
     solve_static,
     solve_time_domain,
 )
@@ -329,8 +328,6 @@ REFUSED = {
     "a start that is not finite": (lambda: run(start=(np.full((2, 11), math.inf), None)), "start", ["finite"]),
     "statics by shooting": (lambda: solve_static(SURGE(), method="shooting"), "method", ["'shooting'", "leave it out"]),
     "a tolerance of statics": (lambda: solve_static(SURGE(), tolerance=1e-3), "tolerance", ["0.001", "leave it out"]),
-    "an iterative balance": (
-        lambda: solve_periodic(SURGE(), harmonics=3, linear_solver="iterative"), "linear_solver", ["'iterative'"]),
     "scheme": (lambda: solve_time_domain(SURGE(), **RUN, allow_invalid=True), "allow_invalid", ["True"]),
 }  # fmt: skip
 

@@ -59,7 +59,7 @@ def test_order_in_ds(planar):
 def test_jacobian_blocks_are_differences_of_the_rows(case):
     """The Jacobian, its tensions condensed, takes a small change of the unknowns to the change of the rows."""
     made = system(case, 6, calibrate=False)
-    rows = made.harmonic_residual(Basis(4, 16, 2 * np.pi / made.period, True), None, False)
+    rows = made.harmonic_residual(Basis(4, 16, 2 * np.pi / made.period, True), None)
     rng, (nodes, n, count) = np.random.default_rng(5), rows.shape
     x = rows.pack(rng.normal(0, 0.02, (n, nodes, count)))
     rows.auxiliary = np.ones(rows.auxiliary.shape)
@@ -80,7 +80,7 @@ def test_jacobian_blocks_are_differences_of_the_rows(case):
 def test_tensions_of_a_step_are_predicted_to_second_order(case):
     """Auxiliary tensions after a step are those of the law but for the square of the step."""
     made, errors = system(case, 6, calibrate=False), []
-    rows = made.harmonic_residual(Basis(4, 16, 2 * np.pi / made.period, True), None, False)
+    rows = made.harmonic_residual(Basis(4, 16, 2 * np.pi / made.period, True), None)
     rng, (nodes, n, count) = np.random.default_rng(6), rows.shape
     x, step = rows.pack(rng.normal(0, 0.02, (n, nodes, count))), rng.normal(0, 1.0, (nodes, n * count))
     for h in (1e-4, 5e-5):
@@ -96,7 +96,7 @@ def test_tensions_of_a_step_are_predicted_to_second_order(case):
 def test_factors_are_in_double_precision_where_many_are_needed():
     """The first three linearisations solve to single precision, which Newton's method mends, the next to double."""
     made = system(SURGE_5, 8, calibrate=False)
-    rows = made.harmonic_residual(Basis(6, 24, 2 * np.pi / made.period, True), None, False)
+    rows = made.harmonic_residual(Basis(6, 24, 2 * np.pi / made.period, True), None)
     x = 0.01 * np.random.default_rng(4).normal(size=(made.nodes, 2 * rows.shape[2]))
     solves = [rows.linearise(x)[1] for _ in range(4)]
     F, line = rows.linearise(x)[0], made.line
@@ -178,11 +178,8 @@ def test_a_line_of_several_materials_moves_periodically(name):
     assert abs(response.fairlead_tension(t) - tension).max() <= 2e-3 * np.ptp(tension)
 
 
-def test_iterative_solves_are_refused():
-    """A line is solved directly; a mesh of three cells has none of half as many."""
-    with pytest.raises(InputError) as caught:
-        solve_periodic(system(SURGE_5, 8), harmonics=3, linear_solver="iterative")
-    assert caught.value.field == "linear_solver"
+def test_an_extrapolation_of_three_cells_is_refused():
+    """A mesh of three cells has none of half as many."""
     with pytest.raises(InputError) as caught:
         solve_periodic(system(SURGE_5, 3), harmonics=3, deferred_correction=True)
     assert caught.value.field == "deferred_correction"

@@ -144,7 +144,7 @@ def test_defaults_of_a_chain_are_those_it_says():
     assert chain.ramped(3.0) is chain
     y = chain.rest_state()
     assert {chain.mirror(), chain.invalid(y), chain.coarser(), chain.fourth_order(), chain.drift(y, 0.0)} == {None}
-    assert chain.quasi_static_predictor(np.zeros(1)) is None
+    assert chain.predict_motion(np.zeros(1)) is None
 
 
 @pytest.mark.parametrize("samples", [(), (5,)])

@@ -348,7 +348,6 @@ KEYWORDS = {
             "start",
             "tolerance",
             "globalisation",
-            "linear_solver",
             "mean",
             "multilevel",
             "symmetry",

@@ -172,17 +172,28 @@ class _Modules(importlib.abc.MetaPathFinder, importlib.abc.Loader):
         exec(self.code, module.__dict__)
 
 
+class _Package:
+    """A package whose modules and packages are its attributes, too, imported when first asked for."""
+
+    def __init__(self, name):
+        self._name = name
+
+    def __getattr__(self, part):
+        package = importlib.import_module(self._name)
+        value = getattr(package, part) if hasattr(package, part) else importlib.import_module(f"{self._name}.{part}")
+        return _Package(value.__name__) if hasattr(value, "__path__") else value
+
+
 @contextmanager
-def planted(fault: Fault) -> Iterator[ModuleType]:
+def planted(fault: Fault) -> Iterator[_Package]:
     """Give a second package of solvers with the fault in it; its modules are its attributes."""
     package, modules = ModuleType(PLANTED), _Modules(fault)
     package.__path__ = [str(ROOT / "solvers")]
-    package.__getattr__ = lambda module: importlib.import_module(f"{PLANTED}.{module}")
     sys.modules[PLANTED] = package
     sys.meta_path.insert(0, modules)
     try:
         importlib.import_module(modules.name)
-        yield package
+        yield _Package(PLANTED)
     finally:
         sys.meta_path.remove(modules)
         for name in [name for name in sys.modules if name == PLANTED or name.startswith(f"{PLANTED}.")]:

@@ -20,7 +20,7 @@ class LineHill:
     """
 
     def __init__(self, response):
-        rows = response.system.harmonic_residual(response.basis, None, False)
+        rows = response.system.harmonic_residual(response.basis, None)
         samples = rows.samples(rows.pack(response.z))
         rows.auxiliary[:] = 0.0
         rows.auxiliary = rows.evaluate(rows.pack(response.z), samples)[1]

@@ -58,47 +58,47 @@ ERRATA_FAULTS = [
         "HB (22): C_m rho d^2/4",
     ),
     (
-        Fault("cable.planar", "_add_stiffness", "F[1] += T * y_s[PHI]", "F[1] -= T * y_s[PHI]"),
+        Fault("cable.planar", "add_stiffness", "F[1] += T * y_s[PHI]", "F[1] -= T * y_s[PHI]"),
         "HB (30): f2 with -EA eps cos(theta) dphi/ds",
     ),
     (
-        Fault("cable.spatial", "_add_stiffness", "F[1] += k25 * D_phi", "F[1] -= k25 * D_phi"),
+        Fault("cable.spatial", "add_stiffness", "F[1] += k25 * D_phi", "F[1] -= k25 * D_phi"),
         "HB (30): f2 with -EA eps cos(theta) dphi/ds",
     ),
     (
         Fault(
             "cable.spatial",
-            "_add_stiffness",
+            "add_stiffness",
             "count * y_s[W] - k65 * D_phi - k66 * D_theta",
             "count * y_s[W] - k65 * D_phi + k66 * D_theta",
         ),
         "HB (34): f6, +u dtheta/ds",
     ),
     (
-        Fault("cable.planar", "_add_stiffness", "count * y_s[U]", "2 * count * y_s[U]"),
+        Fault("cable.planar", "add_stiffness", "count * y_s[U]", "2 * count * y_s[U]"),
         "HB (37): the constant part of K counted twice, row 4",
     ),
     (
-        Fault("cable.spatial", "_add_stiffness", "F[2] -= T * D_theta", "F[2] -= 2 * T * D_theta"),
+        Fault("cable.spatial", "add_stiffness", "F[2] -= T * D_theta", "F[2] -= 2 * T * D_theta"),
         "HB (37): the same, row 3",
     ),
     (
         Fault(
             "cable.planar",
-            "_local",
+            "local_terms",
             "m * (v * phi_t - u_t)",
-            "EA * c.beta * eps_t + m * (v * phi_t - u_t)",
-            where="EA * (eps + c.beta * eps_t)",
+            "c.EA * c.beta * eps_t + m * (v * phi_t - u_t)",
+            where="c.EA * (eps + c.beta * eps_t)",
         ),
         "HB (1), (28): damping EA beta d(eps)/dt in the momentum balance",
     ),
     (
         Fault(
             "cable.spatial",
-            "_local",
+            "local_terms",
             "m * (v * cos_t * phi_t - w * theta_t - u_t)",
-            "EA * c.beta * eps_t + m * (v * cos_t * phi_t - w * theta_t - u_t)",
-            where="EA * (eps + c.beta * eps_t)",
+            "c.EA * c.beta * eps_t + m * (v * cos_t * phi_t - w * theta_t - u_t)",
+            where="c.EA * (eps + c.beta * eps_t)",
         ),
         "HB (1), (28): damping EA beta d(eps)/dt in the momentum balance",
     ),
@@ -119,11 +119,21 @@ LOAD_FAULTS = [
         Fault("cable.equations", "CableEquations._set_loads", "(1 + cable.Ca) * rho", "cable.Ca * rho"),
         "C_m = C_a: no Froude-Krylov force",
     ),
-    (Fault("cable.planar", "cells", "F[:2] += support * S_up", "F[:2] -= support * S_up"), "the seabed pulls"),
-    (Fault("cable.spatial", "cells", "F[:3] += support * S_up", "F[:3] -= support * S_up"), "the seabed pulls"),
-    (Fault("cable.planar", "cells", "S[Z] / 2", "S[Z]"), "the seabed at the sum of two heights"),
+    (
+        Fault("cable.equations", "CableEquations._box_scheme", "F[:n] += support * S_up", "F[:n] -= support * S_up"),
+        "the seabed pulls",
+    ),
+    (
+        Fault(
+            "cable.equations",
+            "CableEquations._box_scheme",
+            "(y[-1, 1:] + y[-1, :-1]) / 2",
+            "y[-1, 1:] + y[-1, :-1]",
+        ),
+        "the seabed at the sum of two heights",
+    ),
     (Fault("cable.equations", "CableEquations.cells", "np.subtract", "np.add"), "source with the wrong sign"),
-    (Fault("cable.outputs", "CableOutputs.positions", "self.ds / 2", "self.ds"), "positions twice as far"),
+    (Fault("cable.equations", "CableEquations.positions", "self.ds / 2", "self.ds"), "positions twice as far"),
     (
         Fault("cable.mesh", "trapezoidal_weights", "weights[1:] += ds / 2", "weights[1:] += ds"),
         "drift by a wrong quadrature",
@@ -191,15 +201,10 @@ LOAD_FAULTS = [
         ),
         "the seabed's tangent above it",
     ),
-    (Fault("cable.planar", "_local", "np.sqrt(1 + eps)", "(1 + eps)"), "(10), (11): 1 + eps for its root"),
-    (Fault("cable.spatial", "_local", "np.sqrt(1 + eps)", "1 + eps"), "(10)-(12): 1 + eps for its root"),
+    (Fault("cable.planar", "local_terms", "np.sqrt(1 + eps)", "(1 + eps)"), "(10), (11): 1 + eps for its root"),
+    (Fault("cable.spatial", "local_terms", "np.sqrt(1 + eps)", "1 + eps"), "(10)-(12): 1 + eps for its root"),
     (
-        Fault(
-            "cable.planar",
-            "cells",
-            "T[1:] + T[:-1]",
-            "2 * T[1:]",
-        ),
+        Fault("cable.equations", "CableEquations._box_scheme", "q[1:] + q[:-1]", "2 * q[1:]"),
         "(39): K of one node, not the mean",
     ),
 ]
@@ -468,7 +473,7 @@ DEFECTS = (
     ),
     Defect(
         "damping out of the tension",
-        Fault("cable.outputs", "CableOutputs.tension", "y[0] + self.beta * ydot[0]", "y[0]"),
+        Fault("cable.equations", "CableEquations.tension", "y[0] + self.beta * ydot[0]", "y[0]"),
         "term",
         "the tension that is reported has no part of the material's damping",
         "common/test_response.py::test_tension_includes_the_material_damping",
@@ -503,7 +508,7 @@ DEFECTS = (
     # ------------------------------------------------------------ cable_planar, cable_spatial
     Defect(
         "drag by the length of the chord",
-        Fault("cable.planar", "_loads", "2 * stretch", "stretch"),
+        Fault("cable.planar", "local_terms", "Fdt / (2 * stretch * stretch)", "Fdt / (stretch * stretch)"),
         "derivative",
         "d/d(eps) of sqrt(1 + eps) without its half",
         _TANGENTS + " -k 'planar and tangential'",
@@ -512,7 +517,7 @@ DEFECTS = (
         "current of the neighbour",
         Fault(
             "cable.planar",
-            "_local",
+            "local_terms",
             "c.inertia * across * phi_t",
             "c.inertia * along * phi_t",
             where="m * u + c.inertia * along",
@@ -525,7 +530,7 @@ DEFECTS = (
         "angles exchanged in the weight",
         Fault(
             "cable.spatial",
-            "_local",
+            "local_terms",
             "-(m + ma) * w_t + M35 * phi_t + M36 * theta_t - c.w0 * cos_p * sin_t",
             "-(m + ma) * w_t + M35 * phi_t + M36 * theta_t - c.w0 * sin_p * cos_t",
             where="(1 + eps) * sin_p * cos_t",
@@ -541,15 +546,17 @@ DEFECTS = (
         "derivative of the current along the tangent by theta",
         _TANGENTS + " -k 'spatial and current'",
     ),
-    *(
-        Defect(
-            f"the seabed pulls at the middle of a cell, {module}",
-            Fault(module, "point", f"{rows} += c.support(y[Z])[0] * _up(y)", f"{rows} -= c.support(y[Z])[0] * _up(y)"),
-            "sign",
-            "support of the seabed reversed in the rows of fourth order",
-            f"cable/test_order.py::test_order_of_the_corrected_rows -k 'seabed and {fields}'",
-        )
-        for module, rows, fields in (("cable.planar", "F[:2]", "planar"), ("cable.spatial", "F[:3]", "spatial"))
+    Defect(
+        "the seabed pulls at the middle of a cell",
+        Fault(
+            "cable.equations",
+            "CableEquations.point",
+            "F[: self.dimension] += self.support(y[-1])[0] * self.equations.frame(y, False)[0][0]",
+            "F[: self.dimension] -= self.support(y[-1])[0] * self.equations.frame(y, False)[0][0]",
+        ),
+        "sign",
+        "support of the seabed reversed in the rows of fourth order",
+        "cable/test_order.py::test_order_of_the_corrected_rows -k seabed",
     ),
     Defect(
         "a seabed that carries the weight at most",

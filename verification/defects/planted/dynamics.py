@@ -13,7 +13,7 @@ _OUTPUTS = "time_domain/test_solve.py::test_outputs_belong_together"
 _DRIFT = "time_domain/test_solve.py::test_the_fairlead_stays_where_it_is_prescribed -k 5"
 _BASIS = "harmonic_balance/test_jacobian.py::test_fourier_basis"
 _BLOCKS = "harmonic_balance/test_jacobian.py::test_jacobian_blocks_agree_with_complex_step -k 'mass or towed'"
-_FOLLOWS = "harmonic_balance/test_start.py::test_the_carried_state_is_the_equilibrium_that_follows"
+_PREDICTED = "cable/test_predictor.py::test_the_predicted_velocities_grow_linearly_from_the_anchor"
 _SUMS = "harmonic_balance/test_jacobian.py::test_blocks_are_the_sums_over_the_samples"
 _TRIGONOMETRIC = "harmonic_balance/test_oscillators.py::test_trigonometric_solutions_come_out_exactly"
 _MEAN = "harmonic_balance/test_oscillators.py::test_the_mean_is_closed_by_the_place"
@@ -412,21 +412,21 @@ DEFECTS = (
     Defect(
         "carried start turned the wrong way",
         Fault(
-            "cable.predictor",
-            "quasi_static_predictor",
-            'np.einsum("dcn,adn,at->cnt", rotation, by_position, rate)',
-            'np.einsum("cdn,adn,at->cnt", rotation, by_position, rate)',
+            "cable.system",
+            "CableSystem.predict_motion",
+            'np.einsum("dcn,n,dt->cnt", rotation, self.s / self.s[-1], rate)',
+            'np.einsum("cdn,n,dt->cnt", rotation, self.s / self.s[-1], rate)',
         ),
         "symbol",
         "the rotation into the frame of the line is transposed: the start moves elsewhere than its fairlead",
-        _FOLLOWS,
+        _PREDICTED,
     ),
     Defect(
-        "the fairlead led by its anchor",
-        Fault("cable.statics", "rest_sensitivity", "displacement[-n:] = np.eye(n)", "displacement[:n] = np.eye(n)"),
+        "the anchor moves",
+        Fault("cable.system", "CableSystem.predict_motion", "self.s / self.s[-1]", "1 - self.s / self.s[-1]"),
         "boundary",
-        "the equilibrium follows the anchor in place of the fairlead",
-        _FOLLOWS,
+        "the predicted velocities are those of a line whose anchor is moved in place of the fairlead",
+        _PREDICTED,
     ),
     Defect(
         "valid at the samples is valid",
@@ -594,33 +594,6 @@ DEFECTS = (
         "the block that tells the C library to keep memory is a small one",
         "harmonic_balance/test_start.py::test_a_second_solve_touches_no_new_memory",
     ),
-    # ------------------------------------------------------------ harmonic_krylov
-    Defect(
-        "conjugate on the way in only",
-        Fault(
-            "harmonic_balance.krylov",
-            "HarmonicKrylov.precondition",
-            "part[..., c] - 1j * part[..., s]",
-            "part[..., c] + 1j * part[..., s]",
-        ),
-        "sign",
-        "the preconditioner takes sines with the other sign",
-        "harmonic_balance/test_jacobian.py::test_harmonics_of_the_averaged_chain_are_the_inverse_at_rest "
-        "-k 'mass or towed'",
-    ),
-    Defect(
-        "harmonics of the second on",
-        Fault(
-            "harmonic_balance.krylov",
-            "HarmonicKrylov.__init__",
-            "range(1, basis.harmonics + 1)",
-            "range(basis.harmonics)",
-        ),
-        "index",
-        "each harmonic is preconditioned with the frequency of the one below",
-        "harmonic_balance/test_jacobian.py::test_harmonics_of_the_averaged_chain_are_the_inverse_at_rest "
-        "-k 'mass or towed'",
-    ),
     Defect(
         "product without the drift",
         Fault(
@@ -630,7 +603,7 @@ DEFECTS = (
             '0 * np.einsum("djnt,jnt->dt", slope, moved[0][0])',
         ),
         "term",
-        "J x of the iterative solver leaves the closing of the mean out",
+        "J x, which refines a step, leaves the closing of the mean out",
         "harmonic_balance/test_jacobian.py::test_products_agree_with_complex_step -k 'mass or towed'",
     ),
     Defect(
@@ -823,7 +796,7 @@ DEFECTS = (
         Fault(
             "cable.equations",
             "CableEquations.__init__",
-            "trapezoidal_weights(self.ds) if order == 2 else self.stencils.quadrature()",
+            "self.stencils.quadrature() if self.stencils else trapezoidal_weights(self.ds)",
             "trapezoidal_weights(self.ds)",
         ),
         "order",
