@@ -9,8 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .newmark import take_newmark_steps
-from .steps import factorise_steps, take_steps
+from .steps import factorise_steps, take_newmark_steps, take_steps
 
 COLUMNS = {1: 32, 2: 16, 3: 12}  # by axes, disturbances that take a period in less than twice the time of one
 
