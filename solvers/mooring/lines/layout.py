@@ -76,8 +76,8 @@ def number_nodes(model, s) -> Layout:
     points[joints] = np.arange(count, count + len(joints))
     for numbers, pair in zip(nodes, ends, strict=True):
         numbers[[0, -1]] = points[list(pair)]
-    starts = np.cumsum([0, *(part.size - 1 for part in s)])
-    cells = tuple(slice(a, b) for a, b in pairwise(starts.tolist()))
+    bounds = np.cumsum([0, *(part.size - 1 for part in s)])
+    cells = tuple(slice(a, b) for a, b in pairwise(bounds.tolist()))
     pairs = np.sort(np.concatenate([np.stack([n[:-1], n[1:]]) for n in nodes], axis=1), axis=0)
     return Layout(tuple(s), tuple(nodes), cells, points, *pairs.astype(INDEX))
 
@@ -88,14 +88,14 @@ def follow_segments(ends, starts, is_end):
     ends: the two points of each segment; is_end (P,): whether a path ends at a point.
     """
     at_point = [[] for _ in is_end]  # type: list[list[int]]
-    for e, pair in enumerate(ends):
+    for segment, pair in enumerate(ends):
         for p in pair:
-            at_point[p].append(e)
+            at_point[p].append(segment)
     left = set(range(len(ends)))
     for start in starts:
         yield None, start
         for first in at_point[start]:
-            e, at = first, start
+            at, e = start, first  # type: int, int | None
             while e in left:
                 left.remove(e)
                 at = ends[e][1] if ends[e][0] == at else ends[e][0]

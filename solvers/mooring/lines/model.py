@@ -162,7 +162,8 @@ def build_model(given) -> MooringModel:
                 raise InputError(f"not given ({unit}), and a moving line takes it", field=where, unit=unit)
     environment = model.environment
     if environment.depth is not None and environment.seabed_stiffness is None:
-        raise missing_seabed_stiffness("a moving line", max(segment.cable.diameter for segment in model.segments))
+        diameter = max(segment.cable.diameter for segment in model.segments)  # type: ignore[type-var]
+        raise missing_seabed_stiffness("a moving line", diameter)
     return model
 
 
@@ -190,7 +191,7 @@ def _from_network(network) -> MooringModel:
         order = [start, *(point for _, point in path)]
         used = [(network.elements[e], (i, i + 1), ends[e][0] == point) for i, (e, point) in enumerate(path)]
     else:
-        order, used = range(len(network.nodes)), [(element, element.ends, False) for element in network.elements]
+        order, used = list(range(len(network.nodes))), [(element, element.ends, False) for element in network.elements]
     segments = tuple(Segment(e.w, e.EA, e.L, e.friction, e.cable, *where) for e, *where in used)
     points, name = tuple(network.nodes[i] for i in order), getattr(network, "name", "") or "the network"
     return MooringModel(name, segments, points, network.environment, is_line, network)
