@@ -86,7 +86,8 @@ class MooringSystem:
 
     fields: names of the axes; layout: the Layout of nodes and cells; line: the arrays of ``equations.Line``; order: the
     Elimination; prescribed_nodes (P,): those that are prescribed; length: unstretched, of a line or of the longest
-    element, m; period of the motion in s, or None.
+    element, m; period of the motion in s, or None; seabed: slip_speed and contact_depth; end_loads: of
+    ``calibrate_line``, or None.
     """
 
     def __init__(self, model, layout, axes, motion, seabed, source=None, period=None, calibrated=False):

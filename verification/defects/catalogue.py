@@ -324,7 +324,6 @@ _FILES = {
             "mooring.linearised.monodromy",
             "mooring.linearised.stepped_orbit",
             "mooring.linearised.steps",
-            "mooring.linearised.newmark",
         ),
         ("stability/test_line_multipliers.py",),
     ),

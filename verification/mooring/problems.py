@@ -31,9 +31,9 @@ LAYOUT = "mooring.lines.layout"
 
 def interpreted(fault: Fault | None = None) -> ModuleType:
     """Return equations, elimination and steps in one module as Python runs them, complex too, with a fault."""
-    module = ModuleType("solvers.mooring.as_written")
+    module = ModuleType("as_written")
     for place in (STEPS, EQUATIONS, ELIMINATION):  # what the first imports, the others define anew
-        module.__package__ = f"solvers.{place}".rpartition(".")[0]
+        module.__package__ = f"solvers.{place.rpartition('.')[0]}"
         path = ROOT / Fault(place, "", "", "").path
         text = path.read_text(encoding="utf-8")
         text = fault.apply_to(text) if fault is not None and fault.module == place else text

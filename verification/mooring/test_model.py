@@ -160,6 +160,15 @@ def test_a_segment_may_run_backward():
     assert abs(other[:, [0, -1]].T - [start, end]).max() <= 1e-9 and tension[-1] > tension[0]
 
 
+def test_a_ring_beside_a_line_is_no_line():
+    """It has two loose ends and an element less than nodes, as a line has, but the line does not pass through all."""
+    nodes = [Node("fixed", (10.0 * i, 3.0 * i * i, -50.0)) for i in range(5)]
+    elements = [Element(CHAIN.weight_in(WATER), CHAIN.EA, 100.0, ends, cable=CHAIN)
+                for ends in ((0, 1), (2, 3), (3, 4), (4, 2))]  # fmt: skip
+    model = build_model(Network(nodes, elements, WATER))
+    assert not model.is_line and len(model.segments) == 4 and [p.r for p in model.points] == [n.r for n in nodes]
+
+
 # ---------------------------------------------------------------- meshes
 @pytest.mark.parametrize("cells", [2, 3, 7, 50])
 @pytest.mark.parametrize("mesh", ["uniform", "fitted"])

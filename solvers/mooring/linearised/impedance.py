@@ -32,10 +32,9 @@ def mooring_impedance(system, frequency, reference=(0.0, 0.0, 0.0)) -> np.ndarra
     arms = _arms(system, reference)
     given = np.atleast_1d(real_array(frequency))
     omega = [2 * np.pi * non_negative_number("frequency", f, "Hz") for f in given.tolist()]
-    pencil, n = system.pencil(), 3
-    K, C, M = (pencil.whole_matrix(weights) for weights in np.eye(3))
-    moved = (n * system.coupled_nodes[:, None] + np.arange(n)).ravel()
-    free = (n * pencil.free[:, None] + np.arange(n)).ravel()
+    pencil = system.pencil()
+    (K, C, M), free = pencil.whole, pencil.kept
+    moved = (3 * system.coupled_nodes[:, None] + np.arange(3)).ravel()
     motion = np.vstack([np.hstack([np.eye(3), -_cross(arm)]) for arm in arms])
     force = system.rest.forces[:, system.coupled_nodes].T
     Z = np.empty((len(omega), 6, 6), dtype=complex)

@@ -12,15 +12,17 @@ from .. import equations
 class LinePencil:
     """lambda^2 M + lambda C + K of a MooringSystem at rest, as a pencil in (displacements, velocities) of free nodes.
 
-    size: twice the free coordinates.
+    size: twice the free coordinates, kept (size/2,) among all; whole: K, C and M with all nodes free.
     """
 
     def __init__(self, system):
         self.system = system
         nodes, n = system.nodes, len(system.axes)
         self.free = np.delete(np.arange(nodes), system.prescribed_nodes)
-        self.size = 2 * n * self.free.size
-        self.K, self.C, self.M = (self._matrix(weights) for weights in np.eye(3))
+        self.kept = (n * self.free[:, None] + np.arange(n)).ravel()
+        self.size = 2 * self.kept.size
+        self.whole = [self.whole_matrix(weights) for weights in np.eye(3)]
+        self.K, self.C, self.M = (matrix[self.kept][:, self.kept] for matrix in self.whole)
 
     def whole_matrix(self, weights):
         """Return the sparse matrix (N n, N n) of tangents at rest with weights of r, v and a, all nodes free."""
@@ -36,10 +38,6 @@ class LinePencil:
         order, starts = np.lexsort((columns, rows)), np.searchsorted(np.sort(rows), np.arange(nodes + 1))
         data = np.concatenate([diagonal, right, left])
         return bsr_array((data[order], columns[order], starts)).tocsc()
-
-    def _matrix(self, weights):
-        kept = (len(self.system.axes) * self.free[:, None] + np.arange(len(self.system.axes))).ravel()
-        return self.whole_matrix(weights)[kept][:, kept]
 
     def inverse(self, sigma):
         """Return the function (p, q) -> (u, w) of (A + sigma B)^-1 B, None where that is singular.

@@ -7,10 +7,11 @@ memory in proportion to the steps and the cells, 30 MB for 200 steps and 50 cell
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
-from .newmark import take_newmark_steps
-from .steps import factorise_steps, take_steps
+from .steps import factorise_steps, take_newmark_steps, take_steps
 
 COLUMNS = {1: 32, 2: 16, 3: 12}  # by axes, disturbances that take a period in less than twice the time of one
 
@@ -20,7 +21,10 @@ class PeriodMap:
 
     size: numbers of a disturbance, those of the free nodes in the axes that are disturbed; columns: of disturbances
     that ``apply`` takes at little more than one. has_slack: whether a cell is slack at some stage of the steps.
+    take_steps(state): replaces a state (parts, N, n, k) by that after all steps.
     """
+
+    take_steps: Any
 
     def __init__(self, system, orbit, sideways, units, weights, weight_of_M, right_weights):
         """orbit: r, v, r'' (S, s, N, m) at the stages of the steps; weights as of ``factorise_steps``.

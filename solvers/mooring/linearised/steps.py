@@ -3,7 +3,7 @@
 Implicit Runge-Kutta steps with stages i of nodes c and weights a_ij, and accelerations q_j of the stages, have
 d_i = d + h c_i v + h^2 sum (a^2)_ij q_j,  v_i = v + h sum a_ij q_j,  M_i q_i + C_i v_i + K_i d_i = 0,
 so the q of all stages of a step are one system in the pattern of the line's cells, with blocks of stages times axes.
-The steps of ``newmark`` have one stage and other weights of K, C and M. Factors and right-hand sides are
+The steps of generalized-alpha have one stage and other weights of K, C and M. Factors and right-hand sides are
 kept; many disturbances then take a step at once.
 """
 
@@ -169,3 +169,39 @@ def take_steps(line, order, h, by_velocity, by_position, factors, right_side, d,
                     for k in range(columns):
                         v[i, j, k] += in_v * x[i, s * n + j, k]
                         d[i, j, k] += in_d * x[i, s * n + j, k]
+
+
+@compiled
+def take_newmark_steps(line, order, h, scheme, factors, right_side, state):
+    """Replace disturbances d, v, r'' and a of a state (4, N, n, k), zero at prescribed nodes, by those after all steps.
+
+    The derivative of ``stepping.steps.integrate``. With the formulas of a step, r'' = w_a dr + (known) and
+    v = w_v dr + (known), the rows at its end are (K + w_v C + w_a M) dr = -C v* - M r''*, where v* and r''* follow from
+    the start of the step alone. a: the algorithmic acceleration. factors, right_side: as of ``factorise_steps``.
+    """
+    alpha_m, alpha_f, beta, gamma = scheme
+    diagonal, right, left = factors
+    d, v, acceleration, a = state
+    nodes, n, columns = d.shape
+    column, force = np.empty((1, n, columns)), np.empty(d.shape)
+    w_v, w_a = gamma / (beta * h), (1 - alpha_m) / (1 - alpha_f) / (beta * h * h)
+    for step in range(diagonal.shape[0]):
+        for i in range(nodes):
+            for j in range(n):
+                for k in range(columns):  # what the end of the step has without a change of d there
+                    old = a[i, j, k]
+                    a[i, j, k] = -(d[i, j, k] + h * v[i, j, k]) / (beta * h * h) - (0.5 / beta - 1) * old
+                    v[i, j, k] += h * ((1 - gamma) * old + gamma * a[i, j, k])
+                    filtered = (1 - alpha_m) * a[i, j, k] + alpha_m * old - alpha_f * acceleration[i, j, k]
+                    acceleration[i, j, k] = filtered / (1 - alpha_f)
+        set_right_side(line, order, right_side, step, v, acceleration, force)
+        solve_columns(order, diagonal[step], right[step], left[step], force, column)
+        for i in range(nodes):
+            if order.is_prescribed[i]:
+                continue
+            for j in range(n):
+                for k in range(columns):
+                    d[i, j, k] = force[i, j, k]
+                    v[i, j, k] += w_v * force[i, j, k]
+                    a[i, j, k] += force[i, j, k] / (beta * h * h)
+                    acceleration[i, j, k] += w_a * force[i, j, k]

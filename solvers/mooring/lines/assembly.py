@@ -57,7 +57,8 @@ def assemble_line(model, layout, axes, slip_speed, contact_depth) -> Line:
         inertia = cable.mass_per_length, cable.added_mass(environment)
         of_segments.append((segment.EA, cable.damping, *inertia, *drag, segment.weight, segment.friction))
     counts = [s.size - 1 for s in layout.s]
-    *of_cells, weight, friction = np.repeat(np.transpose(of_segments), counts, axis=1)
+    of_cells = np.repeat(np.transpose(of_segments), counts, axis=1)
+    EA, damping, mass, added_mass, normal_drag, tangential_drag, weight, friction = of_cells
     length = np.concatenate([np.diff(s) for s in layout.s])
 
     def by_node(per_length):
@@ -76,7 +77,8 @@ def assemble_line(model, layout, axes, slip_speed, contact_depth) -> Line:
         load[i, -1] -= environment.g * (point.mass - rho * point.volume)
     bed = 0.0 if environment.depth is None else environment.seabed_stiffness or 0.0
     return Line(
-        layout.first, layout.last, length, *of_cells, point_mass, point_drag, load, bed * everywhere,
+        layout.first, layout.last, length, EA, damping, mass, added_mass, normal_drag, tangential_drag,
+        point_mass, point_drag, load, bed * everywhere,
         (environment.seabed_damping if bed else 0.0) * everywhere, by_node(friction) / everywhere,
         -math.inf if environment.depth is None else -environment.depth, slip_speed,
         tuple(float(c) for c in axes @ np.array(environment.current)), contact_depth)  # fmt: skip

@@ -59,13 +59,11 @@ def is_to_be_calibrated(given, model, motion) -> bool:
     """
     if not (isinstance(given, (bool, np.bool_)) or given == "auto"):
         raise InputError(f"{given!r} must be 'auto', True or False", field="calibrate", value=given)
-    if model.environment.depth is not None or not model.is_line:
-        if given is not False and given != "auto":
-            problem = "over a seabed that would fix where the line lies" if model.is_line else "it takes a single line"
-            raise InputError(f"True, and {problem}", field="calibrate", value=given)
-        return False
-    if given != "auto":
-        return bool(given)
-    if getattr(motion, "period", None) is None:
-        return False
-    return estimate_tension_change(model, motion, FAIRLEAD_POSITIONS) < SMALL_CHANGE
+    problem = None if model.environment.depth is None else "over a seabed that would fix where the line lies"
+    problem = problem if model.is_line else "it takes a single line"
+    if given == "auto":
+        is_periodic = problem is None and getattr(motion, "period", None) is not None
+        return is_periodic and estimate_tension_change(model, motion, FAIRLEAD_POSITIONS) < SMALL_CHANGE
+    if given and problem is not None:
+        raise InputError(f"True, and {problem}", field="calibrate", value=given)
+    return bool(given)

@@ -64,7 +64,8 @@ def number_nodes(model, s) -> Layout:
     is_joint = [p.kind == "free" and d > 2 for p, d in zip(model.points, degree, strict=True)]
     is_end = [p.kind != "free" or d == 1 for p, d in zip(model.points, degree, strict=True)]
     nodes, points, count = [np.empty(part.size, dtype=int) for part in s], np.full(len(degree), -1), 0
-    for e, p in _follow_segments(ends, is_joint, is_end):
+    starts = [*np.flatnonzero(is_end).tolist(), *np.flatnonzero(is_joint).tolist(), *range(len(degree))]
+    for e, p in follow_segments(ends, starts, np.logical_or(is_joint, is_end).tolist()):
         if e is not None:
             inner = np.arange(count, count + s[e].size - 2)
             nodes[e][1:-1] = inner if ends[e][1] == p else inner[::-1]
@@ -75,29 +76,31 @@ def number_nodes(model, s) -> Layout:
     points[joints] = np.arange(count, count + len(joints))
     for numbers, pair in zip(nodes, ends, strict=True):
         numbers[[0, -1]] = points[list(pair)]
-    starts = np.cumsum([0, *(part.size - 1 for part in s)])
-    cells = tuple(slice(a, b) for a, b in pairwise(starts.tolist()))
+    bounds = np.cumsum([0, *(part.size - 1 for part in s)])
+    cells = tuple(slice(a, b) for a, b in pairwise(bounds.tolist()))
     pairs = np.sort(np.concatenate([np.stack([n[:-1], n[1:]]) for n in nodes], axis=1), axis=0)
     return Layout(tuple(s), tuple(nodes), cells, points, *pairs.astype(INDEX))
 
 
-def _follow_segments(ends, is_joint, is_end):
-    """Yield segments (None: none) with the point that each leads to, through points where no more than two meet."""
-    at_point = [[] for _ in is_joint]  # type: list[list[int]]
-    for e, pair in enumerate(ends):
+def follow_segments(ends, starts, is_end):
+    """Yield segments with the point that each leads to, from some points on (with None) to those where paths end.
+
+    ends: the two points of each segment; is_end (P,): whether a path ends at a point.
+    """
+    at_point = [[] for _ in is_end]  # type: list[list[int]]
+    for segment, pair in enumerate(ends):
         for p in pair:
-            at_point[p].append(e)
+            at_point[p].append(segment)
     left = set(range(len(ends)))
-    for start in [*np.flatnonzero(is_end).tolist(), *np.flatnonzero(is_joint).tolist(), *range(len(is_joint))]:
+    for start in starts:
         yield None, start
         for first in at_point[start]:
-            e, at = first, start
+            at, e = start, first  # type: int, int | None
             while e in left:
                 left.remove(e)
                 at = ends[e][1] if ends[e][0] == at else ends[e][0]
                 yield e, at
-                onward = [] if is_joint[at] or is_end[at] else at_point[at]
-                e = next((one for one in onward if one in left), None)
+                e = next((one for one in at_point[at] if one in left and not is_end[at]), None)
 
 
 def _order_joints(ends, is_joint) -> list[int]:

@@ -41,13 +41,10 @@ def build_mesh(model, cells, mesh, motion) -> list[np.ndarray]:
         problem = f"{mesh!r} must be 'fitted', 'touchdown', 'uniform' or arc lengths (m)"
         raise InputError(problem, field="mesh", value=mesh, unit="m")
     counts = _counts(model, cells, np.array([part[-1] for part in amount]))
-    nodes = [
+    return [
         np.interp(np.linspace(0.0, part[-1], count + 1), part, s)
         for s, part, count in zip(fine, amount, counts, strict=True)
     ]
-    for part, length in zip(nodes, lengths, strict=True):
-        part[-1] = length
-    return nodes
 
 
 def _counts(model, cells, amounts) -> list[int]:

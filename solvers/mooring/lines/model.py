@@ -18,6 +18,7 @@ from ...common.outcome import InputError
 from ...common.properties import CableProperties, Environment, missing_seabed_stiffness
 from ...network.model import Element, Network, Node
 from ...network.solve import solve_network
+from .layout import follow_segments
 
 _ON_SEABED = 1e-9  # of the depth: a point as near to the seabed rests on it, but for rounding
 
@@ -153,16 +154,27 @@ class CatenariesAtRest(NamedTuple):
 
 def build_model(given) -> MooringModel:
     """Return the model of a Scene or a Network. Raises InputError where what dynamics needs is missing."""
-    if isinstance(given, Network):
-        return replace(_from_network(given), given=given)
+    model = _from_network(given) if isinstance(given, Network) else _from_scene(given)
+    for i, segment in enumerate(model.segments):
+        for name, unit in (("diameter", "m"), ("mass_per_length", "kg/m")):
+            if getattr(segment.cable, name) is None:
+                where = name if len(model.segments) == 1 else f"elements[{i}].cable.{name}"
+                raise InputError(f"not given ({unit}), and a moving line takes it", field=where, unit=unit)
+    environment = model.environment
+    if environment.depth is not None and environment.seabed_stiffness is None:
+        diameter = max(segment.cable.diameter for segment in model.segments)  # type: ignore[type-var]
+        raise missing_seabed_stiffness("a moving line", diameter)
+    return model
+
+
+def _from_scene(scene) -> MooringModel:
     for name in ("cable", "length", "anchor", "fairlead", "environment"):
-        if not hasattr(given, name):
-            raise InputError(f"{given!r} is no Scene and no Network", field="scene", value=given)
-    friction = given.friction[0] if getattr(given, "friction", ()) else 0.0
-    weight = given.cable.weight_in(given.environment)
-    segment = Segment(weight, given.cable.EA, given.length, friction, given.cable)
-    points = Node("fixed", given.anchor), Node("coupled", given.fairlead)
-    return _require_dynamic_data(MooringModel(given.name, (segment,), points, given.environment, given=given))
+        if not hasattr(scene, name):
+            raise InputError(f"{scene!r} is no Scene and no Network", field="scene", value=scene)
+    friction = scene.friction[0] if getattr(scene, "friction", ()) else 0.0
+    segment = Segment(scene.cable.weight_in(scene.environment), scene.cable.EA, scene.length, friction, scene.cable)
+    points = Node("fixed", scene.anchor), Node("coupled", scene.fairlead)
+    return MooringModel(scene.name, (segment,), points, scene.environment, given=scene)
 
 
 def _from_network(network) -> MooringModel:
@@ -172,34 +184,14 @@ def _from_network(network) -> MooringModel:
     ends = [element.ends for element in network.elements]
     degree = np.bincount(np.ravel(ends), minlength=len(network.nodes))
     tips = np.flatnonzero(degree == 1).tolist()
-    name = getattr(network, "name", "") or "the network"
-    if degree.max() > 2 or len(tips) != 2 or len(ends) != len(network.nodes) - 1:
-        segments = tuple(_segment(element, element.ends) for element in network.elements)
-        return _require_dynamic_data(MooringModel(name, segments, network.nodes, network.environment, is_line=False))
     tips.sort(key=lambda i: (network.nodes[i].kind == "coupled", network.nodes[i].kind == "fixed"))
-    node, order, chain, left = tips[0], [tips[0]], list[Segment](), list(range(len(ends)))
-    while left:
-        e = next(e for e in left if node in ends[e])
-        left.remove(e)
-        backward = ends[e][1] == node
-        chain.append(_segment(network.elements[e], (len(chain), len(chain) + 1), backward))
-        node = ends[e][0] if backward else ends[e][1]
-        order.append(node)
-    points = tuple(network.nodes[i] for i in order)
-    return _require_dynamic_data(MooringModel(name, tuple(chain), points, network.environment))
-
-
-def _segment(element, ends, backward=False) -> Segment:
-    return Segment(element.w, element.EA, element.L, element.friction, element.cable, ends, backward)
-
-
-def _require_dynamic_data(model) -> MooringModel:
-    for i, segment in enumerate(model.segments):
-        for name, unit in (("diameter", "m"), ("mass_per_length", "kg/m")):
-            if getattr(segment.cable, name) is None:
-                where = name if len(model.segments) == 1 else f"elements[{i}].cable.{name}"
-                raise InputError(f"not given ({unit}), and a moving line takes it", field=where, unit=unit)
-    environment = model.environment
-    if environment.depth is not None and environment.seabed_stiffness is None:
-        raise missing_seabed_stiffness("a moving line", max(segment.cable.diameter for segment in model.segments))
-    return model
+    (_, start), *path = follow_segments(ends, tips[:1] or [0], degree > 2)
+    is_line = degree.max() <= 2 and len(tips) == 2 and len(path) == len(ends) == len(network.nodes) - 1
+    if is_line:
+        order = [start, *(point for _, point in path)]
+        used = [(network.elements[e], (i, i + 1), ends[e][0] == point) for i, (e, point) in enumerate(path)]
+    else:
+        order, used = list(range(len(network.nodes))), [(element, element.ends, False) for element in network.elements]
+    segments = tuple(Segment(e.w, e.EA, e.L, e.friction, e.cable, *where) for e, *where in used)
+    points, name = tuple(network.nodes[i] for i in order), getattr(network, "name", "") or "the network"
+    return MooringModel(name, segments, points, network.environment, is_line, network)

@@ -40,8 +40,6 @@ class LineHill:
         """
         diagonal, right, left = (J + sigma * D for J, D in zip(self.J, self.D, strict=True))
         diagonal += sigma**2 * self.M
-        diagonal[~self.is_free] = np.eye(diagonal.shape[1])
-        right[~self.is_free[self.line.first]], left[~self.is_free[self.line.last]] = 0.0, 0.0
         factors = BlockFactors(self.order, self.line.first, self.line.last, diagonal, right, left)
         if factors.singular:
             return None
@@ -49,7 +47,7 @@ class LineHill:
         def apply(x):
             p, q = x.reshape(2, self.shape[0], -1)
             F = self.multiply(self.D, p) + (self.M @ (q + sigma * p)[..., None])[..., 0]
-            F[~self.is_free] = 0.0
+            F[~self.is_free] = 0.0  # the elimination leaves the rows of prescribed nodes out
             u = factors.solve(F)
             return np.concatenate([u.ravel(), (sigma * u - p).ravel()])
 

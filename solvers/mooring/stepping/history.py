@@ -125,23 +125,18 @@ class MooringOutputs(EndForces):
 class ElementOutputs(EndForces):
     """Outputs over time of one element of a network: forces at its ends, tensions of its cells.
 
-    result: the history or response of the network; index: of the element; the force at an end is that of the element
-    alone, without what else its node carries.
+    result: the history or response of the network, whose success it shares; index: of the element; the force at an end
+    is that of the element alone, without what else its node carries.
     """
 
     def __init__(self, result, index):
         self.result, self.index, self.system = result, index, result.system
-        self.time = result.time
+        self.time, self.success = result.time, result.success
 
     @property
     def last_period(self) -> tuple[float, float]:
         """Start of the last whole period, and the period, s. Raises InputError without one."""
         return self.result.last_period
-
-    @property
-    def success(self) -> bool:
-        """Whether the history or response of the network is a success."""
-        return self.result.success
 
     def end_force(self, end) -> np.ndarray:
         """Force on what holds the anchor end (0) or the fairlead end (-1) at the stored times, (3, K), N."""
@@ -194,6 +189,7 @@ class MooringHistory(MooringOutputs, Outcome):
     ramp: float = 0.0
     event: tuple[float, int] | None = None
     settings: dict = field(repr=False, default_factory=dict)
+    _end_tensions: dict = field(init=False, repr=False, compare=False, default_factory=dict)
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
@@ -212,10 +208,6 @@ class MooringHistory(MooringOutputs, Outcome):
     def last_period(self) -> tuple[float, float]:
         """Start of the last whole period that is stored, and the period, s. Raises InputError without one."""
         return last_period(self.time, self.system.period)
-
-    @cached_property
-    def _end_tensions(self) -> dict:
-        return {}
 
     def end_tension_at(self, t, end, element=None) -> np.ndarray:
         """Return the size of the force at an end (0 or -1) of an element at times t (S,) in s, N, between the steps.

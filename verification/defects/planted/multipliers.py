@@ -179,13 +179,13 @@ DEFECTS: tuple[Defect, ...] = (
         "the blocks of the columns for those of the rows on the way back", _MAP,
     ),
     _mooring_defect(
-        "newmark-filter-turned", "linearised.newmark", "take_newmark_steps",
+        "newmark-filter-turned", "linearised.steps", "take_newmark_steps",
         "alpha_m * old",
         "-alpha_m * old", "sign",
         "the old algorithmic acceleration with another sign", _MAP,
     ),
     _mooring_defect(
-        "newmark-velocity-weight", "linearised.newmark", "take_newmark_steps",
+        "newmark-velocity-weight", "linearised.steps", "take_newmark_steps",
         "v[i, j, k] += w_v * force[i, j, k]",
         "v[i, j, k] += w_v * h * force[i, j, k]", "factor",
         "a velocity of the step in other units", _MAP,
