@@ -51,7 +51,8 @@ def excursion(H, V, w, EA, L, can_rest, friction, clearance) -> Excursion:
     result = _free(H, V, w, EA, L, weight, smooth)
     if len(rough):
         line = [a[rough] for a in (H, V, w, EA, L, friction, clearance)]
-        lift = _anchor_lift(*line)
+        height = np.maximum(clearance[rough], 0.0)
+        lift = hanging_force_in_newtons(ARRAY, line[0], height, *line[2:5])  # of the anchor end, 0 on the seabed
         touching = np.flatnonzero(touches_seabed(line[1], line[1] + lift, weight[rough]))
         result.replace_rows(rough[touching], _touching(*(a[touching] for a in (*line, lift))))
     for zero_where, formula, line in ((H, _vertical, (V, w, EA, L)), (w, _spring, (H, V, EA, L))):  # type: ignore[assignment]
@@ -127,29 +128,17 @@ def spring_stiffness(H, V, EA, L):
     return _block(along * c * c + across * s * s, coupling, coupling, along * s * s + across * c * c)
 
 
-def _anchor_lift(H, V, w, EA, L, friction, clearance):
-    """Return the upward force on the anchor end, N, 0 where it lies on the seabed."""
-    raised = clearance > 0
-    if not np.count_nonzero(raised):
-        return np.zeros_like(H)
-    return np.where(raised, hanging_force_in_newtons(ARRAY, H, np.where(raised, clearance, 0.0), w, EA, L), 0.0)
-
-
 def _touching(H, V, w, EA, L, friction, clearance, lift) -> Excursion:
     """Return (2.23) and (4.16) corrected; lift : force that carries a raised anchor end, 0 on the seabed."""
     grounded, zero = L - (V + lift) / w, np.zeros_like(H)
     X, Y, X_H, Y_H, Y_V = _hanging(H, V, w, EA)
-    stretch, S_H, lost, H_anchor, pulled, lift_H, lift_c = H * grounded, grounded, zero, H.copy(), zero + 1, zero, zero
-    if np.count_nonzero(friction):
-        stretch, S_H, lost = friction_stretch(ARRAY, H, grounded, friction * w)
-        H_anchor = np.maximum(H - friction * w * grounded, 0.0)
-        pulled = (H_anchor > 0) + zero
-    l, C11 = grounded + X + stretch / EA, X_H + S_H / EA
-    if np.count_nonzero(lift):
-        Xa, _, Xa_H, Ya_H, Ya_V = _hanging(H, lift, w, EA)
-        lift_c = np.where(lift > 0, 1 / np.where(lift > 0, Ya_V, 1.0), 0.0)  # d(lift)/dc
-        lift_H = Ya_H * lift_c  # -d(lift)/dH
-        l, C11 = l + Xa, C11 + Xa_H - Ya_H * lift_H
+    stretch, S_H, lost = friction_stretch(ARRAY, H, grounded, friction * w)
+    H_anchor = np.maximum(H - friction * w * grounded, 0.0)
+    pulled = (H_anchor > 0) + zero
+    Xa, _, Xa_H, Ya_H, Ya_V = _hanging(H, lift, w, EA)
+    lift_c = np.where(lift > 0, 1 / np.where(lift > 0, Ya_V, 1.0), 0.0)  # d(lift)/dc
+    lift_H = Ya_H * lift_c  # -d(lift)/dH
+    l, C11 = grounded + X + stretch / EA + Xa, X_H + S_H / EA + Xa_H - Ya_H * lift_H
     C = _block(C11, Y_H + lost / (w * EA), Y_H, Y_V)
     anchor = _block(pulled, pulled * friction, lift_H, zero)
     by_clearance = np.array([lift_H, zero - 1, -lift_c]).T

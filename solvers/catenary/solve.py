@@ -12,13 +12,7 @@ from ..numerics.newton import monotone_root, monotone_roots
 from . import regimes, suspended
 from .regimes import LARGEST, LIGHTEST, LOWEST, MASSLESS, SAGGING, STIFFEST
 
-STATUSES = (
-    Status.SUCCESS,
-    Status.INVALID_INPUT,
-    Status.NOT_CONVERGED,
-    Status.FRICTION_UNDETERMINED,
-    Status.NOT_FINITE,
-)
+STATUSES = Status.SUCCESS, Status.INVALID_INPUT, Status.NOT_CONVERGED, Status.FRICTION_UNDETERMINED, Status.NOT_FINITE
 SUCCESS, INVALID_INPUT, NOT_CONVERGED, FRICTION_UNDETERMINED, NOT_FINITE = range(len(STATUSES))
 
 

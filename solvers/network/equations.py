@@ -159,11 +159,6 @@ class Geometry:
         if equations.any_friction:  # where the anchor end lies on the seabed
             self.friction = np.where(self.clearance > 0, 0.0, equations.friction)
 
-    @property
-    def is_finite(self):
-        """True if every element lies between finite ends."""
-        return bool(np.isfinite(self.l).all() and np.isfinite(self.rise).all())
-
     @cached_property
     def frame(self):
         """(e, 4, 6) and (e, 6, 6) of ``_frame``, which is linear in 1 and the direction."""
@@ -199,7 +194,8 @@ def exact_forces(equations, geometry, rows=slice(None)):
     eq = equations
     lines = eq.w, eq.EA, eq.L, geometry.l, geometry.rise, eq.can_rest, geometry.friction, geometry.clearance
     w, EA, *lines = (column[rows] for column in lines)  # type: ignore[assignment]
-    solve_spans = solve_scalar_spans if w.size <= MAX_SCALAR_SPANS and geometry.is_finite else span_arrays
+    is_finite = np.isfinite(geometry.l + geometry.rise).all()
+    solve_spans = solve_scalar_spans if w.size <= MAX_SCALAR_SPANS and is_finite else span_arrays
     H, V, H_anchor, V_anchor, _, K, regime, _, iterations = solve_spans(w, EA, *lines)  # type: ignore[call-arg]
     Q = np.array([H, V, H_anchor, V_anchor])
     return Q, partial(exact_derivatives, Q, K, regime, w, EA, geometry.friction[rows]), int(np.sum(iterations))

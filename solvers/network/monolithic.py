@@ -223,15 +223,11 @@ class Iterate:
 
 
 class _MonolithicNewton:
-    """Steps and stopping rule of ``solve``."""
+    """The steps of ``solve``."""
 
     def __init__(self, jacobian, globalisation, tolerance):
         self.jacobian, self.trust_region, self.tolerance = jacobian, globalisation == "trust-region", tolerance
         self.dense, self.radius = jacobian != "analytic", None
-
-    def is_solved(self, now):
-        """Return whether an Iterate is balanced."""
-        return is_balanced(now, self.tolerance)
 
     def step(self, now):
         """Return the next Iterate, None where there is none."""
@@ -261,7 +257,8 @@ def solve(equations, r, H, V, count, units="scaled", jacobian="analytic", global
             return small, True
         r, H, V = (r, H, V) if small is None else (small.r, *small.elements.Q[:2])
     with np.errstate(all="ignore"):  # trial steps may overflow; their norm is then no decrease
-        return iterate(method.step, method.is_solved, system.evaluate(r, H, V), MAX_ITERATIONS)
+        is_solved = lambda now: is_balanced(now, tolerance)
+        return iterate(method.step, is_solved, system.evaluate(r, H, V), MAX_ITERATIONS)
 
 
 def is_balanced(now, tolerance):

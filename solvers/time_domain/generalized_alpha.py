@@ -41,11 +41,6 @@ class Scheme:
         return cls(alpha_m, alpha_f, 0.5 + alpha_m - alpha_f)
 
     @classmethod
-    def trapezoid(cls) -> Scheme:
-        """The trapezoidal rule: spectral radius 1 at every step."""
-        return cls(1.0, 1.0, 0.5)
-
-    @classmethod
     def backward_euler(cls) -> Scheme:
         """First order; damps everything."""
         return cls(1.0, 1.0, 1.0)

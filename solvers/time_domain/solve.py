@@ -91,15 +91,13 @@ def solve_time_domain(
         step_tolerance = positive_number("step_tolerance", step_tolerance, "(dimensionless)")
     every = whole_number("every", every, 1, unit="steps")
     flags(allow_invalid=allow_invalid, throw=throw)
-    given_scheme, scheme = scheme, _scheme(scheme, rho_inf)
+    if is_line:
+        refuse_for_lines(("scheme", scheme, None), ("hold", hold, "position"), ("allow_invalid", allow_invalid, False))
+    scheme = _scheme(scheme, rho_inf)
     if not (progress is None or callable(progress)):
         raise InputError(f"{progress!r} must be a function of time (s), or None", field="progress", value=progress)
     first_ramp = _first_ramp(system, ramp, start)
     hold = _checked_hold(system, hold)
-    if is_line:
-        refuse_for_lines(
-            ("scheme", given_scheme, None), ("hold", hold, "position"), ("allow_invalid", allow_invalid, False)
-        )
     state = _start_state(system, start)
     if is_line:
         count = math.ceil(end / dt * (1 - ROUNDING))
@@ -161,12 +159,11 @@ class _Run:
         self.control = None
         if step_tolerance is not None:
             self.control = StepControl(stepper.system, dt, step_tolerance, stepper.scheme.error_constant())
-        self.t, self.y, self.ydot = 0.0, y, ydot
+        self.t, self.y, self.ydot = 0.0, y, np.zeros_like(y) if ydot is None else ydot
         self.previous = None  # (length of the step before, ydot at its start)
-        self.record, self.steps, self.rejected = [(0.0, y, ydot)], 0, 0
+        self.record, self.steps, self.rejected = [(0.0, y, self.ydot)], 0, 0
         self.status, self.event = Status.SUCCESS, None
         if ydot is None:
-            self.ydot, self.record = np.zeros_like(y), [(0.0, y, np.zeros_like(y))]
             self.status, self.event = Status.STEP_FAILED, (0.0, stepper.worst)
 
     def continues(self, allow_invalid) -> bool:

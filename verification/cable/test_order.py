@@ -110,7 +110,7 @@ SCHEMES = {
     "box method": ({"rho_inf": 1.0}, 2),
     "rho_inf 0.5": ({"rho_inf": 0.5}, 2),
     "rho_inf 0": ({"rho_inf": 0.0}, 2),
-    "trapezoid": ({"scheme": SOLVERS.time_domain.generalized_alpha.Scheme.trapezoid()}, 2),
+    "trapezoid": ({"scheme": SOLVERS.time_domain.generalized_alpha.Scheme(1.0, 1.0, 0.5)}, 2),
     "backward Euler": ({"scheme": SOLVERS.time_domain.generalized_alpha.Scheme.backward_euler()}, 1),
 }
 FINE = (1 / 128, 1 / 256)  # s: strong damping needs finer steps to show its order
