@@ -56,7 +56,8 @@ def solve_periodic(
     tolerance: error (76), the mean |dz| of the last Newton step. globalisation: "damped" (error-oriented damping, old
     Jacobians kept, and updated, while they serve) or "relaxation" (the paper's factor, a new Jacobian at every step).
     multilevel: start from a solution with three harmonics on the fewest nodes, then with more of both; a line of nodes
-    and elements from a short time integration.
+    and elements from a short time integration. From 200 harmonics on such a line is solved by GMRES, for seabeds on
+    which nodes swing fast: three harmonics to the frequency sqrt(k/(m + ma)).
     symmetry: use a mirror symmetry of the chain where its rows show it.
     deferred_correction: at the end up to three steps with the last Jacobian to rows of ``ChainSystem.fourth_order``:
     what the mesh adds to the error is then of fourth order in its cells, where response and mesh are smooth (Pereyra,

@@ -24,7 +24,7 @@ from .lines.layout import number_nodes, plan_elimination
 from .lines.mesh import build_mesh
 from .lines.model import build_model
 from .lines.prescribed_motion import move_points, ramp_motion, require_above_seabed, require_motion
-from .periodic import harmonic
+from .periodic import harmonic, iterative_harmonics
 from .statics import MooringState, solve_rest
 from .stepping.history import MooringHistory
 from .stepping.time_domain import integrate_line
@@ -177,8 +177,9 @@ class MooringSystem:
     merge_responses = merge_responses
 
     def harmonic_residual(self, basis, mirror) -> harmonic.MooringHarmonics:
-        """Return the rows in Fourier coefficients; no mirror is used."""
-        return harmonic.MooringHarmonics(self, basis)
+        """Return the rows in Fourier coefficients, solved without blocks where they are many; no mirror is used."""
+        is_iterative = basis.harmonics >= iterative_harmonics.ITERATIVE_FROM
+        return (iterative_harmonics.IterativeHarmonics if is_iterative else harmonic.MooringHarmonics)(self, basis)
 
     def mirror(self):
         """Return None: no symmetry is used."""

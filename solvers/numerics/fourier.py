@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import scipy.fft
 
 
 class Basis:
@@ -35,3 +36,28 @@ class Basis:
         q[:, first::2], q[:, first + 1 :: 2] = sin, cos
         q_t[:, first::2], q_t[:, first + 1 :: 2] = k * cos, -k * sin
         return q, q_t
+
+
+def sample_series(basis, z, orders) -> np.ndarray:
+    """Return a series and its derivatives, ``orders`` in all, at the samples of a Basis, (orders, Nt, M), by FFT.
+
+    z (M, C): the coefficients. Work Nt log Nt, where the functions themselves take Nt C.
+    """
+    first, count = int(basis.mean), basis.samples // 2 + 1
+    waves, result = np.zeros((count, len(z)), complex), np.empty((orders, basis.samples, len(z)))
+    waves[0] = math.sqrt(2) * z[:, :first].sum(axis=1)
+    waves[1 : basis.harmonics + 1] = (z[:, first + 1 :: 2] - 1j * z[:, first::2]).T
+    rate = 1j * basis.omega * np.arange(count)[:, None]
+    for order in range(orders):
+        result[order] = scipy.fft.irfft(basis.samples / 2 * rate**order * waves, basis.samples, axis=0)
+    return result
+
+
+def project_samples(basis, f) -> np.ndarray:
+    """Return the coefficients (M, C) of samples f (Nt, M), f @ P, by FFT."""
+    first = int(basis.mean)
+    waves = 2 / basis.samples * scipy.fft.rfft(f, axis=0)[: basis.harmonics + 1].T
+    z = np.empty((f.shape[1], basis.harmonic.size))
+    z[:, :first] = math.sqrt(0.5) * waves[:, :1].real
+    z[:, first::2], z[:, first + 1 :: 2] = -waves[:, 1:].imag, waves[:, 1:].real
+    return z

@@ -192,6 +192,7 @@ _FILES = {
     "numerics.lu.block_elimination": ("mooring/test_layout.py", "mooring/test_periodic.py", "mooring/test_network.py"),
     "mooring.periodic.samples": ("mooring/test_periodic.py", "mooring/test_network.py"),
     "mooring.periodic.harmonic": ("mooring/test_periodic.py", "mooring/test_layout.py", "mooring/test_network.py"),
+    "mooring.periodic.iterative_harmonics": ("mooring/test_periodic.py",),
     "mooring.stepping.history": ("mooring/test_slack.py", "mooring/test_time_domain.py", "mooring/test_periodic.py"),
     "mooring.diagnostics": ("mooring/test_periodic.py", "io/test_plausibility.py"),
     **dict.fromkeys(

@@ -9,11 +9,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from solvers import InputError, Motion, mooring_system, solve_periodic, solve_time_domain
+from solvers import InputError, Motion, Status, mooring_system, solve_periodic, solve_time_domain
 from solvers.harmonic_balance.start import history_coefficients
 from solvers.mooring import diagnostics
-from solvers.mooring.periodic import harmonic
-from solvers.numerics.fourier import Basis
+from solvers.mooring.periodic import harmonic, iterative_harmonics
+from solvers.numerics.fourier import Basis, project_samples, sample_series
 from solvers.numerics.lu.block_elimination import BlockFactors
 
 from ..cases import networks as cases
@@ -97,7 +97,7 @@ def test_factors_are_in_double_precision_where_many_are_needed():
     """The first three linearisations solve to single precision, which Newton's method mends, the next to double."""
     made = system(SURGE_5, 8, calibrate=False)
     rows = made.harmonic_residual(Basis(6, 24, 2 * np.pi / made.period, True), None)
-    x = 0.01 * np.random.default_rng(4).normal(size=(made.nodes, 2 * rows.shape[2]))
+    x = 0.01 * np.random.default_rng(4).normal(size=(made.nodes, rows.n * rows.shape[2]))
     solves = [rows.linearise(x)[1] for _ in range(4)]
     F, line = rows.linearise(x)[0], made.line
     wanted = BlockFactors(made.order, line.first, line.last, *rows.jacobian(rows.samples(x))).solve(F)
@@ -183,6 +183,104 @@ def test_an_extrapolation_of_three_cells_is_refused():
     with pytest.raises(InputError) as caught:
         solve_periodic(system(SURGE_5, 3), harmonics=3, deferred_correction=True)
     assert caught.value.field == "deferred_correction"
+
+
+# ---------------------------------------------------------------- without blocks
+BRIDLES = "three bridles"  # a network in three axes with joints, whose elimination fills in
+HEAVED = {
+    "line": lambda: system(EVERYTHING, 8, calibrate=False),
+    "seabed": lambda: mooring_system(
+        replace(scene(replace(OC3_SEABED, amplitude=(5.0, 0.0, 0.0))), friction=(0.5,)), 12),
+    BRIDLES: lambda: mooring_system(
+        case_network(cases.bridle_system()), 4, motion=Motion.harmonic(0.05, (1.0, 0.0, 0.5))),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("mean", [True, False])
+@pytest.mark.parametrize("samples", [9, 24])
+def test_fast_transforms_are_the_functions(samples, mean):
+    """A series, its derivatives and the coefficients of samples, from FFT and from the functions of the basis."""
+    basis, rng = Basis(4, samples, 0.7, mean), np.random.default_rng(2)
+    z, f = rng.normal(size=(5, basis.harmonic.size)), rng.normal(size=(samples, 5))
+    q, q_t = basis.functions(basis.times)
+    wanted = np.stack([z @ part.T for part in (q, q_t, -q * (0.7 * basis.harmonic) ** 2)]).swapaxes(1, 2)
+    assert abs(sample_series(basis, z, 3) - wanted).max() <= 1e-13 * abs(wanted).max()
+    assert abs(project_samples(basis, f) - f.T @ basis.P).max() <= 1e-13
+
+
+def iterative_rows(name, harmonics):
+    """Return the rows of a case of HEAVED for GMRES at a start from time, its x, rows and Newton's step."""
+    made = HEAVED[name]()
+    basis = Basis(harmonics, 8 * harmonics, 2 * np.pi / made.period, True)
+    rows = iterative_harmonics.IterativeHarmonics(made, basis)
+    x = rows.pack(made.periodic_start(basis)[0])
+    F, solve = rows.linearise(x)
+    return rows, x, F, solve
+
+
+@pytest.mark.parametrize("name", HEAVED)
+def test_steps_without_blocks_are_those_of_the_blocks(name, monkeypatch):
+    """With an accuracy that leaves nothing, prescribed nodes that are to move among them."""
+    monkeypatch.setattr(iterative_harmonics, "ACCURACY", 1e-11)
+    rows, x, F, solve = iterative_rows(name, 6)
+    F = F + np.random.default_rng(8).normal(0, 0.01, F.shape) * abs(F).max()
+    line = rows.system.line
+    exact = BlockFactors(rows.system.order, line.first, line.last, *rows.jacobian(rows.samples(x))).solve(F)
+    assert abs(exact[rows.system.prescribed_nodes]).max() > 0
+    assert abs(solve(F) - exact).max() <= 1e-7 * abs(exact).max()  # measured 2e-9, with condition numbers of 1e4
+
+
+def test_time_steps_tend_to_the_inverse_of_the_jacobian(monkeypatch):
+    """About rest harmonics do not couple, and of low ones the steps have an error of second order, until it repeats."""
+    monkeypatch.setattr(iterative_harmonics, "PERIODS", 40)
+    made, errors = HEAVED["line"](), []
+    for samples in (100, 200):
+        rows = iterative_harmonics.IterativeHarmonics(made, Basis(3, samples, 2 * np.pi / made.period, True))
+        F = np.random.default_rng(6).normal(size=(made.nodes, rows.n * rows.shape[2]))
+        F[made.prescribed_nodes] = 0.0
+        rows.linearise(0 * F)  # which sets the tensions at the samples
+        newton, line = iterative_harmonics.SampledNewton(rows, rows.samples(0 * F)), made.line
+        exact = BlockFactors(made.order, line.first, line.last, *rows.jacobian(rows.samples(0 * F))).solve(F)
+        errors.append(np.linalg.norm(newton.precondition(F) - exact) / np.linalg.norm(exact))
+    assert errors[1] <= 3e-3 and errors[1] < errors[0] / 3.5  # measured 1.6e-3 and a fourth
+
+
+@pytest.mark.parametrize(("name", "harmonics"), [("seabed", 80), (BRIDLES, 40)])
+def test_time_steps_leave_little_to_gmres(name, harmonics, monkeypatch):
+    """With many harmonics a step takes some tens of vectors at most, where axial waves resonate with them."""
+    products, multiply = [], iterative_harmonics.SampledNewton.product
+    count = lambda newton, x: products.append(1) or multiply(newton, x)
+    monkeypatch.setattr(iterative_harmonics.SampledNewton, "product", count)
+    _, _, F, solve = iterative_rows(name, harmonics)
+    assert np.isfinite(solve(F)).all() and len(products) <= 30
+
+
+@pytest.mark.parametrize("name", HEAVED)
+def test_responses_without_blocks_are_those_with_them(name, monkeypatch):
+    """From a start in time, in as many Newton steps but for a few."""
+    made = HEAVED[name]()
+    direct = solve_periodic(made, harmonics=12, samples=96)
+    monkeypatch.setattr(iterative_harmonics, "ITERATIVE_FROM", 12)
+    iterative = solve_periodic(made, harmonics=12, samples=96)
+    assert not np.array_equal(iterative.z, direct.z)
+    assert abs(iterative.z - direct.z).max() <= SOLVED and iterative.iterations <= direct.iterations + 3
+
+
+def test_blocks_serve_where_gmres_gives_up(monkeypatch):
+    """Their step is taken, then and later; where there are too many harmonics for them the response says so."""
+    monkeypatch.setattr(iterative_harmonics, "MOST_VECTORS", 1)
+    rows, x, F, solve = iterative_rows("line", 6)
+    line, auxiliary = rows.system.line, rows.auxiliary.copy()
+    exact = BlockFactors(rows.system.order, line.first, line.last, *rows.jacobian(rows.samples(x))).solve(F)
+    rows.auxiliary = 0 * auxiliary  # as a later step has others
+    for _ in range(2):
+        assert abs(solve(F) - exact).max() <= 1e-3 * abs(exact).max()  # in single precision
+    assert rows.gives_up and not rows.auxiliary.any()
+    monkeypatch.setattr(iterative_harmonics, "MOST_IN_BLOCKS", 1)
+    assert np.isnan(iterative_rows("line", 6)[3](np.ones_like(x))).all()
+    monkeypatch.setattr(iterative_harmonics, "ITERATIVE_FROM", 3)
+    response = solve_periodic(HEAVED["line"](), harmonics=3, throw=False)
+    assert response.status is Status.NO_PERIODIC_RESPONSE and response.amplitude < 1
 
 
 # ---------------------------------------------------------------- warnings

@@ -153,10 +153,7 @@ class MooringHarmonics:
         self.rest = np.ascontiguousarray(system.rest_state().T)
         self.n, count = len(system.axes), basis.harmonic.size
         self.shape = (system.nodes, self.n, count)
-        self.blocks = Blocks(basis, [np.arange(count)] * self.n)
         self.rows = Blocks.harmonics([np.arange(count)] * self.n, basis)
-        self.Q_tt = -((basis.omega * basis.harmonic) ** 2)  # of the functions themselves
-        self.functions = np.concatenate([basis.Q, basis.Q_t, basis.Q * self.Q_tt])
         path = system.path(basis.times)[:, 0] - self.rest[system.prescribed_nodes]
         self.prescribed_coefficients = np.moveaxis(path, 0, -1) @ basis.P  # (P, n, C)
         self.source = system.source_at(basis.times)
@@ -164,6 +161,17 @@ class MooringHarmonics:
         self.initial: Any = None  # unknowns where Newton's method began
         self.linearisations = 0
         self.last_linearisation: Any = None  # samples, tensions and directions where the last Jacobian stood
+
+    @cached_property
+    def functions(self) -> np.ndarray:
+        """The Fourier functions and their first two derivatives at the samples, (3 Nt, C)."""
+        basis = self.basis
+        return np.concatenate([basis.Q, basis.Q_t, -basis.Q * (basis.omega * basis.harmonic) ** 2])
+
+    @cached_property
+    def blocks(self) -> Blocks:
+        """What makes blocks of sampled tangents."""
+        return Blocks(self.basis, [np.arange(self.shape[2])] * self.n)
 
     # ------------------------------------------------------------ what solve_periodic asks
     def pack(self, z) -> np.ndarray:
@@ -190,10 +198,14 @@ class MooringHarmonics:
         sampled_residual(self.system.line, samples, self.auxiliary, R, T, unit)
         if len(self.source):
             R -= self.source
-        rows = (R.reshape(len(R), -1).T @ self.basis.P).reshape(self.shape)
+        rows = self.project(R)
         prescribed = self.system.prescribed_nodes
         rows[prescribed] = x.reshape(self.shape)[prescribed] - self.prescribed_coefficients
         return rows.reshape(len(rows), -1), T, unit, samples
+
+    def project(self, R) -> np.ndarray:
+        """Return the coefficients (N, n, C) of samples (Nt, N, n)."""
+        return (R.reshape(len(R), -1).T @ self.basis.P).reshape(self.shape)
 
     def residual(self, x) -> np.ndarray:
         """Return all rows, (N, n C)."""
@@ -209,11 +221,16 @@ class MooringHarmonics:
         self.last_linearisation = samples, T, unit
         if not np.isfinite(rows).all():
             return rows, None
-        line, self.linearisations = self.system.line, self.linearisations + 1
-        is_single = self.linearisations <= SINGLE_PRECISION_STEPS and rows.shape[1] >= SINGLE_PRECISION_FROM
+        self.linearisations += 1
+        return rows, self.factorise(samples)
+
+    def factorise(self, samples):
+        """Return a function that solves with the Jacobian at the samples, None where that is singular."""
+        line, shape = self.system.line, (self.shape[0], self.n * self.shape[2])
+        is_single = self.linearisations <= SINGLE_PRECISION_STEPS and shape[1] >= SINGLE_PRECISION_FROM
         blocks = self.jacobian(samples, np.float32 if is_single else float)
         factors = BlockFactors(self.system.order, line.first, line.last, *blocks)
-        return rows, None if factors.singular else lambda F: factors.solve(F.reshape(rows.shape))
+        return None if factors.singular else lambda F: factors.solve(F.reshape(shape))
 
     def _condense(self, x, samples):
         """Set the auxiliary tensions: those of the start, then what the last Jacobian foretold for the step to x."""

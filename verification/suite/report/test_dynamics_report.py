@@ -205,14 +205,15 @@ def test_report_shows_where_methods_agree_over_a_seabed_and_why_not(tmp_path):
     far = {"balance": {"status": "SUCCESS", "difference": 0.0234, "harmonics": 240}, "reason": "a swing too fast"}
     none = {"balance": {"status": "SLACK", "difference": None, "harmonics": 120}, "reason": "slack", "moordyn": None}
     data = {"agreement": {"rows": [row, row | far, row | none, row | {"undamped": None, "effect": None}],
-                          "cells": 50, "steps": [800, 1600, 3200], "agreed": 1e-3, "samples": 8,
-                          "peer_steps": 1600}}  # fmt: skip
+                          "cells": 50, "steps": [800, 1600, 3200], "agreed": 1e-3, "resolved": 3,
+                          "direct": 120, "peer_steps": 1600}}  # fmt: skip
     (tmp_path / "results").mkdir()
     (tmp_path / "results" / FILES[LINE]).write_text(json.dumps(data), encoding="utf-8")
     shown = page(tmp_path)
     text = words(shown)
     assert undescribed(shown) == [] and missing_files(shown, tmp_path) == [] and broken_anchors(shown) == []
     assert "2 of 3 responses are within 0.1 % of the range of the history (rms), the farthest 2.3 %" in text
+    assert "at least 3 harmonics to each swing, beyond 120 by GMRES" in text
     assert "800 steps a period, then 1600 and 3200, extrapolated" in text and "1600 coupling steps" in text
     for value in ("17", "3.5", "1.2", "240", "5.7", "-6.8", "7.9", "0.040", "a swing too fast"):
         assert re.search(rf"[> ]{re.escape(value)} ", text), value
