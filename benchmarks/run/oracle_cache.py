@@ -63,5 +63,4 @@ def _entries(path: Path):
             key, fields = json.loads(line)
         except ValueError:
             continue
-        K = tuple(tuple(row) for row in fields.pop("stiffness"))
-        yield key, SpanTruth(**fields, stiffness=K)
+        yield key, SpanTruth(**fields)

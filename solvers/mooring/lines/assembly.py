@@ -11,7 +11,7 @@ from ...common.outcome import InputError
 from ...common.validation import one_of
 from ...network.model import Node
 from ..equations import Line, node_forces
-from .layout import number_nodes
+from .layout import INDEX, number_nodes
 from .prescribed_motion import span_motion
 
 IN_PLANE = 1e-12  # out-of-plane parts below this share of a vector come from rounding its direction
@@ -102,4 +102,4 @@ def take_end_cell(system, end, element=None) -> tuple[Line, np.ndarray]:
             loaded.load[loaded_nodes[end]] = system.axes @ [0.0, 0.0, system.end_loads[e, end]]
     arrays = {name: getattr(line, name)[[cell]] for name in CELL_FIELDS}
     arrays |= {name: getattr(loaded, name)[loaded_nodes] for name in NODE_FIELDS}
-    return line._replace(first=np.array([0]), last=np.array([1]), **arrays), nodes
+    return line._replace(first=np.array([0], INDEX), last=np.array([1], INDEX), **arrays), nodes

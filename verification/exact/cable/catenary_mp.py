@@ -14,11 +14,12 @@ SI units throughout: w N/m, EA N, L, x, z, clearance m, forces N. Inputs are dou
 """
 
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, lru_cache
 from itertools import pairwise
 from math import ceil, cos, log, pi
 
 from mpmath import mp, mpf
+from mpmath.libmp import fone, fzero, mpf_add, mpf_div, mpf_mul, mpf_sqrt, round_nearest
 
 # Regimes are told apart by signs of expressions in doubles, exponents within 1e-308 ... 1e308 and squares of them.
 DECISION_DIGITS = 1300
@@ -144,14 +145,19 @@ def _rule(a, d):
 
 
 def _direct(a, d, rule):
-    """Integrals of 1/sqrt(1+u^2) and u/sqrt(1+u^2) over [a, a+d]."""
-    across = along = ZERO
+    """Integrals of 1/sqrt(1+u^2) and u/sqrt(1+u^2) over [a, a+d].
+
+    Most of the time is spent here, so the sums are of mpmath's bare numbers: the same operations without their objects.
+    """
+    (a, width), rounding = (a._mpf_, d._mpf_), (mp.prec, round_nearest)
+    across = along = fzero
     for t, weight in rule:
-        u = a + d * t
-        f = weight / mp.sqrt(1 + u * u)
-        across += f
-        along += u * f
-    return d * across, d * along
+        u = mpf_add(a, mpf_mul(width, t._mpf_, *rounding), *rounding)
+        root = mpf_sqrt(mpf_add(fone, mpf_mul(u, u, *rounding), *rounding), *rounding)
+        f = mpf_div(weight._mpf_, root, *rounding)
+        across = mpf_add(across, f, *rounding)
+        along = mpf_add(along, mpf_mul(u, f, *rounding), *rounding)
+    return d * mp.make_mpf(across), d * mp.make_mpf(along)
 
 
 def _far(a, b):
@@ -160,14 +166,15 @@ def _far(a, b):
     1/sqrt(1+u^2) = 1/u - v^2/(q(1+q)) v and u/sqrt(1+u^2) = 1 - v^2/(q(1+q)), q = sqrt(1+v^2), du = -dv/v^2.
     """
     start, d = 1 / b, (b - a) / (a * b)
-    across = along = ZERO
-    for t, weight in _rule(start, d):
-        v = start + d * t
-        q = mp.sqrt(1 + v * v)
-        f = weight / (q * (1 + q))
-        across += v * f
-        along += f
-    return mp.log(b / a) - d * across, (b - a) - d * along
+    (first, width), rounding = (start._mpf_, d._mpf_), (mp.prec, round_nearest)
+    across = along = fzero
+    for t, weight in _rule(start, d):  # in mpmath's bare numbers, as in `_direct`
+        v = mpf_add(first, mpf_mul(width, t._mpf_, *rounding), *rounding)
+        q = mpf_sqrt(mpf_add(fone, mpf_mul(v, v, *rounding), *rounding), *rounding)
+        f = mpf_div(weight._mpf_, mpf_mul(q, mpf_add(fone, q, *rounding), *rounding), *rounding)
+        across = mpf_add(across, mpf_mul(v, f, *rounding), *rounding)
+        along = mpf_add(along, f, *rounding)
+    return mp.log(b / a) - d * mp.make_mpf(across), (b - a) - d * mp.make_mpf(along)
 
 
 def _one_signed(a, d):
@@ -234,7 +241,13 @@ class _Lying:
 
 
 def _hanging_length(H, height, w, EA):
-    """Length s that rises by `height` from a horizontal tangent with force H: a root of rise(s) = height.
+    """Length s that rises by `height` from a horizontal tangent with force H: a root of rise(s) = height."""
+    return _root_of_rise(H, height, w, EA, mp.prec)
+
+
+@lru_cache(maxsize=256)  # differences with respect to V, L, ... ask for the length of the same H again
+def _root_of_rise(H, height, w, EA, precision):
+    """Return the root; ``precision`` is that of mpmath, which it depends on.
 
     rise is convex and increasing with derivative V/T + V/EA, so Newton from above falls monotonically. The
     inextensible energy balance T = H + w height bounds the root from above. The precision follows the agreement.
