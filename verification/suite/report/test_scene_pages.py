@@ -10,10 +10,10 @@ from reports.pipeline.dependencies.sources import ROOT
 from reports.pipeline.running.runner import REFUSED, Ended
 from reports.pipeline.stages import scene_stage
 from reports.scenes import dynamics, margins
-from reports.scenes.load_cases.section import section as load_cases
-from reports.scenes.networks.section import figures as network_figures
-from reports.scenes.networks.section import settings as network_settings
-from reports.scenes.networks.section import tables as network_tables
+from reports.scenes.load_cases import section as load_cases
+from reports.scenes.networks import figures as network_figures
+from reports.scenes.networks import settings as network_settings
+from reports.scenes.networks import tables as network_tables
 
 SNAPPING = {"rows": [{"status": "SUCCESS"}], "cases": None, "dt": 0.14, "cells": 17}
 
@@ -41,7 +41,7 @@ def test_suspicions_come_first_and_notes_are_folded():
     assert kept == {"suspected": ["in mm"], "warnings": ["is nearly slack"], "notes": ["OUTPUTS: none"]}
     lines = network_tables.summarise(report, "mine").splitlines()
     assert lines == ["Mine", "SUSPECTED: in mm", "- is nearly slack", "of the file: OUTPUTS: none."]
-    template = (ROOT / "reports" / "scenes" / "networks.html.j2").read_text(encoding="utf-8")
+    template = (ROOT / "reports" / "scenes" / "networks" / "section.html.j2").read_text(encoding="utf-8")
     assert template.index("s.suspected") < template.index("s.sentence") < template.index("s.notes")
 
 
