@@ -13,9 +13,11 @@ from scipy.interpolate import CubicHermiteSpline
 from ..common.response import last_period
 from ..numerics.continuation import continue_in_load
 from ..numerics.fourier import Basis
+from ..numerics.newton import damped_newton, relaxed_newton
 from .residual import HarmonicResidual, harmonic_residual
 
 COARSE_HARMONICS, COARSE_TOLERANCE = 3, 2e-2  # of the driving, and the error (76) that is good enough for a start
+MAX_UNDAMPED_STEPS = 8  # before damped ones are tried
 MIN_AMPLITUDE_STEP = 2.0**-5  # of the continuation
 MAX_STEPS = 200  # Newton steps of a continuation; the hardest that ever succeeded took fifty
 
@@ -83,12 +85,15 @@ def multilevel_start(system, basis, harmonics_of_driving, newton, mirror):
         prolongations.append(coarser[1])
     level, old, iterations = len(chains) - 1, basis, 0
     z = predictor_coefficients(chains[level], basis)
-    for coarse, harmonics in _levels(level, COARSE_HARMONICS * harmonics_of_driving, basis.harmonics):
+    levels, method = _levels(level, COARSE_HARMONICS * harmonics_of_driving, basis.harmonics), newton
+    if z.any():
+        method, levels = undamped_then_damped, levels or [(level, basis.harmonics)]
+    for coarse, harmonics in levels:
         z = _prolongate(z, prolongations[coarse:level])
         level, new = coarse, Basis(harmonics, 4 * harmonics, basis.omega, basis.mean)
         start = truncate_or_pad(z, old, new)
-        z, steps, *_ = solve_with_continuation(chains[level], new, start, COARSE_TOLERANCE, newton, mirror)
-        old, iterations = new, iterations + steps
+        z, steps, *_ = solve_with_continuation(chains[level], new, start, COARSE_TOLERANCE, method, mirror)
+        old, iterations, method = new, iterations + steps, newton
     return truncate_or_pad(_prolongate(z, prolongations[:level]), old, basis), iterations
 
 
@@ -104,6 +109,15 @@ def predictor_coefficients(system, basis) -> np.ndarray:
     rest = system.rest_state()
     y = system.predict_motion(basis.times)
     return np.zeros((*rest.shape, basis.harmonic.size)) if y is None else (y - rest[..., None]) @ basis.P
+
+
+def undamped_then_damped(linearise, residual, x, tolerance, norm):
+    """Try up to eight undamped steps, then damped Newton: from a rough start with drag full steps are few."""
+    result, undamped, converged = relaxed_newton(linearise, residual, x, tolerance, norm, MAX_UNDAMPED_STEPS)
+    if converged:
+        return result, undamped, True
+    result, steps, converged = damped_newton(linearise, residual, x, tolerance, norm)
+    return result, undamped + steps, converged
 
 
 def _levels(coarsest, fewest, harmonics):

@@ -98,7 +98,7 @@ class ChainSystem:
     def predict_motion(self, t) -> np.ndarray | None:
         """Return a rough state (n_f, N, S) of the moving chain at times t (S,), from which Newton starts, or None.
 
-        At rest a quadratic drag has no slope, so Newton's first steps from there are short and many.
+        At rest a quadratic drag has no slope, so Newton's first undamped step from there goes far too far.
         """
         return None
 

@@ -179,15 +179,15 @@ def test_levels_are_those_of_the_rule(coarsest, harmonics, levels):
 
 
 @pytest.mark.parametrize(
-    ("nodes", "harmonics", "levels"), [(41, 9, [(11, 3), (21, 9)]), (15, 3, []), (15, 5, [(15, 3)])]
+    ("nodes", "harmonics", "levels"), [(41, 9, [(11, 3), (21, 9)]), (15, 3, [(15, 3)]), (15, 5, [(15, 3)])]
 )
 def test_each_level_is_solved_and_counted(nodes, harmonics, levels, monkeypatch):
-    """Of a line, which has none with as few nodes and harmonics as there can be."""
+    """Of a line with a predictor, without fewer nodes and harmonics once with its own; undamped steps only at first."""
     solved, solve = [], start.solve_with_continuation
 
     def recorded(chain, basis, z, tolerance, newton, *options):
         solution = solve(chain, basis, z, tolerance, newton, *options)
-        solved.append((chain.nodes, basis.harmonics, solution.iterations))
+        solved.append((chain.nodes, basis.harmonics, newton is start.undamped_then_damped, solution.iterations))
         return solution
 
     monkeypatch.setattr(start, "solve_with_continuation", recorded)
@@ -195,7 +195,8 @@ def test_each_level_is_solved_and_counted(nodes, harmonics, levels, monkeypatch)
     basis = Basis(harmonics, 4 * harmonics, 2 * math.pi / chain.period, True)
     z, iterations = start.multilevel_start(chain, basis, 1, newton.damped_newton, None)
     assert [level[:2] for level in solved] == levels
-    assert iterations == sum(level[2] for level in solved) and z.shape[1:] == (nodes, 2 * harmonics + 1)
+    assert [level[2] for level in solved] == [True] + [False] * (len(levels) - 1)
+    assert iterations == sum(level[3] for level in solved) and z.shape[1:] == (nodes, 2 * harmonics + 1)
 
 
 @pytest.mark.parametrize("coarsest, harmonics", [(0, 3), (0, 60), (1, 3), (2, 9), (2, 24), (6, 60), (6, 2)])
@@ -212,6 +213,14 @@ def test_a_carried_start_saves_steps(monkeypatch):
     carried = solve_periodic(system(4), harmonics=9).coarse_iterations
     monkeypatch.setattr(CableSystem, "predict_motion", lambda self, t: None)
     assert carried < solve_periodic(system(4), harmonics=9).coarse_iterations
+
+
+def test_damped_steps_follow_where_full_ones_fail(monkeypatch):
+    """Without any full step the response is the same."""
+    response = solve_periodic(system(3), harmonics=5)
+    monkeypatch.setattr(start, "MAX_UNDAMPED_STEPS", 0)
+    again = solve_periodic(system(3), harmonics=5)
+    assert largest(response.z - again.z) < 1e-8 * largest(response.z)  # two ways to (76) < 1e-10
 
 
 # ---------------------------------------------------------------- updates
