@@ -19,13 +19,19 @@ _work: Callable | None = None
 def for_each(work: Callable, count: int) -> list:
     """Return work(i) for i below count, made in forked processes; in this process where forking is not safe.
 
-    What is returned is pickled. An exception of ``work`` is raised here.
+    What is returned is pickled. An exception of ``work`` is raised here. A process that is ended before it has begun
+    keeps that signal until ``_stay`` has set what it does.
     """
     global _work
     if not _forks or count < 2:
         return [work(i) for i in range(count)]
     _work = work
-    with get_context("fork").Pool(min(CORES, count), _stay) as pool:
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGTERM})  # which forked processes have, too
+    try:
+        pool = get_context("fork").Pool(min(CORES, count), _stay)
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+    with pool:
         return pool.map(_do, range(count), chunksize=1)
 
 
@@ -35,6 +41,7 @@ def _stay():
     _forks = False
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # of a terminal, which the program gets as well
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGTERM})
 
 
 def _do(i: int):
