@@ -17,11 +17,11 @@ ROUND_OFF = 1e-14  # of velocities below 1 m/s: a rotation and its inverse
 def test_the_predicted_velocities_grow_linearly_from_the_anchor(case):
     """Along the axes, at every node, as its share of the length; strains, angles and heights are those at rest."""
     chain, t = system(case, 15), np.array([0.7, 4.0])
-    y, rest = chain.predict_motion(t), chain.rest_state()
+    y, y_at_rest = chain.predict_motion(t), chain.rest_state()
     wanted = (chain.axes @ chain.motion.velocity(t))[:, None] * (chain.s / chain.s[-1])[:, None]
     assert abs(chain.velocity(y)[0] - wanted).max() <= ROUND_OFF
     still = [i for i, name in enumerate(chain.fields) if name not in "uvw"]
-    assert np.array_equal(y[still], np.repeat(rest[still][..., None], 2, axis=2))
+    assert np.array_equal(y[still], np.repeat(y_at_rest[still][..., None], 2, axis=2))
 
 
 def test_without_a_motion_there_is_no_prediction():

@@ -66,7 +66,7 @@ def test_jacobian_blocks_are_differences_of_the_rows(case):
     _, T, _, samples = rows.evaluate(x)
     assert T.min() > 0
     rows.auxiliary = T
-    diagonal, right, left = rows.jacobian(samples)
+    diagonal, right, left = rows.jacobian(samples, rows.auxiliary)
     step = rng.normal(0, 1.0, x.shape)
     got = np.einsum("nij,nj->ni", diagonal, step)
     got[:-1] += np.einsum("nij,nj->ni", right, step[1:])
@@ -100,7 +100,7 @@ def test_factors_are_in_double_precision_where_many_are_needed():
     x = 0.01 * np.random.default_rng(4).normal(size=(made.nodes, rows.n * rows.shape[2]))
     solves = [rows.linearise(x)[1] for _ in range(4)]
     F, line = rows.linearise(x)[0], made.line
-    wanted = BlockFactors(made.order, line.first, line.last, *rows.jacobian(rows.samples(x))).solve(F)
+    wanted = BlockFactors(made.order, line.first, line.last, *rows.jacobian(rows.samples(x), rows.auxiliary)).solve(F)
     errors = [abs(solve(F) - wanted).max() / abs(wanted).max() for solve in solves]
     assert 1e-9 < min(errors[:3]) and max(errors[:3]) < 1e-2 and errors[3] < 1e-9
 
@@ -225,7 +225,9 @@ def test_steps_without_blocks_are_those_of_the_blocks(name, monkeypatch):
     rows, x, F, solve = iterative_rows(name, 6)
     F = F + np.random.default_rng(8).normal(0, 0.01, F.shape) * abs(F).max()
     line = rows.system.line
-    exact = BlockFactors(rows.system.order, line.first, line.last, *rows.jacobian(rows.samples(x))).solve(F)
+    exact = BlockFactors(
+        rows.system.order, line.first, line.last, *rows.jacobian(rows.samples(x), rows.auxiliary)
+    ).solve(F)
     assert abs(exact[rows.system.prescribed_nodes]).max() > 0
     assert abs(solve(F) - exact).max() <= 1e-7 * abs(exact).max()  # measured 2e-9, with condition numbers of 1e4
 
@@ -239,8 +241,10 @@ def test_time_steps_tend_to_the_inverse_of_the_jacobian(monkeypatch):
         F = np.random.default_rng(6).normal(size=(made.nodes, rows.n * rows.shape[2]))
         F[made.prescribed_nodes] = 0.0
         rows.linearise(0 * F)  # which sets the tensions at the samples
-        newton, line = iterative_harmonics.SampledNewton(rows, rows.samples(0 * F)), made.line
-        exact = BlockFactors(made.order, line.first, line.last, *rows.jacobian(rows.samples(0 * F))).solve(F)
+        newton, line = iterative_harmonics.SampledNewton(rows, rows.samples(0 * F), rows.auxiliary), made.line
+        exact = BlockFactors(
+            made.order, line.first, line.last, *rows.jacobian(rows.samples(0 * F), rows.auxiliary)
+        ).solve(F)
         errors.append(np.linalg.norm(newton.precondition(F) - exact) / np.linalg.norm(exact))
     assert errors[1] <= 3e-3 and errors[1] < errors[0] / 3.5  # measured 1.6e-3 and a fourth
 
@@ -271,7 +275,9 @@ def test_blocks_serve_where_gmres_gives_up(monkeypatch):
     monkeypatch.setattr(iterative_harmonics, "MOST_VECTORS", 1)
     rows, x, F, solve = iterative_rows("line", 6)
     line, auxiliary = rows.system.line, rows.auxiliary.copy()
-    exact = BlockFactors(rows.system.order, line.first, line.last, *rows.jacobian(rows.samples(x))).solve(F)
+    exact = BlockFactors(
+        rows.system.order, line.first, line.last, *rows.jacobian(rows.samples(x), rows.auxiliary)
+    ).solve(F)
     rows.auxiliary = 0 * auxiliary  # as a later step has others
     for _ in range(2):
         assert abs(solve(F) - exact).max() <= 1e-3 * abs(exact).max()  # in single precision

@@ -25,19 +25,19 @@ def factorise_steps(line, order, orbit, kept, weights, weight_of_M, right_weight
     orbit: r, v, r'' (S, s, N, m) of the m axes at the s stages of each step; kept (n,): the axes that are disturbed.
     weights (2, s, s): of K_i and C_i in the block of stages i and j, weight_of_M: of M_i in that of i and i;
     right_weights (2, 3, s): of K_i, C_i and M_i in the products with the two disturbances that a step begins with.
-    factors: diagonal (S, N, s n, s n), right and left (S, edges, s n, s n). right_side: blocks of the nodes (S, 2, N,
+    factors: diagonal (S, N, s n, s n), upper and lower (S, edges, s n, s n). right_side: blocks of the nodes (S, 2, N,
     s n, n) and of the cells' ends by each other (S, 1 or 2, C, s n, n): 1 where the second disturbance is in M alone.
     """
     steps, stages, count, axes = orbit[0].shape
     n, cells = kept.size, line.length.size
-    diagonal, right, left = factors
+    diagonal, upper, lower = factors
     own, from_last, from_first = right_side
     R, T, unit = np.empty((count, axes)), np.empty(cells), np.empty((cells, axes))
     no_tension, apart = np.zeros(cells), (1.0, 1.0, 1.0)
     by_own = np.empty((3, count, axes, axes))
     by_last, by_first = np.empty((2, cells, axes, axes)), np.empty((2, cells, axes, axes))
     slack, row = 0, np.empty(stages * n)
-    right[:], left[:] = 0.0, 0.0
+    upper[:], lower[:] = 0.0, 0.0
     for step in range(steps):
         for i in range(stages):
             r, v, a = orbit[0][step, i], orbit[1][step, i], orbit[2][step, i]
@@ -64,9 +64,9 @@ def factorise_steps(line, order, orbit, kept, weights, weight_of_M, right_weight
                             from_first[step, side, c, row_j, k] = w_K * K2 + w_C * C2
                         for l in range(stages):
                             w_K, w_C = weights[0, i, l], weights[1, i, l]
-                            right[step, c, row_j, l * n + k] = w_K * K + w_C * C
-                            left[step, c, row_j, l * n + k] = w_K * K2 + w_C * C2
-        factorise(order, diagonal[step], right[step], left[step], row)
+                            upper[step, c, row_j, l * n + k] = w_K * K + w_C * C
+                            lower[step, c, row_j, l * n + k] = w_K * K2 + w_C * C2
+        factorise(order, diagonal[step], upper[step], lower[step], row)
     return slack
 
 
@@ -104,7 +104,7 @@ def add_product(factor, blocks, e, x, i, y, q):
 
 
 @compiled
-def solve_columns(order, diagonal, right, left, x, column):
+def solve_columns(order, diagonal, upper, lower, x, column):
     """Replace columns x (N, m, k), zero at prescribed nodes, by the solutions, with the blocks of ``factorise``.
 
     column (1, m, k): working space.
@@ -112,7 +112,7 @@ def solve_columns(order, diagonal, right, left, x, column):
     nodes, m, columns = x.shape
     for i in range(nodes):
         for a in range(order.start[i], order.start[i + 1]):
-            add_product(-1.0, left, order.edge[a], x, i, x, order.other[a])
+            add_product(-1.0, lower, order.edge[a], x, i, x, order.other[a])
     for i in range(nodes - 1, -1, -1):
         if order.is_prescribed[i]:
             continue
@@ -121,7 +121,7 @@ def solve_columns(order, diagonal, right, left, x, column):
                 column[0, j, k] = x[i, j, k]
                 x[i, j, k] = 0.0
         for a in range(order.start[i], order.start[i + 1]):
-            add_product(-1.0, right, order.edge[a], x, order.other[a], column, 0)
+            add_product(-1.0, upper, order.edge[a], x, order.other[a], column, 0)
         add_product(1.0, diagonal, i, column, 0, x, i)
 
 
@@ -153,13 +153,13 @@ def take_steps(line, order, h, by_velocity, by_position, factors, right_side, d,
 
     by_velocity, by_position (s,): weights of the stages' accelerations in v over h, in d over h^2.
     """
-    diagonal, right, left = factors
+    diagonal, upper, lower = factors
     nodes, n, columns = d.shape
     m = diagonal.shape[2]
     x, column = np.empty((nodes, m, columns)), np.empty((1, m, columns))
     for step in range(diagonal.shape[0]):
         set_right_side(line, order, right_side, step, d, v, x)
-        solve_columns(order, diagonal[step], right[step], left[step], x, column)
+        solve_columns(order, diagonal[step], upper[step], lower[step], x, column)
         for i in range(nodes):
             for j in range(n):
                 for k in range(columns):
@@ -180,7 +180,7 @@ def take_newmark_steps(line, order, h, scheme, factors, right_side, state):
     the start of the step alone. a: the algorithmic acceleration. factors, right_side: as of ``factorise_steps``.
     """
     alpha_m, alpha_f, beta, gamma = scheme
-    diagonal, right, left = factors
+    diagonal, upper, lower = factors
     d, v, acceleration, a = state
     nodes, n, columns = d.shape
     column, force = np.empty((1, n, columns)), np.empty(d.shape)
@@ -195,7 +195,7 @@ def take_newmark_steps(line, order, h, scheme, factors, right_side, state):
                     filtered = (1 - alpha_m) * a[i, j, k] + alpha_m * old - alpha_f * acceleration[i, j, k]
                     acceleration[i, j, k] = filtered / (1 - alpha_f)
         set_right_side(line, order, right_side, step, v, acceleration, force)
-        solve_columns(order, diagonal[step], right[step], left[step], force, column)
+        solve_columns(order, diagonal[step], upper[step], lower[step], force, column)
         for i in range(nodes):
             if order.is_prescribed[i]:
                 continue

@@ -91,16 +91,16 @@ def follow_segments(ends, starts, is_end):
     for segment, pair in enumerate(ends):
         for p in pair:
             at_point[p].append(segment)
-    left = set(range(len(ends)))
+    unvisited = set(range(len(ends)))
     for start in starts:
         yield None, start
         for first in at_point[start]:
             at, e = start, first  # type: int, int | None
-            while e in left:
-                left.remove(e)
+            while e in unvisited:
+                unvisited.remove(e)
                 at = ends[e][1] if ends[e][0] == at else ends[e][0]
                 yield e, at
-                e = next((one for one in at_point[at] if one in left and not is_end[at]), None)
+                e = next((one for one in at_point[at] if one in unvisited and not is_end[at]), None)
 
 
 def _order_joints(ends, is_joint) -> list[int]:

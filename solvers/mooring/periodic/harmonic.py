@@ -222,13 +222,13 @@ class MooringHarmonics:
         if not np.isfinite(rows).all():
             return rows, None
         self.linearisations += 1
-        return rows, self.factorise(samples)
+        return rows, self.factorise(samples, self.auxiliary)
 
-    def factorise(self, samples):
+    def factorise(self, samples, auxiliary):
         """Return a function that solves with the Jacobian at the samples, None where that is singular."""
         line, shape = self.system.line, (self.shape[0], self.n * self.shape[2])
         is_single = self.linearisations <= SINGLE_PRECISION_STEPS and shape[1] >= SINGLE_PRECISION_FROM
-        blocks = self.jacobian(samples, np.float32 if is_single else float)
+        blocks = self.jacobian(samples, auxiliary, np.float32 if is_single else float)
         factors = BlockFactors(self.system.order, line.first, line.last, *blocks)
         return None if factors.singular else lambda F: factors.solve(F.reshape(shape))
 
@@ -242,19 +242,22 @@ class MooringHarmonics:
         else:
             predict_tensions(self.system.line, samples, *self.last_linearisation, self.auxiliary)
 
-    def tangents(self, samples):
+    def tangents(self, samples, auxiliary):
         """Return what ``sampled_tangents`` sets: diagonal (3, n, n, N, Nt), right and left (2, n, n, C, Nt)."""
         cells = self.auxiliary.shape[1]
         sizes = (3, self.shape[0]), (2, cells), (2, cells)
         parts = [np.empty((count, self.n, self.n, size, self.basis.samples)) for count, size in sizes]
-        sampled_tangents(self.system.line, samples, self.auxiliary, *parts)
+        sampled_tangents(self.system.line, samples, auxiliary, *parts)
         return parts
 
-    def jacobian(self, samples, precision=float):
-        """Return blocks diagonal (N, m, m), right and left (C, m, m) of the rows, m = n C, in a precision."""
+    def jacobian(self, samples, auxiliary, precision=float):
+        """Return blocks diagonal (N, m, m), right and left (C, m, m) of the rows, m = n C, in a precision.
+
+        auxiliary (Nt, C): tensions of the cells at the samples.
+        """
         diagonal, right, left = (
             self.blocks(parts[0], parts[1], self.rows, precision, by_yddot=parts[2:])
-            for parts in self.tangents(samples)
+            for parts in self.tangents(samples, auxiliary)
         )
         line = self.system.line
         is_prescribed = self.system.order.is_prescribed

@@ -22,15 +22,18 @@ class LineHill:
     def __init__(self, response):
         rows = response.system.harmonic_residual(response.basis, None)
         samples = rows.samples(rows.pack(response.z))
-        rows.auxiliary[:] = 0.0
-        rows.auxiliary = rows.evaluate(rows.pack(response.z), samples)[1]
-        own, *beside = rows.tangents(samples)
-        none, blocks = np.zeros_like(own[0]), lambda *parts, **also: rows.blocks(*parts, rows.rows, float, **also)
+        rows.auxiliary[:] = 0.0  # of evaluate, which then gives the tensions of the cells' own law
+        tensions = rows.evaluate(rows.pack(response.z), samples)[1]
+        by_own, *by_neighbours = rows.tangents(samples, tensions)
+        none, blocks = np.zeros_like(by_own[0]), lambda *parts, **also: rows.blocks(*parts, rows.rows, float, **also)
         self.line, self.order, self.shape = response.system.line, response.system.order, rows.shape
         self.size = 2 * math.prod(rows.shape)
-        self.J = (blocks(own[0], own[1], by_yddot=own[2:]), *(blocks(*part) for part in beside))
-        self.D = (blocks(own[1], 2 * own[2]), *(blocks(part[1], np.zeros_like(part[1])) for part in beside))
-        self.M = blocks(own[2], none)
+        self.J = (blocks(by_own[0], by_own[1], by_yddot=by_own[2:]), *(blocks(*part) for part in by_neighbours))
+        self.D = (
+            blocks(by_own[1], 2 * by_own[2]),
+            *(blocks(part[1], np.zeros_like(part[1])) for part in by_neighbours),
+        )
+        self.M = blocks(by_own[2], none)
         self.is_free = ~self.order.is_prescribed
 
     def inverse(self, sigma):

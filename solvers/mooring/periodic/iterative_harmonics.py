@@ -49,20 +49,20 @@ class IterativeHarmonics(MooringHarmonics):
         """Return the coefficients (N, n, C) of samples (Nt, N, n)."""
         return project_samples(self.basis, R.reshape(len(R), -1)).reshape(self.shape)
 
-    def factorise(self, samples):
+    def factorise(self, samples, auxiliary):
         """Return a function that solves with the Jacobian at the samples, None where that is singular."""
         if self.gives_up:
-            return super().factorise(samples)
-        newton, auxiliary, by_blocks = SampledNewton(self, samples), self.auxiliary.copy(), []  # type: ignore[var-annotated]
+            return super().factorise(samples, auxiliary)
+        auxiliary = auxiliary.copy()  # which the next linearisation changes
+        newton, by_blocks = SampledNewton(self, samples, auxiliary), []  # type: ignore[var-annotated]
 
         def solve_or_use_blocks(F):
             if not by_blocks:
                 step = newton.solve(F)
                 if np.isfinite(step).all() or self.basis.harmonics > MOST_IN_BLOCKS:
                     return step
-                self.gives_up, (now, self.auxiliary) = True, (self.auxiliary, auxiliary)
-                by_blocks.append(super(IterativeHarmonics, self).factorise(samples))
-                self.auxiliary = now
+                self.gives_up = True
+                by_blocks.append(super(IterativeHarmonics, self).factorise(samples, auxiliary))
             return np.full(F.shape, np.nan) if by_blocks[0] is None else by_blocks[0](F)
 
         return solve_or_use_blocks if np.isfinite(newton.factors[0]).all() else None
@@ -71,7 +71,7 @@ class IterativeHarmonics(MooringHarmonics):
 class SampledNewton:
     """Products with the Jacobian of IterativeHarmonics, and its approximate inverse, from tangents at the samples."""
 
-    def __init__(self, balance, samples):
+    def __init__(self, balance, samples, auxiliary):
         self.balance, system = balance, balance.system
         basis, n, nodes, cells = balance.basis, balance.n, system.nodes, system.line.length.size
         self.prescribed, self.h = system.prescribed_nodes, 2 * np.pi / basis.omega / basis.samples
@@ -84,9 +84,7 @@ class SampledNewton:
         )
         edges = system.order.edges
         self.factors = tuple(np.zeros((basis.samples, size, n, n)) for size in (nodes, edges, edges))
-        factorise_samples(
-            system.line, system.order, samples, balance.auxiliary, self.weights, *self.tangents, *self.factors
-        )
+        factorise_samples(system.line, system.order, samples, auxiliary, self.weights, *self.tangents, *self.factors)
 
     def solve(self, F) -> np.ndarray:
         """Return J^-1 F (N, n C); not a number where GMRES does not get there."""

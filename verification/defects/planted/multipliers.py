@@ -174,8 +174,8 @@ DEFECTS: tuple[Defect, ...] = (
     ),
     _mooring_defect(
         "columns-for-rows", "linearised.steps", "solve_columns",
-        "add_product(-1.0, right, order.edge[a], x, order.other[a], column, 0)",
-        "add_product(-1.0, left, order.edge[a], x, order.other[a], column, 0)", "index",
+        "add_product(-1.0, upper, order.edge[a], x, order.other[a], column, 0)",
+        "add_product(-1.0, lower, order.edge[a], x, order.other[a], column, 0)", "index",
         "the blocks of the columns for those of the rows on the way back", _MAP,
     ),
     _mooring_defect(
