@@ -59,6 +59,14 @@ class Defect:
             raise ValueError(f"{self.name}: {error}") from error
 
 
+def defect_in(room: str, name, module, function, old, new, kind, what, check, **place) -> Defect:
+    """Return a Defect without the words Defect and Fault. room: of the module, as "stability", or "" for a whole path.
+
+    place: occurrence and where of the Fault.
+    """
+    return Defect(name, Fault(f"{room}.{module}" if room else module, function, old, new, **place), kind, what, check)
+
+
 def arguments(check: str) -> list[str]:
     """A check as arguments of pytest, run from the root of the project."""
     return [f"verification/{word}" if re.match(r"(\w+/)?test_", word) else word for word in shlex.split(check)]

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from ...tools.planting import Fault
-from ..defect import Defect
+from functools import partial
+
+from ..defect import defect_in
 
 _SEA = "common/test_sea_state.py::test_"
 _STATISTICS = "load_cases/test_statistics.py::test_"
@@ -11,9 +12,7 @@ _SOLVE = "load_cases/test_solve.py::test_"
 _ACCURACY = "load_cases/test_accuracy.py::test_"
 _FILE = "io/test_case_file.py::test_"
 
-
-def _defect(name, module, function, old, new, kind, what, check, **place):
-    return Defect(name, Fault(module, function, old, new, **place), kind, what, check)
+_defect = partial(defect_in, "")
 
 
 DEFECTS = (

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from ...tools.planting import Fault
-from ..defect import Defect
+from functools import partial
+
+from ..defect import Defect, defect_in
 
 _MEISSNER = "stability/test_floquet.py::test_meissner_in_closed_form"
 _TWO_METHODS = "stability/test_floquet.py::test_liouville_and_two_methods_on_a_nonlinear_orbit"
@@ -25,13 +26,8 @@ _NO_MOTION = _LINES + "test_a_motion_that_time_steps_do_not_repeat_is_said"
 _ALGEBRAIC = "stability/test_floquet.py::test_infinite_exponents_of_algebraic_rows_are_left_out"
 _MATHIEU = "stability/test_floquet.py::test_mathieu_on_its_transition_curves"
 
-
-def _defect(name, module, function, old, new, kind, what, check, **place):
-    return Defect(name, Fault(f"stability.{module}", function, old, new, **place), kind, what, check)
-
-
-def _mooring_defect(name, module, function, old, new, kind, what, check):
-    return Defect(name, Fault(f"mooring.{module}", function, old, new), kind, what, check)
+_defect = partial(defect_in, "stability")
+_mooring_defect = partial(defect_in, "mooring")
 
 
 DEFECTS: tuple[Defect, ...] = (

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 from ...tools.planting import Fault
-from ..defect import Defect
+from ..defect import Defect, defect_in
 
 _FOLDS = "stability/test_curve.py::test_folds_do_not_depend_on_the_way"
 _SHOOTING = "stability/test_curve.py::test_folds_are_those_of_shooting"
@@ -40,9 +42,7 @@ _BASINS = "stability/test_basins.py::test_starts_land_where_another_integrator_h
 _WILSON = "stability/test_basins.py::test_intervals_solve_wilsons_equation"
 _BRANCHES = "stability/test_basins.py::test_responses_at_a_value_are_those_of_the_curve"
 
-
-def _defect(name, module, function, old, new, kind, what, check, **place):
-    return Defect(name, Fault(f"stability.{module}", function, old, new, **place), kind, what, check)
+_defect = partial(defect_in, "stability")
 
 
 DEFECTS: tuple[Defect, ...] = (
