@@ -6,7 +6,7 @@ import numpy as np
 from scipy.signal import welch
 
 from solvers import mooring_system
-from solvers.mooring.linearised.impedance import mooring_impedance, mooring_stiffness
+from solvers.mooring import mooring_impedance, mooring_stiffness
 
 SERIES = 361  # instants of the tensions that are drawn
 SHOWN_HARMONICS, BODY_HARMONICS = 12, 3

@@ -23,7 +23,7 @@ from solvers import (
     solve_time_domain,
 )
 from solvers.io import load_network
-from solvers.mooring.linearised.impedance import mooring_stiffness
+from solvers.mooring import mooring_stiffness
 from solvers.numerics.modes import natural_modes
 from solvers.stability.multipliers.floquet import floquet
 

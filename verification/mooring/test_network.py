@@ -20,7 +20,7 @@ from solvers import Motion, Network, Node, mooring_system, solve_network, solve_
 from solvers.common.motions.body_motion import BodyMotion
 from solvers.common.outcome import Status
 from solvers.io import load_network
-from solvers.mooring.linearised.impedance import harmonic_impedance, mooring_impedance, mooring_stiffness
+from solvers.mooring import harmonic_impedance, mooring_impedance, mooring_stiffness
 from solvers.mooring.stepping.time_domain import _Run, stream_line
 from solvers.numerics.modes import natural_modes
 
