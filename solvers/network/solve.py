@@ -20,6 +20,7 @@ from .equations import NetworkEquations
 from .model import Network
 from .monolithic import solve as solve_monolithic
 from .nested import EPS, Count, coupled_stiffness, evaluate, largest_force, solve_nested
+from .rounding import refine_within_rounding
 from .start import MAX_CONTACT_ELEMENTS, robust_start
 
 
@@ -112,8 +113,8 @@ def solve_network(
     globalisation : "line-search" or "trust-region", and units "scaled", "N" or "kN" of the forces: monolithic only
     start : None (no guess needed), "nodes" (the free nodes' own r), a NetworkState, or arrays (r (n, 3), H, V (e,))
     fallback : when the method stops short, go on from there by the monolithic one, then from no guess
-    tolerance : of residual_norm; where double-precision positions do not resolve forces so far, the nested method stops
-        short, and the monolithic one, whose unknowns they are, goes on
+    tolerance : of residual_norm; where double-precision positions do not resolve forces so far, the forces are those of
+        positions less than a rounding away
     Raises InputError for unknown options, ConvergenceError where no equilibrium is reached unless throw is False.
 
     >>> ends = [Node("fixed", (0, 0, 0)), Node("fixed", (100, 0, 0)), Node("free", (50, 0, -20), force=(0, 0, -1e3))]
@@ -202,10 +203,16 @@ def _start_values(equations, start, count):
 def _state(equations, r, count, tolerance, elements=None) -> NetworkState:
     """Return the result, with the forces of the monolithic unknowns if they are given, else of exact spans at r.
 
-    Positions rounded to doubles do not resolve the forces of exact spans of very stiff lines; the unknowns do.
+    Positions rounded to doubles do not resolve the forces of exact spans of very stiff lines; the unknowns do, and so
+    does a motion of less than that rounding.
     """
-    elements = elements or equations.solve_elements(r)
+    elements, is_exact = elements or equations.solve_elements(r), elements is None
     reaction, residual = _reactions_and_residual(equations, r, elements)
+    if is_exact and not residual <= tolerance:
+        refined = refine_within_rounding(equations, r, tolerance, count)
+        if refined is not None:
+            r, elements = refined
+            reaction, residual = _reactions_and_residual(equations, r, elements)
     return NetworkState(
         r=r,
         **{name: getattr(elements, name) for name in ("H", "V", "H_anchor", "V_anchor")},

@@ -216,6 +216,7 @@ _FILES = {
             "network.nested",
             "network.start",
             "network.monolithic",
+            "network.rounding",
             "io.network_scene",
             "io.map_plus_plus.reader",
         ),

@@ -7,8 +7,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from solvers.network import nested
+from solvers import Element, Environment, Network, Node
+from solvers.network import nested, rounding
+from solvers.network.equations import Geometry
 from solvers.network.nested import Balance, Count
+
+from ..cases.networks import bridle, two_line
+from .test_solve import network_of, solved
 
 
 class Bowl:
@@ -88,3 +93,49 @@ def test_rounding_is_accepted_when_it_no_longer_falls():
     assert solved_at([1.0, 0.4, 0.15, 0.05, 0.05, 0.05, 0.05], 1.0) == [*[False] * 6, True]
     assert solved_at([1.0, 1.0, 1.0, 1.0, 1.0], 0.9) == [False] * 5
     assert solved_at([1.0, 1e-9], 0.0) == [False, True]
+
+
+# ---------------------------------------------------------------- a step within the rounding of positions
+def step_within_rounding(tangent, force):
+    """Return ``_newton_step`` of one node with a tangent (3, 3) and no regularisation."""
+    equations = SimpleNamespace(
+        dof=np.array([[0, 1, 2]]), tangent=lambda elements: np.array(tangent), soft_stiffness=0.0
+    )
+    moving = np.array([[True, True, True]])
+    return rounding._newton_step(equations, None, np.array([force]), moving, Count())
+
+
+def test_a_step_that_does_not_exist_is_none():
+    """A singular tangent, or one that is not finite."""
+    assert step_within_rounding(np.diag([1.0, 2.0, 4.0]), [1.0, 1.0, 1.0]).tolist() == [[1.0, 0.5, 0.25]]
+    assert step_within_rounding(np.zeros((3, 3)), [1.0, 1.0, 1.0]) is None
+    assert step_within_rounding(np.diag([1.0, 2.0, 4.0]), [1.0, np.nan, 1.0]) is None
+
+
+@pytest.mark.parametrize("case", [bridle(), two_line()], ids=lambda case: case.name)
+def test_all_spans_of_a_refinement_are_counted(case, monkeypatch):
+    """At the positions, a rounding further apart, and at the new positions."""
+    iterations, exact_forces = [], rounding.exact_forces
+
+    def recorded(*arguments):
+        result = exact_forces(*arguments)
+        iterations.append(result[2])
+        return result
+
+    monkeypatch.setattr(rounding, "exact_forces", recorded)
+    equations, count = network_of(case).equations, Count()
+    assert rounding.refine_within_rounding(equations, solved(case).r, 1e-13, count) is not None
+    assert len(iterations) == 3 and count.inner_iterations == sum(iterations) > 0
+
+
+def test_stretched_lines_are_a_rounding_longer():
+    """In their own direction; but no fairlead below the seabed, on which one of them lies."""
+    nodes = [Node("fixed", (0.0, 0.0, -30.0)), Node("fixed", (60.0, 0.0, -45.0)), Node("coupled", (80.0, 0.0, -50.0))]
+    lines = [Element(10.0, 1e6, 70.0, (0, 1)), Element(10.0, 1e6, 70.0, (0, 2)), Element(10.0, 1e6, 70.0, (2, 0))]
+    equations = Network(nodes, lines, Environment(depth=50.0)).equations
+    geometry = Geometry(equations, equations.position)
+    geometry.rounding = np.full(3, 1e-3)  # m, to be seen
+    stretched = rounding._stretched(equations, geometry)
+    chords = np.hypot(geometry.l, geometry.rise)
+    assert stretched.l == pytest.approx(geometry.l * (1 + 1e-3 / chords), rel=1e-15)
+    assert stretched.rise == pytest.approx(geometry.rise * (1 + np.array([1, 0, 1]) * 1e-3 / chords), rel=1e-15)

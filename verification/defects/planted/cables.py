@@ -508,7 +508,12 @@ DEFECTS = (
     # ------------------------------------------------------------ cable_planar, cable_spatial
     Defect(
         "drag by the length of the chord",
-        Fault("cable.planar", "local_terms", "Fdt / (2 * stretch * stretch)", "Fdt / (stretch * stretch)"),
+        Fault(
+            "cable.planar",
+            "local_terms",
+            "by[0, EPS], by[0, U] = Fdt / (2 * stretch * stretch), dFdt",
+            "by[0, EPS], by[0, U] = Fdt / (stretch * stretch), dFdt",
+        ),
         "derivative",
         "d/d(eps) of sqrt(1 + eps) without its half",
         _TANGENTS + " -k 'planar and tangential'",
