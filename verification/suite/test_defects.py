@@ -663,4 +663,4 @@ def test_the_catalogue_is_found(deep, tmp_path):
     wanted = [(None, d.check) for d in defects] + [(d, d.check) for d in defects]
     *_, (_, _, results) = run(wanted, Log(tmp_path / "log"), jobs=os.cpu_count() or 1)
     counts = summary(verdicts(defects, results))
-    assert kept(counts), counts
+    assert kept(counts), json.dumps(counts)  # whole: pytest would cut it short
