@@ -100,19 +100,19 @@ def exact_system(exact: moving_network.Network, loads=None, **options) -> ExactS
     cells, network, mesh = exact.lines.cells.tolist(), as_network(exact), moving_network.Mesh(exact)
     if build_model(network).is_line:
         cells, network = [*cells, 2], with_line_far_away(network)
-    made = mooring_system(network, cells, fields="spatial", **settings)
+    system = mooring_system(network, cells, fields="spatial", **settings)
     nodes = np.empty(mesh.size, int)
-    for chain, numbers in zip(mesh.chains, made.layout.nodes, strict=False):
+    for chain, numbers in zip(mesh.chains, system.layout.nodes, strict=False):
         nodes[chain] = numbers
     if loads is not None:
 
         def source(t):
-            load = np.zeros((np.size(t), made.nodes, 3))
+            load = np.zeros((np.size(t), system.nodes, 3))
             load[:, nodes] = loads(np.atleast_1d(t))
             return load
 
-        made.source = source
-    return ExactSystem(exact, made, nodes, slice(0, mesh.l.size))
+        system.source = source
+    return ExactSystem(exact, system, nodes, slice(0, mesh.l.size))
 
 
 def case_network(case, **environment) -> Network:

@@ -63,7 +63,7 @@ def scene(case: CableCase, **environment) -> Scene:
                  motion=motion)  # fmt: skip
 
 
-def system(case: CableCase, cells=25, **options):
+def build(case: CableCase, cells=25, **options):
     """Return the solvers.mooring_system of a case."""
     return mooring_system(scene(case), cells, **options)
 
@@ -300,33 +300,33 @@ def manufactured(line: ManufacturedLine, cells: int, mesh="uniform"):
     given = SimpleNamespace(name="manufactured", cable=cable, length=line.length, anchor=line.anchor,
                             fairlead=tuple(motion.mean.tolist()), environment=environment,
                             friction=(line.friction,))  # fmt: skip
-    made = mooring_system(given, cells, mesh=mesh, fields="planar" if line.planar else "spatial", motion=motion,
+    system = mooring_system(given, cells, mesh=mesh, fields="planar" if line.planar else "spatial", motion=motion,
                           calibrate=False, slip_speed=line.friction_speed,
                           contact_depth=line.contact_depth)  # fmt: skip
-    made.source = lambda t: lumped_load(made, line, t)
-    made.model = replace(made.model, environment=Environment(line.rho, current=current))
-    return made
+    system.source = lambda t: lumped_load(system, line, t)
+    system.model = replace(system.model, environment=Environment(line.rho, current=current))
+    return system
 
 
-def lumped_load(made, line, t) -> np.ndarray:
+def lumped_load(system, line, t) -> np.ndarray:
     """Return the load of a manufactured line on the nodes, (S, N, n), N: that of a node times its share of the line."""
-    share = np.append(made.line.length, 0.0) / 2 + np.append(0.0, made.line.length) / 2
-    return (line.load(made.s, np.atleast_1d(t)) * share[:, None]).transpose(2, 1, 0)
+    share = np.append(system.line.length, 0.0) / 2 + np.append(0.0, system.line.length) / 2
+    return (line.load(system.s, np.atleast_1d(t)) * share[:, None]).transpose(2, 1, 0)
 
 
-def exact_load(made, line, t) -> np.ndarray:
+def exact_load(system, line, t) -> np.ndarray:
     """Return the load (S, N, n), N, that makes a manufactured motion exact on its mesh, all cells taut."""
     t = np.atleast_1d(t)
-    y = np.stack([exact_state(made, line, one)[0].T for one in t])
-    v, a = (rate(made.s, t).transpose(2, 1, 0) for rate in (line.velocity, line.acceleration))
-    taut = np.ones(made.line.length.size)
-    return np.stack([evaluate(compiled, made.line, *state, taut)[0] for state in zip(y, v, a, strict=True)])
+    y = np.stack([exact_state(system, line, one)[0].T for one in t])
+    v, a = (rate(system.s, t).transpose(2, 1, 0) for rate in (line.velocity, line.acceleration))
+    taut = np.ones(system.line.length.size)
+    return np.stack([evaluate(compiled, system.line, *state, taut)[0] for state in zip(y, v, a, strict=True)])
 
 
-def exact_state(made, line, t):
+def exact_state(system, line, t):
     """Return y and ydot (n, N) of a manufactured line at a time, coordinates of its system."""
-    lift = -made.origin[line.components]
-    return line.position(made.s, t) + lift[:, None], line.velocity(made.s, t)
+    lift = -system.origin[line.components]
+    return line.position(system.s, t) + lift[:, None], line.velocity(system.s, t)
 
 
 # ---------------------------------------------------------------- energy

@@ -34,7 +34,7 @@ def network(name):
 NAMES = ["bridles", "net", "clump", "oc3_three_lines", *range(COUNT)]
 
 
-def system(name, cells=3):
+def build(name, cells=3):
     """Return the system of a network; its mesh asks for no statics."""
     return mooring_system(network(name), cells, mesh="uniform", fields="spatial", calibrate=False)
 
@@ -42,23 +42,23 @@ def system(name, cells=3):
 @pytest.mark.parametrize("name", NAMES)
 def test_every_node_and_cell_has_one_number(name):
     """Numbers run from 0 without a gap; elements that meet share a node, and their cells join nodes along them."""
-    made = system(name)
-    layout, given, points = made.layout, made.model.segments, made.layout.points
+    system = build(name)
+    layout, given, points = system.layout, system.model.segments, system.layout.points
     inner = [nodes[1:-1] for nodes in layout.nodes]
     assert np.array_equal(np.sort(np.concatenate([points, *inner])), np.arange(layout.size))
     assert [(nodes[0], nodes[-1]) for nodes in layout.nodes] == [tuple(points[list(s.ends)]) for s in given]
     for s, nodes, cells in zip(layout.s, layout.nodes, layout.cells, strict=True):
         pairs = np.sort(np.stack([nodes[:-1], nodes[1:]]), axis=0)
         assert np.array_equal(pairs, [layout.first[cells], layout.last[cells]])
-        assert np.array_equal(made.line.length[cells], np.diff(s)) and s[0] == 0.0
+        assert np.array_equal(system.line.length[cells], np.diff(s)) and s[0] == 0.0
     assert (layout.first < layout.last).all() and layout.first.size == sum(s.size - 1 for s in layout.s)
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_elimination_adds_few_blocks(name):
     """At most one a node of an element between two joints, and those of the joints; a line adds none."""
-    made = system(name, 8)
-    model, layout, order = made.model, made.layout, made.order
+    system = build(name, 8)
+    model, layout, order = system.model, system.layout, system.order
     ends = np.array([segment.ends for segment in model.segments])
     degree = np.bincount(ends.ravel(), minlength=len(model.points))
     is_joint = np.array([point.kind == "free" for point in model.points]) & (degree > 2)
@@ -73,8 +73,8 @@ def test_elimination_adds_few_blocks(name):
 @pytest.mark.parametrize("name", NAMES)
 def test_any_network_is_eliminated(name):
     """Random blocks, prescribed nodes among them: what numpy solves, in blocks of three and of many rows."""
-    made, rng = system(name), np.random.default_rng(7)
-    line, order, nodes = made.line, made.order, made.nodes
+    system, rng = build(name), np.random.default_rng(7)
+    line, order, nodes = system.line, system.order, system.nodes
     free = ~order.is_prescribed
     for m in (3, 5):
         right, left = rng.normal(0, 1, (2, order.edges, m, m)) / m
@@ -100,8 +100,8 @@ def test_any_network_is_eliminated(name):
 @pytest.mark.parametrize("name", NAMES)
 def test_changes_of_prescribed_nodes_are_taken_over(name):
     """The solution has the given values there, and satisfies the rows of the others, in both precisions."""
-    made, rng, m = system(name), np.random.default_rng(8), 5
-    line, order, nodes = made.line, made.order, made.nodes
+    system, rng, m = build(name), np.random.default_rng(8), 5
+    line, order, nodes = system.line, system.order, system.nodes
     right, left = rng.normal(0, 1, (2, line.length.size, m, m)) / m
     permuted = np.stack([rng.permutation(np.eye(m)) for _ in range(nodes)])  # rows have to be exchanged
     diagonal = rng.normal(0, 1, (nodes, m, m)) / m + 3 * degrees(line, nodes)[:, None, None] * permuted
@@ -120,12 +120,12 @@ def test_changes_of_prescribed_nodes_are_taken_over(name):
 
 def test_blocks_that_do_not_fit_are_refused():
     """Compiled loops do not look at their indices: other numbers of nodes, cells and unknowns are refused."""
-    made = system("clump")
-    line, order, cells = made.line, made.order, made.line.length.size
-    blocks = [np.tile(np.eye(3), (count, 1, 1)) for count in (made.nodes, cells, cells)]
+    system = build("clump")
+    line, order, cells = system.line, system.order, system.line.length.size
+    blocks = [np.tile(np.eye(3), (count, 1, 1)) for count in (system.nodes, cells, cells)]
     factors = BlockFactors(order, line.first, line.last, *blocks)
     with pytest.raises(ValueError, match="right-hand side"):
-        factors.solve(np.zeros((made.nodes, 4)))
+        factors.solve(np.zeros((system.nodes, 4)))
     for i in range(3):
         for wrong in (blocks[i][1:], blocks[i][:, 1:], blocks[i].astype(np.float32), blocks[i].swapaxes(1, 2)):
             with pytest.raises(ValueError, match=r"must be|does not fit"):
@@ -134,10 +134,10 @@ def test_blocks_that_do_not_fit_are_refused():
 
 def test_singular_blocks_are_reported():
     """A free node whose block is zero, and one that is not a number."""
-    made = system("clump")
-    line, order = made.line, made.order
+    system = build("clump")
+    line, order = system.line, system.order
     for bad in (0.0, np.nan):
-        diagonal = np.tile(np.eye(3), (made.nodes, 1, 1))
+        diagonal = np.tile(np.eye(3), (system.nodes, 1, 1))
         diagonal[np.flatnonzero(~order.is_prescribed)[0]] = bad
         right, left = np.zeros((2, line.length.size, 3, 3))
         assert BlockFactors(order, line.first, line.last, diagonal, right, left).singular
@@ -173,21 +173,21 @@ def dense_solution(line, order, diagonal, right, left, x):
 @pytest.mark.parametrize("name", ["bridles", "net", *range(0, COUNT, 3)])
 def test_coarser_lines_keep_every_second_node(name):
     """Nodes of the coarser lines are where they say, and a cubic motion along each element comes back."""
-    made = system(name, [8 + e % 3 for e in range(len(network(name).elements))])
-    coarse, prolong = made.coarser()
-    kept, (fine, few) = common_nodes(coarse.layout, made.layout), (made.layout, coarse.layout)
+    system = build(name, [8 + e % 3 for e in range(len(network(name).elements))])
+    coarse, prolong = system.coarser()
+    kept, (fine, few) = common_nodes(coarse.layout, system.layout), (system.layout, coarse.layout)
     assert np.array_equal(kept[few.points], fine.points)
     for e in range(len(fine.s)):
         places = [fine.nodes[e].tolist().index(kept[i]) for i in few.nodes[e]]
         assert np.array_equal(fine.s[e][places], few.s[e])
-    assert abs(prolong(cubic(coarse)) - cubic(made)).max() <= 1e3 * EPS * abs(cubic(made)).max()
+    assert abs(prolong(cubic(coarse)) - cubic(system)).max() <= 1e3 * EPS * abs(cubic(system)).max()
 
 
-def cubic(made):
+def cubic(system):
     """Return (3, N, 2) that is cubic in the arc length of each element, from random values at the points."""
-    result = np.zeros((3, made.nodes, 2))
-    points = np.random.default_rng(3).normal(0, 1, (len(made.model.points), 3, 1, 2))
-    for s, nodes, segment in zip(made.layout.s, made.layout.nodes, made.model.segments, strict=True):
+    result = np.zeros((3, system.nodes, 2))
+    points = np.random.default_rng(3).normal(0, 1, (len(system.model.points), 3, 1, 2))
+    for s, nodes, segment in zip(system.layout.s, system.layout.nodes, system.model.segments, strict=True):
         (a, b), x = points[list(segment.ends)], (s / s[-1])[:, None]
         result[:, nodes] = a + (b - a) * x + 0.5 * (x**3 - x)
     return result

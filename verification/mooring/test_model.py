@@ -32,7 +32,7 @@ from solvers.mooring.lines.model import Segment, build_model
 
 from ..cases.cables import OC3, OC3_SEABED, SLACK_CHAIN, SURGE_5
 from ..reference import EPS
-from .problems import scene, system
+from .problems import build, scene
 
 WATER = Environment(1025.0, depth=100.0, seabed_stiffness=4e4, seabed_damping=3e3, current=(0.3, 0.0, 0.1))
 CHAIN = CableProperties(5e8, 0.1, 120.0, Cdn=1.3, Cdt=0.2, Ca=0.9, damping=0.01)
@@ -56,10 +56,10 @@ def two_parts(**changes):
 def test_arrays_of_a_line_of_two_materials():
     """By hand: 3 cells of chain of 40 m, 2 of rope of 55 m, from the anchor; halves of both at the joint."""
     s = np.array([0.0, 40.0, 80.0, 120.0, 175.0, 230.0])
-    made = mooring_system(two_parts(), mesh=s, slip_speed=0.2, calibrate=False)
-    line, chain = made.line, np.array([True] * 3 + [False] * 2)
+    system = mooring_system(two_parts(), mesh=s, slip_speed=0.2, calibrate=False)
+    line, chain = system.line, np.array([True] * 3 + [False] * 2)
     of = lambda name: np.where(chain, getattr(CHAIN, name), getattr(ROPE, name))
-    assert np.array_equal(line.length, [40.0] * 3 + [55.0] * 2) and np.array_equal(made.s, s)
+    assert np.array_equal(line.length, [40.0] * 3 + [55.0] * 2) and np.array_equal(system.s, s)
     for name, field in (("EA", "EA"), ("damping", "damping"), ("mass", "mass_per_length")):
         assert np.array_equal(getattr(line, name), of(field))
     d = of("diameter")
@@ -78,30 +78,30 @@ def test_arrays_of_a_line_of_two_materials():
     assert np.allclose(line.load[:, -1], up, rtol=1e-14, atol=0)
     assert np.array_equal(line.load[:, 0], [0, 0, 0, 200.0, 0, 0])
     assert line.floor == -100.0 and line.slip_speed == 0.2 and line.current == (0.3, 0.1)
-    assert made.prescribed_nodes.tolist() == [0, 5] and made.fields == ("along", "z") and made.nodes == 6
-    assert [point.kind for point in made.model.points] == ["fixed", "free", "coupled"]
-    assert made.model.length == 230.0 and made.period is None
+    assert system.prescribed_nodes.tolist() == [0, 5] and system.fields == ("along", "z") and system.nodes == 6
+    assert [point.kind for point in system.model.points] == ["fixed", "free", "coupled"]
+    assert system.model.length == 230.0 and system.period is None
 
 
 def test_the_regularisation_of_the_seabed_stays_with_what_is_made_of_a_system():
     """Coarser lines, another motion, end cells and parts of a network have slip speed and contact depth."""
-    made = mooring_system(two_parts(), 12, slip_speed=0.2, contact_depth=0.03)
+    system = mooring_system(two_parts(), 12, slip_speed=0.2, contact_depth=0.03)
     three = load_network(files("reference_data") / "scenes" / "networks" / "oc3_moving.toml")
     parts = [part.system for part in mooring_system(three, 8, slip_speed=0.2, contact_depth=0.03).components]
-    lines = [one.line for one in (made, made.coarser()[0], made.with_motion(None), *parts)]
-    lines += [made.end_cell(-1, element)[0] for element in (None, 1)]
+    lines = [one.line for one in (system, system.coarser()[0], system.with_motion(None), *parts)]
+    lines += [system.end_cell(-1, element)[0] for element in (None, 1)]
     assert len(parts) == 3 and {(line.slip_speed, line.contact_depth) for line in lines} == {(0.2, 0.03)}
     assert mooring_system(two_parts(), 12).line.contact_depth == 0.0
 
 
 def test_without_a_seabed_nothing_bears():
     """Neither stiffness nor damping nor a floor, in still water; the weight is that of the section or as given."""
-    line = system(OC3, 10).line
+    line = build(OC3, 10).line
     assert not line.seabed_stiffness.any() and not line.seabed_damping.any() and line.floor == -math.inf
     assert line.current == (0.0, 0.0) and abs(-line.load[:, -1].sum() / (698.094 * 902.2) - 1) < 1e-14
-    bed = system(replace(OC3_SEABED, seabed_stiffness=0.0), 10).line
+    bed = build(replace(OC3_SEABED, seabed_stiffness=0.0), 10).line
     assert not bed.seabed_stiffness.any() and not bed.seabed_damping.any()
-    friction = system(OC3_SEABED, 10).line.friction
+    friction = build(OC3_SEABED, 10).line.friction
     assert not friction.any()
     rough = replace(scene(OC3_SEABED), friction=(0.6, 0.2))
     assert np.allclose(mooring_system(rough, 10).line.friction, 0.6, rtol=4 * EPS)
@@ -121,16 +121,16 @@ def test_without_a_seabed_nothing_bears():
 )
 def test_axes_are_those_that_the_motion_needs(case, fields):
     """Planar where line, current and motion lie in one vertical plane; positions go there and back."""
-    made = system(case, 8)
-    assert made.fields == fields
+    system = build(case, 8)
+    assert system.fields == fields
     rng = np.random.default_rng(1)
     y = rng.normal(0, 50, (len(fields), 8, 3))
-    assert abs(made.to_axes(made.positions(y)) - y).max() <= 100 * EPS * 50
-    path = made.path(np.array([0.0, 3.0]))
-    moved = 0.0 if case.amplitude is None else made.motion.displacement(np.array([0.0, 3.0]))
+    assert abs(system.to_axes(system.positions(y)) - y).max() <= 100 * EPS * 50
+    path = system.path(np.array([0.0, 3.0]))
+    moved = 0.0 if case.amplitude is None else system.motion.displacement(np.array([0.0, 3.0]))
     wanted = np.array(case.fairlead)[:, None] + moved
-    assert abs(made.positions(path[:, 0, 1].T) - wanted).max() <= 1e-12 * case.length
-    assert abs(made.positions(path[:, 0, 0].T) - np.array(case.anchor)[:, None]).max() <= 1e-12 * case.length
+    assert abs(system.positions(path[:, 0, 1].T) - wanted).max() <= 1e-12 * case.length
+    assert abs(system.positions(path[:, 0, 0].T) - np.array(case.anchor)[:, None]).max() <= 1e-12 * case.length
 
 
 def test_the_path_has_the_rates_of_the_motion():
@@ -139,13 +139,13 @@ def test_the_path_has_the_rates_of_the_motion():
     plain = FunctionMotion(motion.displacement, motion.velocity)
     t = np.linspace(0, 7.0, 30)
     for given, error in ((motion, 1e-13), (plain, 1e-8)):
-        made = system(OC3, 8, motion=given)
-        path = made.path(t)
+        system = build(OC3, 8, motion=given)
+        path = system.path(t)
         for order, exact in enumerate((motion.displacement(t), motion.velocity(t), motion.acceleration(t))):
-            wanted = made.axes @ (exact + (np.array(OC3.fairlead)[:, None] if order == 0 else 0.0))
+            wanted = system.axes @ (exact + (np.array(OC3.fairlead)[:, None] if order == 0 else 0.0))
             assert abs(path[:, order, 1] - wanted.T).max() <= error * max(1.0, abs(wanted).max())
         assert not path[:, 1:, 0].any()
-        alone = np.stack([made.path(t[i : i + 1])[0, 2, 1] for i in range(3, 9)])
+        alone = np.stack([system.path(t[i : i + 1])[0, 2, 1] for i in range(3, 9)])
         assert abs(alone - path[3:9, 2, 1]).max() <= error  # at one time alone too
 
 
@@ -176,7 +176,7 @@ def test_meshes_have_their_cells_and_joints(cells, mesh):
     """As many cells as asked for, from 0 to the length, with a node at each joint exactly."""
     s = mooring_system(two_parts(), cells, mesh=mesh).s
     assert s.size == cells + 1 and s[0] == 0.0 and s[-1] == 230.0 and 120.0 in s and (np.diff(s) > 0).all()
-    one = system(OC3_SEABED, cells, mesh=mesh).s
+    one = build(OC3_SEABED, cells, mesh=mesh).s
     assert one.size == cells + 1 and one[-1] == OC3_SEABED.length
     if mesh == "uniform":
         assert np.allclose(np.diff(one), OC3_SEABED.length / cells, rtol=1e-12)
@@ -191,9 +191,9 @@ def test_a_uniform_mesh_shares_its_cells():
     assert np.allclose(np.diff(mooring_system(network, 15, mesh="uniform").s), 10.0, rtol=1e-12)
 
 
-def grounded_length(made, surge=0.0):
+def grounded_length(system, surge=0.0):
     """Return how much of a line of one material rests on the seabed with its fairlead moved along x, m."""
-    model = made.model
+    model = system.model
     start, end = (np.array(point.r) for point in model.points)
     profile = model.segments[0].profile(start, end + [surge, 0.0, 0.0], model.environment, np.zeros(1))
     return profile[2].grounded_length
@@ -205,11 +205,11 @@ LYING = replace(SLACK_CHAIN, name="slack chain in still water", current=(0.0, 0.
 
 def test_a_fitted_mesh_is_dense_where_the_line_bends():
     """As the square root of the curvature w H/T^2 from the touchdown on; before it as sparse as the limit allows."""
-    made = system(LYING, 40)
-    cells, middles, rests = np.diff(made.s), (made.s[1:] + made.s[:-1]) / 2, grounded_length(made)
+    system = build(LYING, 40)
+    cells, middles, rests = np.diff(system.s), (system.s[1:] + system.s[:-1]) / 2, grounded_length(system)
     finest = cells[middles > rests + 2].min()
-    assert abs(cells[made.s[1:] < rests - 5] * LEAST_DENSITY / finest - 1).max() < 0.02
-    state = made.solve_static()
+    assert abs(cells[system.s[1:] < rests - 5] * LEAST_DENSITY / finest - 1).max() < 0.02
+    state = system.solve_static()
     hanging = middles > rests + 10
     wanted = state.tension[hanging]
     assert abs(cells[hanging] / wanted / (cells[hanging] / wanted).mean() - 1).max() < 0.01
@@ -218,37 +218,37 @@ def test_a_fitted_mesh_is_dense_where_the_line_bends():
 def test_a_fitted_mesh_covers_the_travel_of_the_touchdown():
     """With a motion the fine cells begin at the nearest touchdown of its period."""
     for surge in (0.0, 3.0):
-        made = system(replace(LYING, amplitude=(surge, 0.0, 0.0) if surge else None), 40)
-        fine = made.s[:-1][np.diff(made.s) < 2 * np.diff(made.s).min()]
-        assert -12 < fine[0] - grounded_length(made, surge) < 12
-        assert surge == 0 or fine[0] < grounded_length(made) - 5
+        system = build(replace(LYING, amplitude=(surge, 0.0, 0.0) if surge else None), 40)
+        fine = system.s[:-1][np.diff(system.s) < 2 * np.diff(system.s).min()]
+        assert -12 < fine[0] - grounded_length(system, surge) < 12
+        assert surge == 0 or fine[0] < grounded_length(system) - 5
 
 
 def test_a_touchdown_mesh_is_dense_where_the_touchdown_travels():
     """Beside a fitted mesh, a surplus of TOUCHDOWN_DENSITY there, half of it a reach away; of a hanging line none."""
-    made, fitted = (system(replace(LYING, amplitude=(3.0, 0.0, 0.0)), 400, mesh=m) for m in ("touchdown", "fitted"))
-    nearest, farthest = sorted(grounded_length(made, surge) for surge in (-3.0, 3.0))
-    reach = TOUCHDOWN_REACH * made.s[-1]
+    system, fitted = (build(replace(LYING, amplitude=(3.0, 0.0, 0.0)), 400, mesh=m) for m in ("touchdown", "fitted"))
+    nearest, farthest = sorted(grounded_length(system, surge) for surge in (-3.0, 3.0))
+    reach = TOUCHDOWN_REACH * system.s[-1]
 
     at = np.array([(nearest + farthest) / 2, farthest + reach, farthest + 6 * reach])
-    dense, usual = (np.interp(at, (m.s[1:] + m.s[:-1]) / 2, 1 / np.diff(m.s)) for m in (made, fitted))
+    dense, usual = (np.interp(at, (m.s[1:] + m.s[:-1]) / 2, 1 / np.diff(m.s)) for m in (system, fitted))
     by_curvature = usual * np.diff(fitted.s).min()  # of the greatest density
     surplus = TOUCHDOWN_DENSITY / np.array([1, 2, 7])
     assert dense / dense[0] == pytest.approx((by_curvature + surplus) / (by_curvature + surplus)[0], rel=NEAR)
     hanging = replace(OC3, amplitude=(3.0, 0.0, 0.0))
-    assert np.array_equal(system(hanging, 40, mesh="touchdown").s, system(hanging, 40).s)
+    assert np.array_equal(build(hanging, 40, mesh="touchdown").s, build(hanging, 40).s)
 
 
 def test_a_mesh_is_taken_as_given():
     """Arc lengths of a list or an array; rounding at a joint is taken for the joint."""
     s = np.array([0.0, 100.0, 120.0 + 1e-11, 200.0, 230.0])
-    made = mooring_system(two_parts(), mesh=s).s
-    assert abs(made - s).max() <= 1.01e-11 and abs(made[2] - s[2]) <= 1.01e-11
+    moved = mooring_system(two_parts(), mesh=s).s
+    assert abs(moved - s).max() <= 1.01e-11 and abs(moved[2] - s[2]) <= 1.01e-11
     assert np.array_equal(mooring_system(two_parts(), mesh=s.round(9)).s, s.round(9))
 
 
 # ---------------------------------------------------------------- refused
-SURGE = partial(system, SURGE_5, 10)
+SURGE = partial(build, SURGE_5, 10)
 RUN = {"dt": 0.5, "periods": 1}
 
 
@@ -298,8 +298,8 @@ REFUSED = {
         lambda: mooring_system(without(environment=Environment(depth=320.0))), "seabed_stiffness", ["N/m^2"]),
     "no section": (lambda: mooring_system(without_section()), "elements[0].cable", ["not given"]),
     "no motion": (lambda: SURGE(motion=3.0), "motion", ["3.0"]),
-    "cells of a float": (lambda: system(OC3, 10.0), "cells", ["10.0", "whole number"]),
-    "one cell": (lambda: system(OC3, 1), "cells", ["1", "from 2"]),
+    "cells of a float": (lambda: build(OC3, 10.0), "cells", ["10.0", "whole number"]),
+    "one cell": (lambda: build(OC3, 1), "cells", ["1", "from 2"]),
     "fewer cells than materials": (lambda: mooring_system(two_parts(), 1), "cells", ["1", "2"]),
     "a mesh of no name": (lambda: SURGE(mesh="fine"), "mesh", ["'fine'", "uniform", "m"]),
     "a mesh of words": (lambda: SURGE(mesh=["a", "b", "c"]), "mesh", ["arc lengths", "m"]),
@@ -311,18 +311,18 @@ REFUSED = {
         lambda: mooring_system(two_parts(), mesh=[0.0, 100.0, 230.0]), "mesh", ["joint", "120 m"]),
     "a mesh that is not finite": (lambda: SURGE(mesh=[0.0, math.nan, 902.2]), "mesh", ["finite"]),
     "fields of no name": (lambda: SURGE(fields="flat"), "fields", ["'flat'", "planar"]),
-    "a plane that is left": (lambda: system(replace(OC3, amplitude=(0, 1.0, 0)), fields="planar"), "fields", ["plane"]),
+    "a plane that is left": (lambda: build(replace(OC3, amplitude=(0, 1.0, 0)), fields="planar"), "fields", ["plane"]),
     "no slip speed": (lambda: SURGE(slip_speed=0.0), "slip_speed", ["0", "m/s", "> 0"]),
     "a negative contact depth": (lambda: SURGE(contact_depth=-0.1), "contact_depth", ["-0.1", "m"]),
     "calibrate": (lambda: SURGE(calibrate="yes"), "calibrate", ["'yes'", "auto"]),
-    "calibrated over a seabed": (lambda: system(OC3_SEABED, calibrate=True), "calibrate", ["seabed"]),
+    "calibrated over a seabed": (lambda: build(OC3_SEABED, calibrate=True), "calibrate", ["seabed"]),
     "no dt": (lambda: run(dt=0.0), "dt", ["0", "s", "> 0"]),
     "dt beyond the end": (lambda: run(dt=30.0), "dt", ["30 s", "20 s"]),
     "too many steps": (lambda: run(dt=1e-12), "dt", ["1e-12", "1e+09 steps"]),
     "no end": (lambda: run(periods=None), "periods", ["periods", "duration"]),
     "two ends": (lambda: run(duration=3.0), "periods", ["periods", "duration"]),
     "negative periods": (lambda: run(periods=-1), "periods", ["-1", "> 0"]),
-    "periods of nothing": (lambda: solve_time_domain(system(OC3, 10), **RUN), "periods", ["no period", "duration"]),
+    "periods of nothing": (lambda: solve_time_domain(build(OC3, 10), **RUN), "periods", ["no period", "duration"]),
     "a negative duration": (lambda: run(periods=None, duration=-3.0), "duration", ["-3", "s"]),
     "rho_inf": (lambda: run(rho_inf=1.2), "rho_inf", ["1.2", "between 0 and 1"]),
     "tolerance": (lambda: run(tolerance=0.0), "tolerance", ["0", "> 0"]),
@@ -343,10 +343,10 @@ REFUSED = {
 
 def test_a_motion_into_the_seabed_is_refused():
     """With the node, its height and the first time of those that are asked for."""
-    made = system(OC3_SEABED, 4, mesh="uniform", motion=Motion.harmonic(0.05, (0.0, 0.0, -260.0)))
-    made.path(np.array([0.0, 2.0, 6.0]))
+    system = build(OC3_SEABED, 4, mesh="uniform", motion=Motion.harmonic(0.05, (0.0, 0.0, -260.0)))
+    system.path(np.array([0.0, 2.0, 6.0]))
     with pytest.raises(InputError, match=r"node 2 to z = -329\.872 m at t = 4\.9 s, below the seabed at -320 m"):
-        made.path(np.array([0.0, 4.9, 5.0]))
+        system.path(np.array([0.0, 4.9, 5.0]))
 
 
 @pytest.mark.parametrize("name", REFUSED)
@@ -375,9 +375,9 @@ def test_times_outside_a_history_are_refused():
 
 def test_the_example_of_a_scene():
     """A Scene is taken as its line; a motion may be given in place of its own, and scaled."""
-    made = SURGE(motion=Motion.harmonic(0.1, (0.0, 0.0, 1.0)))
-    assert made.period == 10.0 and made.scaled(2.0).motion.displacement(2.5)[2] == pytest.approx(2.0)
-    assert made.with_motion(None).period == 10.0 and made.with_motion(None).ramped(3.0).motion is None
+    system = SURGE(motion=Motion.harmonic(0.1, (0.0, 0.0, 1.0)))
+    assert system.period == 10.0 and system.scaled(2.0).motion.displacement(2.5)[2] == pytest.approx(2.0)
+    assert system.with_motion(None).period == 10.0 and system.with_motion(None).ramped(3.0).motion is None
     assert isinstance(scene(OC3), Scene)
 
 
@@ -387,16 +387,16 @@ CATENARY = 1e-9
 
 def test_elements_of_a_calibrated_line_end_with_the_forces_of_their_catenaries():
     """Where cells and loads make the catenaries the equilibrium, elements have them at the joint as well."""
-    made = mooring_system(two_parts(environment=Environment(1025.0)), 12, calibrate=True)
-    rest = made.rest_state()[..., None]
+    system = mooring_system(two_parts(environment=Environment(1025.0)), 12, calibrate=True)
+    rest = system.rest_state()[..., None]
     still = np.zeros_like(rest)
-    at_rest = made.model.at_rest(made.layout)
-    for e, (segment, state) in enumerate(zip(made.model.segments, at_rest.states, strict=True)):
-        middles = (made.layout.s[e][1:] + made.layout.s[e][:-1]) / 2
+    at_rest = system.model.at_rest(system.layout)
+    for e, (segment, state) in enumerate(zip(system.model.segments, at_rest.states, strict=True)):
+        middles = (system.layout.s[e][1:] + system.layout.s[e][:-1]) / 2
         along = state.profile(segment.length - middles if segment.reversed else middles)[2]
-        assert at_rest.tension[made.layout.cells[e]] == pytest.approx(along, rel=CATENARY)
+        assert at_rest.tension[system.layout.cells[e]] == pytest.approx(along, rel=CATENARY)
         H, lower, upper = state.H, math.hypot(state.H, state.V_anchor), math.hypot(state.H, state.V)
         wanted = (upper, lower) if segment.reversed else (lower, upper)
         for end, expected in zip((0, -1), wanted, strict=True):
-            force = np.linalg.norm(made.end_force(rest, still, still, end, e))
+            force = np.linalg.norm(system.end_force(rest, still, still, end, e))
             assert force == pytest.approx(expected, rel=CATENARY), (e, end, H)

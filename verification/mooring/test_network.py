@@ -73,13 +73,13 @@ def errors_at_rest(network, cells):
     """
     bed = replace(network.environment, seabed_stiffness=None)
     exact = solve_network(Network(network.nodes, network.elements, bed))
-    made = mooring_system(with_line_far_away(network), cells, mesh="uniform")
-    at = made.layout.points[: len(network.nodes)]
+    system = mooring_system(with_line_far_away(network), cells, mesh="uniform")
+    at = system.layout.points[: len(network.nodes)]
     lies = [bed.depth is not None and r[2] < 1e-6 - bed.depth for r in exact.r]
     is_holder = np.array([node.kind != "free" and not low for node, low in zip(network.nodes, lies, strict=True)])
     size = np.linalg.norm(exact.reaction[is_holder], axis=1).max()
-    forces = (made.rest.forces.T[at] - exact.reaction) * is_holder[:, None]
-    return forces / size, (made.rest.r.T[at] - exact.r) / max(element.L for element in network.elements)
+    forces = (system.rest.forces.T[at] - exact.reaction) * is_holder[:, None]
+    return forces / size, (system.rest.r.T[at] - exact.r) / max(element.L for element in network.elements)
 
 
 @pytest.mark.parametrize("case", SUSPENDED, ids=lambda case: case.name)
@@ -109,14 +109,14 @@ def test_networks_rest_on_a_seabed(name):
 def test_a_clump_weight_rests_on_the_seabed(cells):
     """It sinks by what it weighs beyond what its lines lift, over the stiffness of the cells that meet at it."""
     network = case_network(cases.clump_weight())
-    made = mooring_system(network, cells, mesh="uniform")
-    state, clump = made.rest, made.layout.points[1]
+    system = mooring_system(network, cells, mesh="uniform")
+    state, clump = system.rest, system.layout.points[1]
     assert state.iterations <= 8
     _, places = errors_at_rest(network, cells)
     sinkage, exact = -100.0 - state.r[2, clump], solve_network(as_rigid(network))
     lifted = sum(exact.V[e] - network.elements[e].w * network.elements[e].L for e in (1, 2))
     borne = 9.80665 * 3e4 - lifted
-    stiffness = made.line.seabed_stiffness[clump]
+    stiffness = system.line.seabed_stiffness[clump]
     assert sinkage == pytest.approx(borne / stiffness, rel=0.02) and abs(places[1, :2]).max() <= 1e-4
 
 
@@ -161,8 +161,8 @@ def test_a_line_cut_by_joints_is_the_line():
     assert line.model.is_line and not pieces.model.is_line
     assert_same_line(line.rest, pieces.rest, order)
     settings = {"dt": 0.1, "periods": 2, "tolerance": 1e-10}
-    assert_same_line(*(solve_time_domain(made, **settings) for made in (line, pieces)), order)
-    assert_same_line(*(solve_periodic(made, harmonics=4) for made in (line, pieces)), order)
+    assert_same_line(*(solve_time_domain(system, **settings) for system in (line, pieces)), order)
+    assert_same_line(*(solve_periodic(system, harmonics=4) for system in (line, pieces)), order)
 
 
 # ---------------------------------------------------------------- symmetries
@@ -199,12 +199,12 @@ def test_order_and_direction_do_not_matter(seed, change):
         assert abs(places - one.in_exact_order(a.r)).max() <= ALIKE * one.system.length
 
     assert_alike(one.system.rest, other.system.rest)
-    histories = [solve_time_domain(made.system, dt=0.05, duration=5.0, tolerance=1e-10) for made in (one, other)]
+    histories = [solve_time_domain(pair.system, dt=0.05, duration=5.0, tolerance=1e-10) for pair in (one, other)]
     assert_alike(*histories)
     for count in ("steps", "cut", "damped_from"):
         assert getattr(histories[0], count) == getattr(histories[1], count)
     if seed in PERIODIC:
-        assert_alike(*(solve_periodic(made.system, harmonics=4) for made in (one, other)))
+        assert_alike(*(solve_periodic(pair.system, harmonics=4) for pair in (one, other)))
 
 
 @pytest.mark.parametrize("seed", PERIODIC)
@@ -274,13 +274,13 @@ def test_harmonic_balance_and_time_integration_agree(name, motion, deep):
     if not deep and (name, motion) not in (("oc3_three_lines", "yaw"), ("three_bridles", "all six")):
         pytest.skip("in the long version")
     body = BodyMotion.harmonic(0.05, MOTIONS[motion], (0.0, 0.3, 0.6, 0.9, 1.2, 1.5), (0.0, 0.0, -60.0))
-    made = mooring_system(scene(name, None), 8, motion=body, mesh="uniform")
-    response, tables = solve_periodic(made, harmonics=HARMONICS), []
+    system = mooring_system(scene(name, None), 8, motion=body, mesh="uniform")
+    response, tables = solve_periodic(system, harmonics=HARMONICS), []
     for count in (STEPS, 2 * STEPS):
-        history = solve_time_domain(made, dt=20.0 / count, periods=6, tolerance=1e-7)
+        history = solve_time_domain(system, dt=20.0 / count, periods=6, tolerance=1e-7)
         tables.append(history.tension[:, -count - 1 : -1 : count // STEPS])
     t = 20.0 * np.arange(STEPS) / STEPS
-    balance = made.forces(response.at(t), response.rate_at(t), response.acceleration_at(t))[1]
+    balance = system.forces(response.at(t), response.rate_at(t), response.acceleration_at(t))[1]
     size = max(np.ptp(balance, axis=1).max(), 0.1 * balance.max())
     assert abs(extrapolated((2.0, 1.0), tables) - balance).max() <= TWO_METHODS * size
 
@@ -303,16 +303,16 @@ def test_both_methods_agree_on_each_line_when_refined(bed, name, motion, deep):
     given = scene(name, SEABED if bed == "over a seabed" else None)
     given = replace(given, elements=[replace(e, cable=replace(e.cable, damping=0.1)) for e in given.elements])
     amplitude = tuple(2.0 * size if motion == "yaw" else 1.5 * size for size in MOTIONS[motion])
-    made = mooring_system(given, 20, motion=BodyMotion.harmonic(0.05, amplitude, (0.0, 0.3, 0.6, 0.9, 1.2, 1.5)))
+    system = mooring_system(given, 20, motion=BodyMotion.harmonic(0.05, amplitude, (0.0, 0.3, 0.6, 0.9, 1.2, 1.5)))
     periods, t = PERIODS.get(motion, 8), 20.0 * np.arange(STEPS) / STEPS
     harmonics, counts = FINE[bed]
     tables = []
     for count in counts:
-        history = solve_time_domain(made, dt=20.0 / count, periods=periods, every=2, tolerance=1e-7)
+        history = solve_time_domain(system, dt=20.0 / count, periods=periods, every=2, tolerance=1e-7)
         tables.append(np.array([line.fairlead_tension(t + 20.0 * (periods - 1)) for line in history.elements]))
-    response = solve_periodic(made, harmonics=harmonics, samples=6 * harmonics)
+    response = solve_periodic(system, harmonics=harmonics, samples=6 * harmonics)
     balance = np.array([line.fairlead_tension(t) for line in response.elements])
-    ranges, lies = np.ptp(balance, axis=1)[:, None], history.r[2] < made.line.floor
+    ranges, lies = np.ptp(balance, axis=1)[:, None], history.r[2] < system.line.floor
     assert (lies.any(axis=1) & ~lies.all(axis=1)).any() == (bed == "over a seabed" and motion != "yaw")
     assert (abs(extrapolated((2.0, 1.0), tables) - balance) / ranges).max() <= REFINED
 
@@ -326,9 +326,9 @@ OVER_A_SEABED = 0.014  # of the range: nodes that touch down one by one excite m
 def test_both_methods_agree_over_a_seabed(name, motion):
     """Force and moment on the body, of lines that lift off and touch down, over the last of five periods."""
     body = BodyMotion.harmonic(0.05, MOTIONS[motion], (0.0, 0.3, 0.6, 0.9, 1.2, 1.5), (0.0, 0.0, -60.0))
-    made = mooring_system(scene(name, SEABED), 30, motion=body)
-    response, history = solve_periodic(made, harmonics=9), solve_time_domain(made, dt=20.0 / STEPS, periods=5)
-    lies = history.r[2] < made.line.floor
+    system = mooring_system(scene(name, SEABED), 30, motion=body)
+    response, history = solve_periodic(system, harmonics=9), solve_time_domain(system, dt=20.0 / STEPS, periods=5)
+    lies = history.r[2] < system.line.floor
     assert (lies.any(axis=1) & ~lies.all(axis=1)).any() and (history.tension > 0).all()
     for balance, steps in ((response.body_force, history.body_force), (response.body_moment, history.body_moment)):
         last = CubicSpline(history.time[-STEPS - 1 :] - 80.0, steps[:, -STEPS - 1 :], axis=1)(response.time)
@@ -339,8 +339,8 @@ def test_both_methods_agree_over_a_seabed(name, motion):
 @pytest.mark.parametrize("seed", [2, 4, 5])
 def test_energy_of_a_network_closes(seed):
     """Energy of all lines and points changes by the work of body, drag, dampers and current, up to dt^2."""
-    made, dts = exact_system(random_network(seed).network).system, (0.02, 0.01, 0.005)
-    histories = [solve_time_domain(made, dt=dt, duration=5.0, tolerance=1e-9, rho_inf=0.5) for dt in dts]
+    system, dts = exact_system(random_network(seed).network).system, (0.02, 0.01, 0.005)
+    histories = [solve_time_domain(system, dt=dt, duration=5.0, tolerance=1e-9, rho_inf=0.5) for dt in dts]
     energy = energy_of(histories[-1])
     assert energy.drag.any() and energy.damper.any() and np.ptp(energy.given) > 0
     assert_order(dts, [energy_gap(history) for history in histories], 2, ceiling=4e-6, what=str(seed))
@@ -359,11 +359,11 @@ def test_arms_at_a_joint_have_their_frequencies():
         force=[[0, 0, joint * 9.81], *[[0, 0, 0]] * 3],
     )  # fmt: skip
     lines = moving_network.Lines([(0, 1), (2, 0), (0, 3)], length, cells, EA, mass=mass)
-    made = exact_system(moving_network.Network(nodes, lines, rho=0.0)).system
+    system = exact_system(moving_network.Network(nodes, lines, rho=0.0)).system
     twice = {"in plane": 2, "out of plane": 1, "axial": 1, "transverse in plane": 1, "transverse out of plane": 2}
     every = sorted(float(f) for kind, times in twice.items() for f in exact[kind] * times)
     lowest = [f for f in every if f <= min(float(exact[kind][-1]) for kind in twice)]
-    got = natural_modes(made, len(lowest)).frequencies
+    got = natural_modes(system, len(lowest)).frequencies
     assert len(lowest) >= 6 and abs(got / lowest - 1).max() <= 1e-9
 
 
@@ -380,10 +380,12 @@ def test_a_point_on_light_lines_has_its_frequencies(mass):
     nodes = moving_network.Nodes([*ends, place], ("fixed", "fixed", "coupled", "free"), mass=[0, 0, 0, mass],
                                  volume=[0, 0, 0, volume], Ca=0.5)  # fmt: skip
     lines = moving_network.Lines([(0, 3), (3, 1), (2, 3)], length, 2, EA, mass=light)
-    made = exact_system(moving_network.Network(nodes, lines)).system
-    assert abs(made.rest.r[:, made.layout.points[3]] - place).max() <= 1e-8
+    system = exact_system(moving_network.Network(nodes, lines)).system
+    assert abs(system.rest.r[:, system.layout.points[3]] - place).max() <= 1e-8
     wanted = np.array([float(f) for f in point.frequencies(r)])
-    assert abs(natural_modes(made, 3).frequencies / wanted - 1).max() <= 1e-6  # the lines have a millionth of the mass
+    assert (
+        abs(natural_modes(system, 3).frequencies / wanted - 1).max() <= 1e-6
+    )  # the lines have a millionth of the mass
 
 
 @pytest.mark.parametrize("seed", [2, 4])
@@ -391,9 +393,9 @@ def test_modes_of_a_network_are_those_of_its_matrices(seed):
     """Undamped frequencies about rest are those of mass and stiffness by complex steps of another program's forces."""
     network = random_network(seed).network
     lines = replace(network.lines, beta=np.zeros(len(network.lines.ends)))
-    made = exact_system(replace(network, lines=lines, current=(0.0, 0.0, 0.0), motion=RigidMotion()))
-    exact = linear_network.linearise(made.exact, made.in_exact_order(made.system.rest.r)).frequencies()[0]
-    got = natural_modes(made.system, 8).frequencies
+    pair = exact_system(replace(network, lines=lines, current=(0.0, 0.0, 0.0), motion=RigidMotion()))
+    exact = linear_network.linearise(pair.exact, pair.in_exact_order(pair.system.rest.r)).frequencies()[0]
+    got = natural_modes(pair.system, 8).frequencies
     assert abs(got / exact[:8] - 1).max() <= 1e-9
 
 
@@ -408,11 +410,11 @@ def test_random_networks_move_as_another_program_has_them(seed, deep):
         pytest.skip("in the long version")
     duration, most = (5.0, 8000) if deep else (2.0, 4000)
     case, exact = random_network(seed), random_history(seed, duration=duration, samples=11)
-    made, counts = exact_system(case.network), (most // 4, most // 2, most)
-    start = made.coordinates(case.position), made.rates(case.velocity)
+    pair, counts = exact_system(case.network), (most // 4, most // 2, most)
+    start = pair.coordinates(case.position), pair.rates(case.velocity)
     places = [
-        made.in_exact_order(
-            solve_time_domain(made.system, dt=duration / count, duration=duration, start=start, rho_inf=0.8,
+        pair.in_exact_order(
+            solve_time_domain(pair.system, dt=duration / count, duration=duration, start=start, rho_inf=0.8,
                               tolerance=1e-11, every=count // 10).r)
         for count in counts
     ]  # fmt: skip
@@ -429,10 +431,10 @@ FORCES = 1e-8  # of the largest, where two steps are extrapolated; measured 2.4e
 def test_forces_on_the_body_are_those_of_another_program(seed):
     """Force and moment on the body, about its moved reference point, and forces at the ends of each line alone."""
     case, exact = random_network(seed), random_history(seed, duration=1.0, samples=6)
-    made, tables = exact_system(case.network), []
-    start = made.coordinates(case.position), made.rates(case.velocity)
+    pair, tables = exact_system(case.network), []
+    start = pair.coordinates(case.position), pair.rates(case.velocity)
     for count in (1000, 2000):
-        history = solve_time_domain(made.system, dt=1.0 / count, duration=1.0, start=start, rho_inf=1.0,
+        history = solve_time_domain(pair.system, dt=1.0 / count, duration=1.0, start=start, rho_inf=1.0,
                                     tolerance=1e-11, every=count // 5)  # fmt: skip
         ends = [[element.anchor_force.T, element.fairlead_force.T] for element in history.elements]
         tables.append([history.body_force.T, history.body_moment.T, np.moveaxis(np.array(ends), 2, 0)])
@@ -447,11 +449,11 @@ def test_impedance_is_that_of_linear_motions():
     """Z of the body's six degrees of freedom at three frequencies, by small motions of another program's matrices."""
     network = random_network(4).network
     network = replace(network, current=(0.0, 0.0, 0.0))
-    made = exact_system(network)
-    exact = linear_network.linearise(network, made.in_exact_order(made.system.rest.r))
+    pair = exact_system(network)
+    exact = linear_network.linearise(network, pair.in_exact_order(pair.system.rest.r))
     reference, frequencies = network.motion.reference, np.array([0.0, 0.08, 0.4])
-    Z = mooring_impedance(made.system, frequencies, reference)
-    at = made.system.rest.forces[:, made.nodes[moving_network.Mesh(network).coupled]].T
+    Z = mooring_impedance(pair.system, frequencies, reference)
+    at = pair.system.rest.forces[:, pair.nodes[moving_network.Mesh(network).coupled]].T
     arms = network.nodes.position[[4, 5]] - reference
     for k, omega in enumerate(2 * np.pi * frequencies):
         for j in range(6):
@@ -462,15 +464,15 @@ def test_impedance_is_that_of_linear_motions():
             moment = (np.cross(arms, forces) + np.cross(moved, at)).sum(axis=0)
             wanted = np.concatenate([forces.sum(axis=0), moment])
             assert abs(Z[k, :, j] + wanted).max() <= 1e-9 * abs(Z[k]).max()
-    assert np.allclose(mooring_stiffness(made.system, reference), Z[0].real, rtol=1e-12)
+    assert np.allclose(mooring_stiffness(pair.system, reference), Z[0].real, rtol=1e-12)
 
 
 def test_impedance_of_small_motions_is_that_of_finite_ones():
     """Below all natural frequencies the difference is the drag's, which falls with the amplitude: 3e-3 at 1 mm."""
     network = replace(random_network(4).network, current=(0.0, 0.0, 0.0))
-    made, reference = exact_system(network).system, network.motion.reference
-    linear = mooring_impedance(made, 0.05, reference)
-    finite = [harmonic_impedance(made, 0.05, [a] * 3 + [a / 20] * 3, reference) for a in (2e-3, 1e-3)]
+    system, reference = exact_system(network).system, network.motion.reference
+    linear = mooring_impedance(system, 0.05, reference)
+    finite = [harmonic_impedance(system, 0.05, [a] * 3 + [a / 20] * 3, reference) for a in (2e-3, 1e-3)]
     errors = [abs(Z - linear).max(axis=0) / abs(linear).max(axis=0) for Z in finite]
     assert (errors[1] <= 5e-3).all() and abs(errors[1] / errors[0] - 0.5).max() <= 0.01
 
@@ -486,39 +488,39 @@ def test_a_network_is_taken_apart_where_nodes_are_prescribed():
     case, motion = cases.bridle_system(), BodyMotion.harmonic(0.05, MOTIONS["all six"], reference=(0.0, 0.0, -60.0))
     loaded = [replace(n, mass=2e3, force=(100.0, 0.0, 50.0)) if n.kind == "coupled" else n for n in case.nodes]
     network = case_network(replace(case, nodes=loaded, environment=replace(case.environment, depth=None)))
-    made, whole = (mooring_system(network, 6, motion=motion, mesh="uniform") for _ in range(2))
+    system, whole = (mooring_system(network, 6, motion=motion, mesh="uniform") for _ in range(2))
     whole.__dict__["components"] = ()
-    assert len(made.components) == 3 and not whole.components
-    assert sorted(cell for part in made.components for cell in part.cells) == list(range(made.line.length.size))
+    assert len(system.components) == 3 and not whole.components
+    assert sorted(cell for part in system.components for cell in part.cells) == list(range(system.line.length.size))
 
     def assert_alike(one, other):
         size = other.tension.max()
         assert abs(one.tension - other.tension).max() <= PARTS * size
         assert abs(one.forces - other.forces).max() <= PARTS * size
-        assert abs(one.r - other.r).max() <= PARTS * made.length
+        assert abs(one.r - other.r).max() <= PARTS * system.length
 
-    assert_alike(made.rest, whole.rest)
+    assert_alike(system.rest, whole.rest)
     start = whole.rest.y + 1e-4 * np.sin(np.arange(whole.rest.y.size)).reshape(whole.rest.y.shape), None
-    start[0][:, made.prescribed_nodes] = made.path(np.zeros(1))[0, 0].T
+    start[0][:, system.prescribed_nodes] = system.path(np.zeros(1))[0, 0].T
     for options in ({"periods": 1}, {"duration": 2.0, "start": start, "rho_inf": 0.8}):
-        assert_alike(*(solve_time_domain(one, dt=0.1, tolerance=1e-10, **options) for one in (made, whole)))
+        assert_alike(*(solve_time_domain(one, dt=0.1, tolerance=1e-10, **options) for one in (system, whole)))
     for corrected in (False, True):
-        assert_alike(*(solve_periodic(one, harmonics=4, deferred_correction=corrected) for one in (made, whole)))
-    history = solve_time_domain(made, dt=0.1, periods=1)
-    assert_alike(*(solve_periodic(one, harmonics=4, start=history) for one in (made, whole)))
+        assert_alike(*(solve_periodic(one, harmonics=4, deferred_correction=corrected) for one in (system, whole)))
+    history = solve_time_domain(system, dt=0.1, periods=1)
+    assert_alike(*(solve_periodic(one, harmonics=4, start=history) for one in (system, whole)))
 
 
 def test_the_equilibrium_of_the_parts_is_solved_for_once(monkeypatch):
     """A history and a response of lines that are at rest already ask for no equilibrium again."""
-    made = mooring_system(load_network(files("reference_data") / "scenes" / "networks" / "oc3_moving.toml"), 8)
-    assert len(made.components) == 3 and made.rest.success
+    system = mooring_system(load_network(files("reference_data") / "scenes" / "networks" / "oc3_moving.toml"), 8)
+    assert len(system.components) == 3 and system.rest.success
 
     def refuse(*arguments):
         raise AssertionError("an equilibrium is solved for")
 
     monkeypatch.setattr("solvers.mooring.statics._Statics.newton", refuse)
-    assert solve_time_domain(made, dt=0.5, periods=1).success
-    assert solve_periodic(made, harmonics=3).success
+    assert solve_time_domain(system, dt=0.5, periods=1).success
+    assert solve_periodic(system, harmonics=3).success
 
 
 def to_a_body():
@@ -536,10 +538,10 @@ def test_two_lines_to_a_body_are_two_parts():
 
 def two_lines(motion, **options):
     """Return the system of two lines to a point of a body and a third one, and the same one not taken apart."""
-    network = to_a_body()
-    made, whole = (mooring_system(network_, 8, motion=motion, **options) for network_ in [with_third_line(network)] * 2)
+    network = with_third_line(to_a_body())
+    system, whole = (mooring_system(network, 8, motion=motion, **options) for _ in range(2))
     whole.__dict__["components"] = ()
-    return made, whole
+    return system, whole
 
 
 def with_third_line(network):
@@ -553,11 +555,11 @@ def test_a_torn_line_is_named_in_whatever_part_it_is(monkeypatch):
     """The time when a line is first stretched beyond 30 % is that of the whole network, the node one of that line."""
     for module in ("system", "stepping.time_domain"):
         monkeypatch.setattr(f"solvers.mooring.{module}.MAX_STRAIN", 0.3)
-    made, whole = two_lines(BodyMotion.harmonic(0.02, (0.0, -500.0, 0.0, 0.0, 0.0, 0.0)))
+    system, whole = two_lines(BodyMotion.harmonic(0.02, (0.0, -500.0, 0.0, 0.0, 0.0, 0.0)))
     settings = {"dt": 0.1, "duration": 20.0, "ramp": 0.0, "throw": False}
-    one, other = (solve_time_domain(system, **settings) for system in (made, whole))
-    assert len(made.components) == 3 and not one.success and one.status == other.status
-    assert one.event[0] == other.event[0] and {one.event[1], other.event[1]} <= set(made.layout.nodes[1].tolist())
+    one, other = (solve_time_domain(system, **settings) for system in (system, whole))
+    assert len(system.components) == 3 and not one.success and one.status == other.status
+    assert one.event[0] == other.event[0] and {one.event[1], other.event[1]} <= set(system.layout.nodes[1].tolist())
     path = whole.path(0.1 * np.arange(201))
     states = stream_line(whole, dt=0.1, count=200, tolerance=1e-4, ramp=0.0, path=path, chunk=40)
     numbers = []
@@ -581,27 +583,27 @@ def test_a_network_ends_with_the_part_that_fails_first(monkeypatch):
         return advance(run, t if takes_all else t[:11], record, every, path)
 
     monkeypatch.setattr(_Run, "advance", fail_after_ten_steps)
-    made, whole = two_lines(BodyMotion.harmonic(0.02, (2.0, 0.0, 0.0, 0.0, 0.0, 0.0)))
+    system, whole = two_lines(BodyMotion.harmonic(0.02, (2.0, 0.0, 0.0, 0.0, 0.0, 0.0)))
     settings = {"dt": 0.1, "duration": 2.0, "tolerance": 1e-10, "every": 4, "throw": False}
-    one, other = (solve_time_domain(system, **settings) for system in (made, whole))
+    one, other = (solve_time_domain(system, **settings) for system in (system, whole))
     assert one.status is other.status is Status.STEP_FAILED and one.steps == other.steps == 10
     assert one.event[0] == other.event[0] == pytest.approx(1.0)
     assert one.time == pytest.approx([0.0, 0.4, 0.8]) and other.time == pytest.approx([0.0, 0.4, 0.8, 1.0])
-    assert abs(one.r - other.r[..., :3]).max() <= PARTS * made.length
+    assert abs(one.r - other.r[..., :3]).max() <= PARTS * system.length
 
 
 def test_parts_report_the_time_that_all_have_reached():
     """Never more than the slowest, ascending, and the whole duration in the end."""
-    made, _ = two_lines(BodyMotion.harmonic(0.05, (1.0, 0.0, 0.0, 0.0, 0.0, 0.0)))
+    system, _ = two_lines(BodyMotion.harmonic(0.05, (1.0, 0.0, 0.0, 0.0, 0.0, 0.0)))
     reported = []
-    solve_time_domain(made, dt=0.01, duration=10.0, progress=reported.append)
+    solve_time_domain(system, dt=0.01, duration=10.0, progress=reported.append)
     assert reported == sorted(reported) and len(reported) > 1 and reported[-1] == pytest.approx(10.0)
 
 
 def test_forces_of_parts_are_extrapolated_as_those_of_the_whole():
     """From two meshes, of each element, whichever part it is in."""
-    made, whole = two_lines(BodyMotion.harmonic(0.05, (2.0, 1.0, 0.5, 0.0, 0.0, 0.0)))
-    both = [solve_periodic(system, harmonics=3, deferred_correction=True) for system in (made, whole)]
+    system, whole = two_lines(BodyMotion.harmonic(0.05, (2.0, 1.0, 0.5, 0.0, 0.0, 0.0)))
+    both = [solve_periodic(system, harmonics=3, deferred_correction=True) for system in (system, whole)]
     t = np.linspace(0.0, 20.0, 7)
     for e in range(3):
         one, other = (response.elements[e].fairlead_tension(t) for response in both)
@@ -619,8 +621,8 @@ def test_points_of_a_body_without_rotation_move_alike():
     """A motion of all coupled points is that of a body which does not turn: path, tensions, force and moment."""
     amplitude = (1.0, 0.5, 0.3)
     given = Motion.harmonic(0.05, amplitude), BodyMotion.harmonic(0.05, (*amplitude, 0.0, 0.0, 0.0))
-    made = [mooring_system(scene("three_bridles", None), 4, motion=motion) for motion in given]
-    one, other = (solve_time_domain(system, dt=0.1, duration=5.0) for system in made)
+    system = [mooring_system(scene("three_bridles", None), 4, motion=motion) for motion in given]
+    one, other = (solve_time_domain(system, dt=0.1, duration=5.0) for system in system)
     for name in ("tension", "body_force", "body_moment"):
         size = abs(getattr(other, name)).max()
         assert abs(getattr(one, name) - getattr(other, name)).max() <= ALIKE * size
@@ -629,10 +631,10 @@ def test_points_of_a_body_without_rotation_move_alike():
 def test_a_body_turns_about_the_origin_unless_told():
     """Stiffness and impedance of small and finite motions have the origin as their reference point by default."""
     network = replace(random_network(2).network, current=(0.0, 0.0, 0.0))
-    made, origin = exact_system(network).system, (0.0, 0.0, 0.0)
-    assert np.array_equal(mooring_stiffness(made), mooring_stiffness(made, origin))
-    assert np.array_equal(mooring_impedance(made, 0.1), mooring_impedance(made, 0.1, origin))
-    finite = [harmonic_impedance(made, 0.05, [0, 0, 0, 0, 1e-3, 0], *at, harmonics=2) for at in ((), (origin,))]
+    system, origin = exact_system(network).system, (0.0, 0.0, 0.0)
+    assert np.array_equal(mooring_stiffness(system), mooring_stiffness(system, origin))
+    assert np.array_equal(mooring_impedance(system, 0.1), mooring_impedance(system, 0.1, origin))
+    finite = [harmonic_impedance(system, 0.05, [0, 0, 0, 0, 1e-3, 0], *at, harmonics=2) for at in ((), (origin,))]
     assert np.array_equal(finite[0][:, 4], finite[1][:, 4]) and np.isnan(finite[0][:, 3]).all()
 
 
@@ -650,13 +652,13 @@ def test_a_manufactured_bridle_comes_out_in_time():
     """Three lines that meet at a moving mass: the error falls with the square of cells and step together."""
     errors, duration = [], 4.0
     for cells in CELLS_OF_BRIDLE:
-        made = bridle(cells)
-        mesh = moving_network.Mesh(made.exact)
+        pair = bridle(cells)
+        mesh = moving_network.Mesh(pair.exact)
         start = [BRIDLE.node_motion(mesh, np.zeros(1), order)[0] for order in (0, 1)]
-        history = solve_time_domain(made.system, dt=duration / (20 * cells), duration=duration, tolerance=1e-9,
-                                    start=(made.coordinates(start[0]), made.rates(start[1])), every=cells)  # fmt: skip
+        history = solve_time_domain(pair.system, dt=duration / (20 * cells), duration=duration, tolerance=1e-9,
+                                    start=(pair.coordinates(start[0]), pair.rates(start[1])), every=cells)  # fmt: skip
         exact = BRIDLE.node_motion(mesh, history.time)
-        errors.append(abs(made.in_exact_order(history.r) - exact).max())
+        errors.append(abs(pair.in_exact_order(history.r) - exact).max())
     assert_order([1 / cells for cells in CELLS_OF_BRIDLE], errors, 2, ceiling=0.05, what="bridle in time")
 
 
@@ -664,10 +666,10 @@ def test_a_manufactured_bridle_comes_out_of_the_harmonic_balance():
     """Its periodic motion, which has two harmonics, with four of them: an error of second order in the cells."""
     errors = []
     for cells in CELLS_OF_BRIDLE:
-        made = bridle(cells)
-        response = solve_periodic(made.system, harmonics=4)
-        exact = BRIDLE.node_motion(moving_network.Mesh(made.exact), response.time)
-        errors.append(abs(made.in_exact_order(response.r) - exact).max())
+        pair = bridle(cells)
+        response = solve_periodic(pair.system, harmonics=4)
+        exact = BRIDLE.node_motion(moving_network.Mesh(pair.exact), response.time)
+        errors.append(abs(pair.in_exact_order(response.r) - exact).max())
     assert_order([1 / cells for cells in CELLS_OF_BRIDLE], errors, 2, ceiling=0.05, what="bridle, periodic")
 
 
@@ -675,9 +677,9 @@ def test_a_manufactured_bridle_comes_out_of_the_harmonic_balance():
 def test_points_of_a_body_have_its_motion():
     """Position, velocity and acceleration of each coupled point, by another program, in the order of the points."""
     network = random_network(4).network
-    made, t = exact_system(network).system, np.linspace(0.0, 9.0, 13)
+    system, t = exact_system(network).system, np.linspace(0.0, 9.0, 13)
     wanted = network.motion.kinematics(network.nodes.position[[4, 5]], t)
-    path = made.path(t)[:, :, [made.prescribed_nodes.tolist().index(i) for i in made.layout.points[[4, 5]]]]
-    path[:, 0] += made.origin
+    path = system.path(t)[:, :, [system.prescribed_nodes.tolist().index(i) for i in system.layout.points[[4, 5]]]]
+    path[:, 0] += system.origin
     assert abs(path.swapaxes(0, 1) - wanted).max() <= 1e-12
-    assert np.array_equal(made.coupled_nodes, made.layout.points[[4, 5]])
+    assert np.array_equal(system.coupled_nodes, system.layout.points[[4, 5]])

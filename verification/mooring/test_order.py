@@ -86,12 +86,12 @@ def test_rows_of_the_nodes(name, planar):
     """What the rows of the inner nodes leave over of the exact motion falls with ds^2."""
     line, left = line_of(name, planar), []
     for cells in CELLS:
-        made = manufactured(line, cells)
-        y, ydot = exact_state(made, line, 1.3)
-        a = line.acceleration(made.s, 1.3)
-        R, _, _ = evaluate(compiled, made.line, y.T, ydot.T, a.T, np.ones(cells))
-        left.append(common((R - lumped_load(made, line, 1.3)[0]).T * cells / line.length, cells, CELLS[0])[:, 1:-1])
-    size = max(abs(force).max() for force in line.forces(made.s, 1.3).values())
+        system = manufactured(line, cells)
+        y, ydot = exact_state(system, line, 1.3)
+        a = line.acceleration(system.s, 1.3)
+        R, _, _ = evaluate(compiled, system.line, y.T, ydot.T, a.T, np.ones(cells))
+        left.append(common((R - lumped_load(system, line, 1.3)[0]).T * cells / line.length, cells, CELLS[0])[:, 1:-1])
+    size = max(abs(force).max() for force in line.forces(system.s, 1.3).values())
     errors = np.array(at_the_worst_place(left)) / size
     assert_order([1 / c for c in CELLS], errors, 2, ceiling=CEILINGS["rows"], what=f"{name}, rows")
 
@@ -103,10 +103,10 @@ def test_order_of_the_equilibrium(name, planar, mesh):
     """Statics of a manufactured shape, from catenaries that know nothing of it: positions err by ds^2."""
     line, errors = line_of(name, planar, omega=0.0), []
     for cells in CELLS:
-        made = manufactured(line, cells, mesh if mesh == "uniform" else graded(line.length, cells))
-        made.line = made.line._replace(load=made.line.load + lumped_load(made, line, 0.0)[0])
-        state = made.solve_static()
-        errors.append(common(state.y - exact_state(made, line, 0.0)[0], cells, CELLS[0]) / line.length)
+        system = manufactured(line, cells, mesh if mesh == "uniform" else graded(line.length, cells))
+        system.line = system.line._replace(load=system.line.load + lumped_load(system, line, 0.0)[0])
+        state = system.solve_static()
+        errors.append(common(state.y - exact_state(system, line, 0.0)[0], cells, CELLS[0]) / line.length)
     errors = at_the_worst_place(errors)
     assert_order([1 / c for c in CELLS], errors, 2, ceiling=CEILINGS["statics"], what=f"{name}, statics")
 
@@ -115,11 +115,11 @@ def run_errors(line, cells, dts, *, mesh="uniform", **options):
     """Return the signed errors of positions at the end of runs, over the length, where the last is largest."""
     errors = []
     for count, dt in zip(cells, dts, strict=True):
-        made = manufactured(line, count, mesh if mesh == "uniform" else graded(line.length, count))
+        system = manufactured(line, count, mesh if mesh == "uniform" else graded(line.length, count))
         history = solve_time_domain(
-            made, dt=dt, duration=DURATION, start=exact_state(made, line, 0.0), tolerance=1e-9, **options
+            system, dt=dt, duration=DURATION, start=exact_state(system, line, 0.0), tolerance=1e-9, **options
         )
-        difference = history.y[:, :, -1] - exact_state(made, line, DURATION)[0]
+        difference = history.y[:, :, -1] - exact_state(system, line, DURATION)[0]
         errors.append(common(difference, count, cells[0]) / line.length)
     return at_the_worst_place(errors)
 
@@ -158,12 +158,12 @@ def errors_in_dt(line, dts, cells=6, **options):
 
 def history_error(line, dt, cells, **options):
     """Return the history of a run whose load makes the motion exact on the mesh, and its error (n, N) of the length."""
-    made = manufactured(line, cells)
-    made.source = lambda t: exact_load(made, line, t)
+    system = manufactured(line, cells)
+    system.source = lambda t: exact_load(system, line, t)
     history = solve_time_domain(
-        made, dt=dt, duration=DURATION, start=exact_state(made, line, 0.0), tolerance=1e-10, **options
+        system, dt=dt, duration=DURATION, start=exact_state(system, line, 0.0), tolerance=1e-10, **options
     )
-    return history, (history.y[:, :, -1] - exact_state(made, line, DURATION)[0]) / line.length
+    return history, (history.y[:, :, -1] - exact_state(system, line, DURATION)[0]) / line.length
 
 
 @SPATIAL
@@ -200,16 +200,16 @@ def oscillator_errors(rho_inf, step, damping=0.05, steps=60):
     mass, EA, length = 500.0, 2e6, 10.0
     omega = np.sqrt(EA / length / mass)
     beta, h, start = 2 * damping / omega, step / omega, 0.01
-    made = hanging_mass(mass, EA=EA, length=length, damping=beta, position=-length, line_mass=1e-9)
-    free = np.delete(np.arange(made.nodes), made.prescribed_nodes)
-    y, mass_node = made.rest_state().copy(), free[abs(made.rest_state()[1, free]).argmax()]
+    system = hanging_mass(mass, EA=EA, length=length, damping=beta, position=-length, line_mass=1e-9)
+    free = np.delete(np.arange(system.nodes), system.prescribed_nodes)
+    y, mass_node = system.rest_state().copy(), free[abs(system.rest_state()[1, free]).argmax()]
     y[1, free] += start * abs(y[1, free]) / abs(y[1, mass_node])
     settings = {"rho_inf": rho_inf, "tolerance": 1e-11, "throw": False}
-    history = solve_time_domain(made, dt=h, duration=steps * h, start=(y, None), **settings)
+    history = solve_time_domain(system, dt=h, duration=steps * h, start=(y, None), **settings)
     if not history.success:
         return np.full(3, np.inf)
     got = [part[1, mass_node] for part in (history.y, history.ydot, history.yddot)]
-    got[0] = got[0] - made.rest_state()[1, mass_node]
+    got[0] = got[0] - system.rest_state()[1, mass_node]
     exact = oscillation(omega, damping, h, rho_inf, start, steps)
     size = start * np.array([1.0, omega, omega**2])
     return abs(np.array(got).T - exact).max(axis=0) / size
@@ -258,11 +258,11 @@ def wrong_with_runs(planar) -> list[str]:
         work = history.iterations / history.steps, history.factorisations / history.steps
         if work[0] > MOST_ITERATIONS or work[1] > MOST_FACTORISATIONS:
             wrong.append(f"work {work}")
-        made, size = history.system, line.omega * line.length
+        system, size = history.system, line.omega * line.length
         for k, t in enumerate(history.time):
             rates = [(history.ydot, line.velocity, size), (history.yddot, line.acceleration, size * line.omega)]
             for got, exact, scale in rates:
-                difference = abs(got[:, :, k] - exact(made.s, t)).max() / scale
+                difference = abs(got[:, :, k] - exact(system.s, t)).max() / scale
                 if not difference <= RATES:
                     wrong.append(f"rates at {t:g} s: {difference:g}")
         errors.append(error)

@@ -21,7 +21,7 @@ from ..cases.cables import EVERYTHING, OC3, OC3_SEABED, SURGE_5
 from ..exact.mooring.moving_line import ALL_TERMS
 from ..tools.orders import assert_order, extrapolated
 from .networks import case_network
-from .problems import exact_load, exact_state, manufactured, scene, system
+from .problems import build, exact_load, exact_state, manufactured, scene
 from .test_order import graded
 from .test_statics import NETWORKS
 
@@ -31,12 +31,12 @@ SOLVED = 1e-9  # m: the last Newton step of 1e-10; measured 2e-12
 
 def periodic_errors(line, cells, exact_on_mesh):
     """Return the largest error of the positions over a period, m, of a manufactured motion of two harmonics."""
-    made = manufactured(line, cells)
+    system = manufactured(line, cells)
     if exact_on_mesh:
-        made.source = lambda t: exact_load(made, line, t)
-    response = solve_periodic(made, harmonics=3 if exact_on_mesh else 6)
-    times = np.linspace(0.0, made.period, 9)
-    exact = np.stack([exact_state(made, line, t)[0] for t in times], axis=-1)
+        system.source = lambda t: exact_load(system, line, t)
+    response = solve_periodic(system, harmonics=3 if exact_on_mesh else 6)
+    times = np.linspace(0.0, system.period, 9)
+    exact = np.stack([exact_state(system, line, t)[0] for t in times], axis=-1)
     assert abs(response.rate_at(times)[:, -1] - line.velocity(line.length, times)).max() < 1e-9
     return abs(response.at(times) - exact).max()
 
@@ -58,8 +58,8 @@ def test_order_in_ds(planar):
 @pytest.mark.parametrize("case", [SURGE_5, EVERYTHING], ids=lambda case: case.name)
 def test_jacobian_blocks_are_differences_of_the_rows(case):
     """The Jacobian, its tensions condensed, takes a small change of the unknowns to the change of the rows."""
-    made = system(case, 6, calibrate=False)
-    rows = made.harmonic_residual(Basis(4, 16, 2 * np.pi / made.period, True), None)
+    system = build(case, 6, calibrate=False)
+    rows = system.harmonic_residual(Basis(4, 16, 2 * np.pi / system.period, True), None)
     rng, (nodes, n, count) = np.random.default_rng(5), rows.shape
     x = rows.pack(rng.normal(0, 0.02, (n, nodes, count)))
     rows.auxiliary = np.ones(rows.auxiliary.shape)
@@ -79,8 +79,8 @@ def test_jacobian_blocks_are_differences_of_the_rows(case):
 @pytest.mark.parametrize("case", [SURGE_5, EVERYTHING], ids=lambda case: case.name)
 def test_tensions_of_a_step_are_predicted_to_second_order(case):
     """Auxiliary tensions after a step are those of the law but for the square of the step."""
-    made, errors = system(case, 6, calibrate=False), []
-    rows = made.harmonic_residual(Basis(4, 16, 2 * np.pi / made.period, True), None)
+    system, errors = build(case, 6, calibrate=False), []
+    rows = system.harmonic_residual(Basis(4, 16, 2 * np.pi / system.period, True), None)
     rng, (nodes, n, count) = np.random.default_rng(6), rows.shape
     x, step = rows.pack(rng.normal(0, 0.02, (n, nodes, count))), rng.normal(0, 1.0, (nodes, n * count))
     for h in (1e-4, 5e-5):
@@ -95,12 +95,12 @@ def test_tensions_of_a_step_are_predicted_to_second_order(case):
 
 def test_factors_are_in_double_precision_where_many_are_needed():
     """The first three linearisations solve to single precision, which Newton's method mends, the next to double."""
-    made = system(SURGE_5, 8, calibrate=False)
-    rows = made.harmonic_residual(Basis(6, 24, 2 * np.pi / made.period, True), None)
-    x = 0.01 * np.random.default_rng(4).normal(size=(made.nodes, rows.n * rows.shape[2]))
+    system = build(SURGE_5, 8, calibrate=False)
+    rows = system.harmonic_residual(Basis(6, 24, 2 * np.pi / system.period, True), None)
+    x = 0.01 * np.random.default_rng(4).normal(size=(system.nodes, rows.n * rows.shape[2]))
     solves = [rows.linearise(x)[1] for _ in range(4)]
-    F, line = rows.linearise(x)[0], made.line
-    wanted = BlockFactors(made.order, line.first, line.last, *rows.jacobian(rows.samples(x), rows.auxiliary)).solve(F)
+    F, line = rows.linearise(x)[0], system.line
+    wanted = BlockFactors(system.order, line.first, line.last, *rows.jacobian(rows.samples(x), rows.auxiliary)).solve(F)
     errors = [abs(solve(F) - wanted).max() / abs(wanted).max() for solve in solves]
     assert 1e-9 < min(errors[:3]) and max(errors[:3]) < 1e-2 and errors[3] < 1e-9
 
@@ -117,8 +117,8 @@ def test_a_start_that_does_not_settle_takes_one_more_period(Cdn, periods, monkey
         return history
 
     monkeypatch.setattr(harmonic, "solve_time_domain", integrate)
-    made = system(replace(SURGE_5, Cdn=Cdn), 8, calibrate=False)
-    z, iterations = made.periodic_start(Basis(4, 16, 2 * np.pi / made.period, True))
+    system = build(replace(SURGE_5, Cdn=Cdn), 8, calibrate=False)
+    z, iterations = system.periodic_start(Basis(4, 16, 2 * np.pi / system.period, True))
     assert taken == pytest.approx(periods) and abs(z[:, -1]).max() == pytest.approx(5.0, rel=1e-3)
     assert iterations == sum(steps) > 0
 
@@ -130,40 +130,40 @@ def test_starts_are_as_fine_as_slack_and_touchdown_need(monkeypatch):
     motion = Motion.harmonic(0.1, (0.0, 0.0, 1.0))
     bridles = mooring_system(case_network(cases.bridle_system()), 4, motion=motion)
     lying = replace(OC3_SEABED, amplitude=(5.0, 0.0, 0.0))
-    for made in (system(SURGE_5, 8), system(lying, 8), bridles):
-        assert not made.periodic_start(Basis(4, 16, 2 * np.pi / made.period, True))[0].any()
+    for system in (build(SURGE_5, 8), build(lying, 8), bridles):
+        assert not system.periodic_start(Basis(4, 16, 2 * np.pi / system.period, True))[0].any()
     assert [one["tolerance"] for one in given] == [harmonic.START_TOLERANCE, None, None]
 
 
 def test_coarser_lines_are_kept_and_take_the_motion():
     """Their rest is solved for once; with another motion of the line they have it, too."""
-    made, motion = system(SURGE_5, 12), Motion.harmonic(0.1, (0.0, 0.0, 1.0))
-    coarse = made.coarser()[0]
+    system, motion = build(SURGE_5, 12), Motion.harmonic(0.1, (0.0, 0.0, 1.0))
+    coarse = system.coarser()[0]
     coarse.rest_state()
-    assert made.coarser()[0] is coarse and coarse.nodes == 7
-    other = made.with_motion(motion).coarser()[0]
-    assert other.motion is motion and other.rest is coarse.rest and coarse.motion is made.motion
+    assert system.coarser()[0] is coarse and coarse.nodes == 7
+    other = system.with_motion(motion).coarser()[0]
+    assert other.motion is motion and other.rest is coarse.rest and coarse.motion is system.motion
 
 
 def test_the_response_is_what_motions_in_time_settle_to():
     """The tension over a period is that of the eighth period in time, extrapolated in the step."""
-    made, t = system(SURGE_5, 12, calibrate=False), np.linspace(0.0, 20.0, 200)
-    response = solve_periodic(made, harmonics=45)
+    system, t = build(SURGE_5, 12, calibrate=False), np.linspace(0.0, 20.0, 200)
+    response = solve_periodic(system, harmonics=45)
     runs = [
-        solve_time_domain(made, dt=dt, periods=8, tolerance=1e-7).fairlead_tension(140 + t) for dt in (0.025, 0.0125)
+        solve_time_domain(system, dt=dt, periods=8, tolerance=1e-7).fairlead_tension(140 + t) for dt in (0.025, 0.0125)
     ]
     limit = extrapolated((2, 1), runs)
     assert abs(response.fairlead_tension(t) - limit).max() <= 5e-4 * np.ptp(limit)  # measured 2.4e-4
     assert abs(response.r[:, -1] - np.array(SURGE_5.fairlead)[:, None]
-               - made.motion.displacement(response.time)).max() < 1e-9  # fmt: skip
+               - system.motion.displacement(response.time)).max() < 1e-9  # fmt: skip
 
 
 def test_end_forces_are_extrapolated():
     """With a correction the error of the cells is a part of what it was, and the response of half as many is there."""
     t = np.linspace(0.0, 20.0, 100)
-    fine = solve_periodic(system(SURGE_5, 160, mesh="uniform", calibrate=False), harmonics=8).fairlead_tension(t)
-    plain = solve_periodic(system(SURGE_5, 20, mesh="uniform", calibrate=False), harmonics=8)
-    better = solve_periodic(system(SURGE_5, 20, mesh="uniform", calibrate=False), harmonics=8, deferred_correction=True)
+    fine = solve_periodic(build(SURGE_5, 160, mesh="uniform", calibrate=False), harmonics=8).fairlead_tension(t)
+    plain = solve_periodic(build(SURGE_5, 20, mesh="uniform", calibrate=False), harmonics=8)
+    better = solve_periodic(build(SURGE_5, 20, mesh="uniform", calibrate=False), harmonics=8, deferred_correction=True)
     errors = [abs(one.fairlead_tension(t) - fine).max() for one in (plain, better)]
     assert errors[1] < errors[0] / 3 and better.coarse.system.nodes == 11
 
@@ -171,9 +171,9 @@ def test_end_forces_are_extrapolated():
 @pytest.mark.parametrize("name", ["buoy", "clump weight"])
 def test_a_line_of_several_materials_moves_periodically(name):
     """Joints with mass: the response is that in time, on the same mesh."""
-    made = mooring_system(NETWORKS[name], 12, motion=Motion.harmonic(0.1, (1.0, 0.0, 0.5)), calibrate=False)
-    response, t = solve_periodic(made, harmonics=12), np.linspace(0, 10.0, 50)
-    history = solve_time_domain(made, dt=0.02, periods=25)
+    system = mooring_system(NETWORKS[name], 12, motion=Motion.harmonic(0.1, (1.0, 0.0, 0.5)), calibrate=False)
+    response, t = solve_periodic(system, harmonics=12), np.linspace(0, 10.0, 50)
+    history = solve_time_domain(system, dt=0.02, periods=25)
     tension = history.fairlead_tension(240 + t)
     assert abs(response.fairlead_tension(t) - tension).max() <= 2e-3 * np.ptp(tension)
 
@@ -181,14 +181,14 @@ def test_a_line_of_several_materials_moves_periodically(name):
 def test_an_extrapolation_of_three_cells_is_refused():
     """A mesh of three cells has none of half as many."""
     with pytest.raises(InputError) as caught:
-        solve_periodic(system(SURGE_5, 3), harmonics=3, deferred_correction=True)
+        solve_periodic(build(SURGE_5, 3), harmonics=3, deferred_correction=True)
     assert caught.value.field == "deferred_correction"
 
 
 # ---------------------------------------------------------------- without blocks
 BRIDLES = "three bridles"  # a network in three axes with joints, whose elimination fills in
 HEAVED = {
-    "line": lambda: system(EVERYTHING, 8, calibrate=False),
+    "line": lambda: build(EVERYTHING, 8, calibrate=False),
     "seabed": lambda: mooring_system(
         replace(scene(replace(OC3_SEABED, amplitude=(5.0, 0.0, 0.0))), friction=(0.5,)), 12),
     BRIDLES: lambda: mooring_system(
@@ -210,10 +210,10 @@ def test_fast_transforms_are_the_functions(samples, mean):
 
 def iterative_rows(name, harmonics):
     """Return the rows of a case of HEAVED for GMRES at a start from time, its x, rows and Newton's step."""
-    made = HEAVED[name]()
-    basis = Basis(harmonics, 8 * harmonics, 2 * np.pi / made.period, True)
-    rows = iterative_harmonics.IterativeHarmonics(made, basis)
-    x = rows.pack(made.periodic_start(basis)[0])
+    system = HEAVED[name]()
+    basis = Basis(harmonics, 8 * harmonics, 2 * np.pi / system.period, True)
+    rows = iterative_harmonics.IterativeHarmonics(system, basis)
+    x = rows.pack(system.periodic_start(basis)[0])
     F, solve = rows.linearise(x)
     return rows, x, F, solve
 
@@ -235,15 +235,15 @@ def test_steps_without_blocks_are_those_of_the_blocks(name, monkeypatch):
 def test_time_steps_tend_to_the_inverse_of_the_jacobian(monkeypatch):
     """About rest harmonics do not couple, and of low ones the steps have an error of second order, until it repeats."""
     monkeypatch.setattr(iterative_harmonics, "PERIODS", 40)
-    made, errors = HEAVED["line"](), []
+    system, errors = HEAVED["line"](), []
     for samples in (100, 200):
-        rows = iterative_harmonics.IterativeHarmonics(made, Basis(3, samples, 2 * np.pi / made.period, True))
-        F = np.random.default_rng(6).normal(size=(made.nodes, rows.n * rows.shape[2]))
-        F[made.prescribed_nodes] = 0.0
+        rows = iterative_harmonics.IterativeHarmonics(system, Basis(3, samples, 2 * np.pi / system.period, True))
+        F = np.random.default_rng(6).normal(size=(system.nodes, rows.n * rows.shape[2]))
+        F[system.prescribed_nodes] = 0.0
         rows.linearise(0 * F)  # which sets the tensions at the samples
-        newton, line = iterative_harmonics.SampledNewton(rows, rows.samples(0 * F), rows.auxiliary), made.line
+        newton, line = iterative_harmonics.SampledNewton(rows, rows.samples(0 * F), rows.auxiliary), system.line
         exact = BlockFactors(
-            made.order, line.first, line.last, *rows.jacobian(rows.samples(0 * F), rows.auxiliary)
+            system.order, line.first, line.last, *rows.jacobian(rows.samples(0 * F), rows.auxiliary)
         ).solve(F)
         errors.append(np.linalg.norm(newton.precondition(F) - exact) / np.linalg.norm(exact))
     assert errors[1] <= 3e-3 and errors[1] < errors[0] / 3.5  # measured 1.6e-3 and a fourth
@@ -262,10 +262,10 @@ def test_time_steps_leave_little_to_gmres(name, harmonics, monkeypatch):
 @pytest.mark.parametrize("name", HEAVED)
 def test_responses_without_blocks_are_those_with_them(name, monkeypatch):
     """From a start in time, in as many Newton steps but for a few."""
-    made = HEAVED[name]()
-    direct = solve_periodic(made, harmonics=12, samples=96)
+    system = HEAVED[name]()
+    direct = solve_periodic(system, harmonics=12, samples=96)
     monkeypatch.setattr(iterative_harmonics, "ITERATIVE_FROM", 12)
-    iterative = solve_periodic(made, harmonics=12, samples=96)
+    iterative = solve_periodic(system, harmonics=12, samples=96)
     assert not np.array_equal(iterative.z, direct.z)
     assert abs(iterative.z - direct.z).max() <= SOLVED and iterative.iterations <= direct.iterations + 3
 
@@ -293,7 +293,7 @@ def test_blocks_serve_where_gmres_gives_up(monkeypatch):
 @cache
 def warned(case, cells=50, dt=0.1, periods=4, **options):
     """Return the first words of the warnings of a history."""
-    history = solve_time_domain(system(case, cells, **options), dt=dt, periods=periods)
+    history = solve_time_domain(build(case, cells, **options), dt=dt, periods=periods)
     return {warning.split(":")[0] for warning in history.warnings}
 
 
@@ -322,8 +322,8 @@ def test_a_bad_history_warns(given, word):
 def history_of(*tensions):
     """Return what the check of periodicity looks at, of lines whose tensions in N are functions of the time in s."""
     lines = [SimpleNamespace(fairlead_tension=tension) for tension in tensions]
-    made = SimpleNamespace(period=10.0, model=SimpleNamespace(is_line=False))
-    return SimpleNamespace(system=made, time=np.array([0.0, 40.0]), lines=lines)
+    system = SimpleNamespace(period=10.0, model=SimpleNamespace(is_line=False))
+    return SimpleNamespace(system=system, time=np.array([0.0, 40.0]), lines=lines)
 
 
 def test_a_line_that_stands_still_is_periodic():
@@ -337,29 +337,29 @@ def test_a_line_that_stands_still_is_periodic():
 
 def test_the_error_of_the_mesh_is_measured():
     """mesh_error is the rms change that half as many cells make, for histories and responses alike."""
-    made = system(SURGE_5, 24, mesh="uniform", calibrate=False)
-    coarse = system(SURGE_5, 12, mesh="uniform", calibrate=False)
+    system = build(SURGE_5, 24, mesh="uniform", calibrate=False)
+    coarse = build(SURGE_5, 12, mesh="uniform", calibrate=False)
     t = np.linspace(40.0, 60.0, 500)
-    fine, rough = (solve_time_domain(one, dt=0.1, periods=3) for one in (made, coarse))
+    fine, rough = (solve_time_domain(one, dt=0.1, periods=3) for one in (system, coarse))
     T, other = (one.fairlead_tension(t) for one in (fine, rough))
     wanted = np.sqrt(np.mean((T - other) ** 2)) / np.ptp(T)
     assert fine.mesh_error == pytest.approx(wanted, rel=0.01)  # at other instants
-    assert solve_periodic(made, harmonics=9).mesh_error == pytest.approx(wanted, rel=0.2)
+    assert solve_periodic(system, harmonics=9).mesh_error == pytest.approx(wanted, rel=0.2)
 
 
 def test_a_coarser_line_has_the_whole_load():
     """Loads of a source on nodes that a coarser line has not go to their neighbours, in sum and in moment."""
-    made = manufactured(replace(ALL_TERMS, planar=True), 17, graded(ALL_TERMS.length, 17))
-    coarse, t = made.coarser()[0], np.array([0.3, 1.2])
-    load, other = made.source_at(t), coarse.source_at(t)
+    system = manufactured(replace(ALL_TERMS, planar=True), 17, graded(ALL_TERMS.length, 17))
+    coarse, t = system.coarser()[0], np.array([0.3, 1.2])
+    load, other = system.source_at(t), coarse.source_at(t)
     assert coarse.nodes == 10 and other.shape == (2, 10, 2)
     assert np.allclose(load.sum(axis=1), other.sum(axis=1), rtol=1e-12)
-    assert np.allclose((load * made.s[:, None]).sum(axis=1), (other * coarse.s[:, None]).sum(axis=1), rtol=1e-12)
+    assert np.allclose((load * system.s[:, None]).sum(axis=1), (other * coarse.s[:, None]).sum(axis=1), rtol=1e-12)
 
 
 def test_motion_of_a_response_at_any_time():
     """Positions, velocities and accelerations between the samples are the series and its derivatives."""
-    response, t, h = solve_periodic(system(SURGE_5, 8), harmonics=3), np.array([0.3, 7.1]), 1e-5
+    response, t, h = solve_periodic(build(SURGE_5, 8), harmonics=3), np.array([0.3, 7.1]), 1e-5
     r, v, a = response.motion_at(t)
     assert np.allclose(r, response.at(t).T, rtol=1e-14) and np.allclose(v, response.rate_at(t).T, rtol=1e-12)
     later, before = (response.motion_at(t + step)[1] for step in (h, -h))
@@ -369,17 +369,17 @@ def test_motion_of_a_response_at_any_time():
 
 def test_few_harmonics_and_no_mean_warn():
     """Where the last harmonics carry much, and where the constant term is left out."""
-    assert any(w.startswith("harmonics") for w in solve_periodic(system(SURGE_5, 20), harmonics=2).warnings)
-    assert any(w.startswith("mean") for w in solve_periodic(system(SURGE_5, 20), harmonics=9, mean=False).warnings)
+    assert any(w.startswith("harmonics") for w in solve_periodic(build(SURGE_5, 20), harmonics=2).warnings)
+    assert any(w.startswith("mean") for w in solve_periodic(build(SURGE_5, 20), harmonics=9, mean=False).warnings)
 
 
 def test_pretension_is_held_against_the_catenary():
     """A state on few cells says how far its tension is off the exact one, and warns beyond a per cent."""
-    few, many = (system(OC3, cells, mesh="uniform", calibrate=False).solve_static() for cells in (4, 50))
+    few, many = (build(OC3, cells, mesh="uniform", calibrate=False).solve_static() for cells in (4, 50))
     assert few.pretension_error > 0.01 and many.pretension_error < 1e-3
     assert any("pretension" in w for w in few.warnings) and many.warnings == ()
-    assert system(replace(OC3, current=(0.3, 0.0, 0.0)), 10).solve_static().pretension_error is None
-    lying = system(OC3_SEABED, 100).solve_static()
+    assert build(replace(OC3, current=(0.3, 0.0, 0.0)), 10).solve_static().pretension_error is None
+    lying = build(OC3_SEABED, 100).solve_static()
     assert lying.pretension_error < 2e-3
 
 
@@ -399,14 +399,14 @@ def surging_over_the_seabed(contact_depth, cells=12):
 
 def test_a_history_starts_harmonic_balance():
     """Its coefficients are those of the response, every fifth step kept or all; both have the tension of the other."""
-    made = surging_over_the_seabed(SINKING)
-    history = solve_time_domain(made, dt=made.period / 1600, periods=5)
-    response = solve_periodic(made, harmonics=60, samples=480, start=history)
+    system = surging_over_the_seabed(SINKING)
+    history = solve_time_domain(system, dt=system.period / 1600, periods=5)
+    response = solve_periodic(system, harmonics=60, samples=480, start=history)
     kept = replace(history, time=history.time[::5], y=history.y[..., ::5], ydot=history.ydot[..., ::5])
     for one in (history, kept):
-        z = history_coefficients(one, response.basis, made.rest_state())
+        z = history_coefficients(one, response.basis, system.rest_state())
         assert abs(z - response.z).max() <= STARTED * abs(response.z).max()
-    tension = history.fairlead_tension(4 * made.period + response.time)
+    tension = history.fairlead_tension(4 * system.period + response.time)
     difference = response.fairlead_tension(response.time) - tension
     assert response.iterations <= 6 and np.sqrt(np.mean(difference**2)) <= BALANCED * np.ptp(tension)
 
@@ -415,17 +415,17 @@ def test_damping_that_grows_from_contact_on_lets_harmonic_balance_converge():
     """Where its force jumps at contact Newton's method alternates between nodes that touch and nodes that do not."""
     responses = []
     for contact_depth in (SINKING, 0.0):
-        made = surging_over_the_seabed(contact_depth)
-        history = solve_time_domain(made, dt=made.period / 800, periods=4)
-        responses.append(solve_periodic(made, harmonics=20, samples=160, start=history, throw=False))
+        system = surging_over_the_seabed(contact_depth)
+        history = solve_time_domain(system, dt=system.period / 800, periods=4)
+        responses.append(solve_periodic(system, harmonics=20, samples=160, start=history, throw=False))
     grows, jumps = responses
     assert grows.success and grows.iterations <= 8 and not jumps.success
 
 
 def test_a_history_that_cannot_start_is_refused():
-    made = surging_over_the_seabed(SINKING)
-    short = solve_time_domain(made, dt=made.period / 40, periods=0.5)
-    other = solve_time_domain(surging_over_the_seabed(SINKING, 10), dt=made.period / 40, periods=1)
+    system = surging_over_the_seabed(SINKING)
+    short = solve_time_domain(system, dt=system.period / 40, periods=0.5)
+    other = solve_time_domain(surging_over_the_seabed(SINKING, 10), dt=system.period / 40, periods=1)
     for history, words in ((short, "no whole period"), (other, "does not fit")):
         with pytest.raises(InputError, match=words):
-            solve_periodic(made, harmonics=3, start=history)
+            solve_periodic(system, harmonics=3, start=history)

@@ -41,10 +41,10 @@ def test_a_mass_bounces_on_the_seabed(name):
     share = 6.25  # m, of two cells of twelve and a half
     bed = Environment(0.0, depth=exact.depth, seabed_stiffness=exact.stiffness / share,
                       seabed_damping=exact.damping / share)  # fmt: skip
-    made = hanging_mass(exact.mass, EA=1e-3, length=25.0, position=exact.position, environment=bed)
+    system = hanging_mass(exact.mass, EA=1e-3, length=25.0, position=exact.position, environment=bed)
     y, ydot = np.zeros((2, 2, 3))
     y[1], ydot[1] = (value * np.array([1.0, 0.5, 0.0]) for value in (exact.position, exact.velocity))
-    history = solve_time_domain(made, dt=1.25e-4, duration=4.0, start=(y, ydot), tolerance=1e-9)
+    history = solve_time_domain(system, dt=1.25e-4, duration=4.0, start=(y, ydot), tolerance=1e-9)
     z, v, _ = exact.motion(history.time)
     assert exact.events(4.0) and history.success
     errors = abs(history.y[1, 0] - z).max() / np.ptp(z), abs(history.ydot[1, 0] - v).max() / np.ptp(v)
@@ -70,9 +70,9 @@ def dragged(friction, slip_speed, direction=(1.0, 0.0)):
         lambda t: (x * np.sin(OMEGA * t), y * np.sin(OMEGA * t), 0.0),
         lambda t: (x * OMEGA * np.cos(OMEGA * t), y * OMEGA * np.cos(OMEGA * t), 0.0),
     )
-    made = mooring_system(network, 8, mesh="uniform", motion=motion, slip_speed=slip_speed)
-    made.line = made.line._replace(floor=made.line.floor + SINK)
-    return made
+    system = mooring_system(network, 8, mesh="uniform", motion=motion, slip_speed=slip_speed)
+    system.line = system.line._replace(floor=system.line.floor + SINK)
+    return system
 
 
 @pytest.mark.parametrize("slip_speed", [0.02, 0.2, 1.0])
@@ -92,12 +92,12 @@ def test_work_of_friction(friction, slip_speed):
 
 def test_friction_is_against_the_velocity_in_the_plane():
     """A line that is dragged along both axes is rubbed along both, with the normal force that it rests with."""
-    made = dragged(0.8, 0.2, (0.6, 0.0))
+    system = dragged(0.8, 0.2, (0.6, 0.0))
     v = np.zeros((9, 3))
     v[:, :2] = [0.3, -0.4]
-    made.line = made.line._replace(normal_drag=0 * made.line.normal_drag)
-    rest = np.ascontiguousarray(made.rest.y.T)
-    forces = [made.forces(rest.T[..., None], speed.T[..., None], 0 * rest.T[..., None])[0] for speed in (v, 0 * v)]
+    system.line = system.line._replace(normal_drag=0 * system.line.normal_drag)
+    rest = np.ascontiguousarray(system.rest.y.T)
+    forces = [system.forces(rest.T[..., None], speed.T[..., None], 0 * rest.T[..., None])[0] for speed in (v, 0 * v)]
     rubbed = (forces[0] - forces[1])[:, 1:-1, 0]
     normal = WEIGHT * LENGTH / 8
     wanted = -0.8 * normal * np.array([0.3, -0.4, 0.0]) / np.hypot(0.5, 0.2)
@@ -110,10 +110,10 @@ LYING = replace(SLACK_CHAIN, name="slack chain in vacuo", current=(0.0, 0.0, 0.0
 
 def dropped(damping, dt, contact_depth=0.0, **options):
     """Return the history of a chain that is let go from half a metre above where it rests."""
-    made = mooring_system(scene(LYING, seabed_damping=damping), 40, mesh="uniform", contact_depth=contact_depth)
-    y = made.rest.y.copy()
-    y[-1] += 0.5 * np.sin(np.pi * made.s / made.s[-1])
-    return solve_time_domain(made, dt=dt, duration=3.0, start=(y, None), tolerance=1e-8, **options)
+    system = mooring_system(scene(LYING, seabed_damping=damping), 40, mesh="uniform", contact_depth=contact_depth)
+    y = system.rest.y.copy()
+    y[-1] += 0.5 * np.sin(np.pi * system.s / system.s[-1])
+    return solve_time_domain(system, dt=dt, duration=3.0, start=(y, None), tolerance=1e-8, **options)
 
 
 STORED = LYING.submerged_weight * 0.5 * LYING.length * 2 / np.pi  # J, of the line above where it rests
@@ -151,6 +151,6 @@ def test_a_damper_that_grows_from_contact_on_closes_its_energy():
 def test_a_line_over_the_seabed_closes_its_energy():
     """Surge and heave with drag, a damped seabed and friction: work and energy differ by less with shorter steps."""
     given = replace(scene(replace(OC3_SEABED, amplitude=(3.0, 0.0, 2.0)), seabed_damping=2e3), friction=(0.5,))
-    made = mooring_system(given, 16, slip_speed=0.3)
-    gaps = [energy_gap(solve_time_domain(made, dt=dt, duration=20.0, tolerance=1e-9)) for dt in (0.05, 0.0125)]
+    system = mooring_system(given, 16, slip_speed=0.3)
+    gaps = [energy_gap(solve_time_domain(system, dt=dt, duration=20.0, tolerance=1e-9)) for dt in (0.05, 0.0125)]
     assert gaps[1] < gaps[0] / 6 and gaps[1] <= 8e-5

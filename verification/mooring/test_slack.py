@@ -14,7 +14,7 @@ from solvers.mooring.stepping.steps import law_after_step
 from ..cases.cables import OC3
 from ..exact.mooring.elastic_bounce import ElasticBounce
 from ..tools.orders import assert_order
-from .problems import hanging_mass, random_state, system
+from .problems import build, hanging_mass, random_state
 
 G = 9.80665
 BOUNCES = {
@@ -32,10 +32,10 @@ EXACT = 1e-6  # of the amplitude, at that step; measured 2e-7 to 8e-7
 def bounce(name, dt, **options):
     """Return the history of a mass on a line of two cells and no weight, in the exact one's place at the start."""
     exact = BOUNCES[name]
-    made = hanging_mass(exact.mass, EA=exact.EA, length=exact.length, damping=exact.beta, position=exact.position)
+    system = hanging_mass(exact.mass, EA=exact.EA, length=exact.length, damping=exact.beta, position=exact.position)
     y, ydot = np.zeros((2, 2, 3))
     y[1], ydot[1] = (value * np.array([1.0, 0.5, 0.0]) for value in (exact.position, exact.velocity))
-    return solve_time_domain(made, dt=dt, duration=DURATION, start=(y, ydot), tolerance=1e-9, **options)
+    return solve_time_domain(system, dt=dt, duration=DURATION, start=(y, ydot), tolerance=1e-9, **options)
 
 
 def bounce_errors(name, dt):
@@ -80,7 +80,7 @@ def test_times_of_slack_are_those_of_the_bounce(name):
 
 def test_a_taut_line_has_no_slack():
     """Neither times nor damping of the shortest waves where no cell goes slack."""
-    history = solve_time_domain(system(replace(OC3, amplitude=(2.0, 0.0, 0.0)), 10), dt=0.2, periods=1)
+    history = solve_time_domain(build(replace(OC3, amplitude=(2.0, 0.0, 0.0)), 10), dt=0.2, periods=1)
     assert history.slack == () and history.damped_from is None and history.tension.min() > 0
 
 
@@ -91,7 +91,7 @@ SNAPS = 5e-3  # of the greatest tension, over meshes and steps; measured 1.5e-3
 @cache
 def greatest_tension(amplitude, cells, dt) -> float:
     """Return the greatest fairlead tension in the third period of a surge, N; no step is given up."""
-    history = solve_time_domain(system(replace(OC3, amplitude=(amplitude, 0.0, 0.0)), cells), dt=dt, periods=3)
+    history = solve_time_domain(build(replace(OC3, amplitude=(amplitude, 0.0, 0.0)), cells), dt=dt, periods=3)
     assert history.success and history.event is None
     assert len(history.slack) >= 3 and history.slack[-1].start > 40
     assert abs(history.damped_from - history.slack[0].start) <= dt * (1 + 1e-9)  # within the first step or at its end
@@ -113,7 +113,7 @@ def test_the_greatest_tension_does_not_depend_on_mesh_and_step(amplitude, deep):
 
 def test_steps_that_fail_are_taken_again():
     """With steps too long for a snap some are taken in parts, none is given up, and the tension is nearly that."""
-    history = solve_time_domain(system(replace(OC3, amplitude=(16.0, 0.0, 0.0)), 50), dt=0.25, periods=3)
+    history = solve_time_domain(build(replace(OC3, amplitude=(16.0, 0.0, 0.0)), 50), dt=0.25, periods=3)
     assert history.success and history.cut > 0 and history.steps == 240
     tension = history.fairlead_tension(np.linspace(40.0, 60.0, 4001)).max()
     assert abs(tension / greatest_tension(16.0, 50, 0.1) - 1) < 0.02
@@ -127,7 +127,7 @@ def test_slack_is_more_with_more_surge():
 @pytest.mark.parametrize("every", [2, 3, 7])
 def test_states_are_kept_at_their_times(every):
     """Every n-th step is kept as it is, though the loop over the steps stops where a cell goes slack."""
-    moved = system(replace(OC3, amplitude=(12.0, 0.0, 0.0)), 50)  # before the slack line forgets where it came from
+    moved = build(replace(OC3, amplitude=(12.0, 0.0, 0.0)), 50)  # before the slack line forgets where it came from
     whole, part = (solve_time_domain(moved, dt=0.1, periods=0.49, tolerance=1e-10, every=n) for n in (1, every))
     kept = [*range(0, whole.steps, every), whole.steps]
     assert whole.damped_from < 9.2 and np.allclose(part.time, whole.time[kept], rtol=1e-12)
@@ -157,8 +157,8 @@ def test_steps_of_slack_lines_end_in_balance(name):
     length = float(np.hypot(200.0, 48.0)) * slackness
     network = Network(nodes, [Element(400.0, cable.EA, length, (0, 1), 0.3, cable=cable)], Environment(1025.0, **bed))
     motion = Motion.harmonic(1 / 8, (surge, 0.0, surge / 2))
-    made = mooring_system(network, 5, motion=motion, calibrate=False)
-    history = solve_time_domain(made, dt=0.2, periods=2)
+    system = mooring_system(network, 5, motion=motion, calibrate=False)
+    history = solve_time_domain(system, dt=0.2, periods=2)
     assert history.slack
     left = np.linalg.norm(history.forces[:, 1:-1, 1:], axis=0).max()
     assert left <= most * history.tension.max()

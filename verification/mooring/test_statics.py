@@ -29,7 +29,7 @@ from ..cases.cables import OC3, OC3_SEABED, SHORT_CHAIN
 from ..exact.cable import catenary_mp, frequencies
 from ..reference import EPS
 from ..tools.orders import assert_order, extrapolated
-from .problems import compiled, matrix, system
+from .problems import build, compiled, matrix
 
 CELLS = (25, 50, 100)
 DIGITS = 25
@@ -68,12 +68,12 @@ def test_order_against_the_catenary(case, mesh):
     fairlead, anchor, r = catenary(case)
     size, errors = np.linalg.norm(fairlead), {"fairlead": [], "anchor": [], "places": []}
     for cells in CELLS:
-        made = system(case, cells, mesh=mesh, calibrate=False)
-        state = solve_static(made)
+        system = build(case, cells, mesh=mesh, calibrate=False)
+        state = solve_static(system)
         kept = slice(None, None, cells // CELLS[0])
         errors["fairlead"].append((state.fairlead_force - fairlead)[0] / size)
         errors["anchor"].append((state.anchor_force - anchor)[0] / size)
-        places = state.r[:, kept] - r(made.s[kept])
+        places = state.r[:, kept] - r(system.s[kept])
         errors["places"].append(float(np.linalg.norm(places, axis=0).max()) / case.length)
         assert state.residual_norm <= UNBALANCED * size and state.tension.shape == (cells,)
     for name, table in errors.items():
@@ -82,15 +82,15 @@ def test_order_against_the_catenary(case, mesh):
 
 def test_the_end_forces_carry_the_line():
     """The forces on anchor and vessel, the weight and the drag are in balance; the ends are where they are given."""
-    made = system(replace(LEANING, current=(0.6, -0.3, 0.0)), 40)
-    state = made.solve_static()
+    system = build(replace(LEANING, current=(0.6, -0.3, 0.0)), 40)
+    state = system.solve_static()
     weight = OC3.submerged_weight * OC3.length
-    cable, d = made.model.segments[0].cable, np.diff(state.r, axis=1)
+    cable, d = system.model.segments[0].cable, np.diff(state.r, axis=1)
     size, current = np.linalg.norm(d, axis=0), np.array([[0.6], [-0.3], [0.0]])
     t = d / size
     u = current - (current * t).sum(axis=0) * t
-    per_length = 1025.0 * cable.diameter * cable.Cdn / 2 * np.sqrt(size / np.diff(made.s))
-    drag = (per_length * np.diff(made.s) * np.linalg.norm(u, axis=0) * u).sum(axis=1)
+    per_length = 1025.0 * cable.diameter * cable.Cdn / 2 * np.sqrt(size / np.diff(system.s))
+    drag = (per_length * np.diff(system.s) * np.linalg.norm(u, axis=0) * u).sum(axis=1)
     total = -state.fairlead_force - state.anchor_force + drag - [0.0, 0.0, weight]
     assert abs(total).max() <= 1e-8 * weight and abs(drag).max() > 1e-3 * weight
     assert np.abs(state.r[:, [0, -1]].T - [OC3.anchor, LEANING.fairlead]).max() <= 4 * EPS * OC3.length
@@ -100,7 +100,7 @@ def test_the_end_forces_carry_the_line():
 @pytest.mark.parametrize("angle", [0.0, 0.7, -2.0])
 def test_planar_and_spatial_rest_alike(angle):
     """Turned about the vertical, and in three axes, the line rests with the same tensions."""
-    planar, turned = system(OC3, 20), system(OC3.turned(angle), 20, fields="spatial")
+    planar, turned = build(OC3, 20), build(OC3.turned(angle), 20, fields="spatial")
     assert len(planar.axes) == 2 and len(turned.axes) == 3
     one, other = planar.solve_static(), turned.solve_static()
     assert abs(one.tension - other.tension).max() <= 1e-11 * one.tension.max()
@@ -116,7 +116,7 @@ def test_a_stiffening_seabed_tends_to_the_contact_catenary(case):
     size, errors, stiffness = np.linalg.norm(fairlead), [], [case.seabed_stiffness * f for f in (1, 4, 16)]
     for k in stiffness:
         tensions = [
-            system(replace(case, seabed_stiffness=k), cells, mesh="uniform").solve_static().fairlead_tension
+            build(replace(case, seabed_stiffness=k), cells, mesh="uniform").solve_static().fairlead_tension
             for cells in (200, 400)
         ]
         errors.append(float(extrapolated((1 / 200, 1 / 400), tensions)) / size - 1)
@@ -171,9 +171,9 @@ def test_lines_of_several_materials_rest_as_their_network(name):
     errors, tension = [], []
     cells = (60, 120, 240) if "seabed" not in name else (240, 480)
     for count in cells:
-        made = mooring_system(network, count, mesh="uniform", calibrate=False)
-        state = made.solve_static()
-        joints = [int(abs(made.s - s).argmin()) for s in np.cumsum([element.L for element in network.elements])[:-1]]
+        system = mooring_system(network, count, mesh="uniform", calibrate=False)
+        state = system.solve_static()
+        joints = [int(abs(system.s - s).argmin()) for s in np.cumsum([element.L for element in network.elements])[:-1]]
         errors.append(np.array([state.r[:, i] - exact.r[k + 1] for k, i in enumerate(joints)]).ravel())
         tension.append(state.fairlead_tension)
         assert state.residual_norm <= UNBALANCED * state.tension.max()
@@ -195,9 +195,9 @@ def test_calibrated_cells_rest_on_the_catenary(case):
     """On twenty cells that are calibrated the nodes stand on the catenary, and the end forces are its forces."""
     level = replace(case, fairlead=(math.hypot(*case.fairlead[:2]), 0.0, case.fairlead[2]))
     fairlead, anchor, r = catenary(level)
-    made = system(case, 20, calibrate=True)
-    state = made.solve_static()
-    places, size = r(made.s), np.linalg.norm(fairlead)
+    system = build(case, 20, calibrate=True)
+    state = system.solve_static()
+    places, size = r(system.s), np.linalg.norm(fairlead)
     along = np.hypot(*state.r[:2])
     assert np.abs([along - places[0], state.r[2] - places[2]]).max() <= 1e-9 * case.length
     for got, wanted in ((state.fairlead_force, fairlead), (state.anchor_force, anchor)):
@@ -207,9 +207,9 @@ def test_calibrated_cells_rest_on_the_catenary(case):
 def test_lines_that_hardly_move_are_calibrated():
     """By default a line is calibrated where its motion changes the tension by less than a tenth, and not at rest."""
     small, large = (Motion.harmonic(0.05, (size, 0.0, 0.0)) for size in (0.05, 5.0))
-    assert system(OC3, 20, motion=small).calibrated
-    assert not system(OC3, 20, motion=large).calibrated and not system(OC3, 20).calibrated
-    assert not system(OC3_SEABED, 20, motion=small).calibrated
+    assert build(OC3, 20, motion=small).calibrated
+    assert not build(OC3, 20, motion=large).calibrated and not build(OC3, 20).calibrated
+    assert not build(OC3_SEABED, 20, motion=small).calibrated
 
 
 # ---------------------------------------------------------------- far from the catenaries
@@ -238,26 +238,28 @@ def test_limp_lines_and_lines_in_strong_currents_rest(name):
 
 def test_the_energy_falls_along_the_forces():
     """Its slope in any direction is that of the rows: of taut and of slack cells, of loads and in the seabed."""
-    made, rng = system(OC3_SEABED, 12), np.random.default_rng(4)
-    rows, x = _Statics(made, 1.0, np.zeros(12)), made.rest.y.T + rng.normal(size=(13, 2))
-    tension, depth = rows.evaluate(x)[1], made.line.floor - x[:, -1]
+    system, rng = build(OC3_SEABED, 12), np.random.default_rng(4)
+    rows, x = _Statics(system, 1.0, np.zeros(12)), system.rest.y.T + rng.normal(size=(13, 2))
+    tension, depth = rows.evaluate(x)[1], system.line.floor - x[:, -1]
     assert (tension > 0).any() and (tension <= 0).any() and (depth > 0.1).any()
     for change in rng.normal(size=(3, 13, 2)):
         slope = (rows.energy(x + STEP * change) - rows.energy(x - STEP * change)) / (2 * STEP)
         assert slope == pytest.approx(np.vdot(rows.evaluate(x)[0], change), rel=1e-6)
-    assert not _Statics(system(OC3, 4), 0.5, np.ones(4)).line.seabed_stiffness.any()  # none is none at any share
+    assert not _Statics(build(OC3, 4), 0.5, np.ones(4)).line.seabed_stiffness.any()  # none is none at any share
 
 
 # ---------------------------------------------------------------- frequencies
-def modes(made):
+def modes(system):
     """Return frequencies (k,), Hz, ascending, and shapes (N, n, k) of an undamped line at rest, from its tangents."""
-    state = made.solve_static()
+    state = system.solve_static()
     r = np.ascontiguousarray(state.y.T)
     still = np.zeros_like(r)
-    K, M = (matrix(compiled, made.line, r, still, still, state.tension, w) for w in ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)))
+    K, M = (
+        matrix(compiled, system.line, r, still, still, state.tension, w) for w in ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0))
+    )
     assert abs(K - K.T).max() <= 1e-12 * abs(K).max() and abs(M - M.T).max() <= 1e-12 * abs(M).max()
-    n = len(made.axes)
-    free = np.setdiff1d(np.arange(r.size), [n * i + k for i in made.prescribed_nodes for k in range(n)])
+    n = len(system.axes)
+    free = np.setdiff1d(np.arange(r.size), [n * i + k for i in system.prescribed_nodes for k in range(n)])
     values, vectors = eigh(K[np.ix_(free, free)], M[np.ix_(free, free)])
     shapes = np.zeros((r.size, free.size))
     shapes[free] = vectors
@@ -359,27 +361,27 @@ def test_natural_modes_are_those_of_the_tangents():
 
     Also those near a frequency that is given, about which it searches then.
     """
-    made = mooring_system(taut(2e6, 1e-3), 16, mesh="uniform", fields="planar")
-    frequency, _ = modes(made)
-    got = natural_modes(made, 5)
+    system = mooring_system(taut(2e6, 1e-3), 16, mesh="uniform", fields="planar")
+    frequency, _ = modes(system)
+    got = natural_modes(system, 5)
     assert abs(got.frequencies / frequency[:5] - 1).max() <= 1e-9
     for k in (2, 4):
-        near = natural_modes(made, 1, near=1.001 * float(frequency[k])).frequencies
+        near = natural_modes(system, 1, near=1.001 * float(frequency[k])).frequencies
         assert abs(near / frequency[k] - 1).max() <= 1e-9
 
 
 def test_natural_modes_are_damped():
     """With damping in its cells, frequency and damping are those of the dense problem of K, C and M."""
-    made = system(replace(OC3, damping=0.3), 12, fields="planar")
-    r = np.ascontiguousarray(made.rest.y.T)
+    system = build(replace(OC3, damping=0.3), 12, fields="planar")
+    r = np.ascontiguousarray(system.rest.y.T)
     still, inner = np.zeros_like(r), slice(2, -2)
     K, C, M = (
-        matrix(compiled, made.line, r, still, still, made.rest.tension, tuple(w))[inner, inner] for w in np.eye(3)
+        matrix(compiled, system.line, r, still, still, system.rest.tension, tuple(w))[inner, inner] for w in np.eye(3)
     )
     M_C, M_K = np.linalg.solve(M, C), np.linalg.solve(M, K)
     values = np.linalg.eigvals(np.block([[np.zeros_like(K), np.eye(len(K))], [-M_K, -M_C]]))
     values = values[values.imag > 0]
     values = values[abs(values).argsort()][:6]
-    got = natural_modes(made, 6)
+    got = natural_modes(system, 6)
     assert abs(got.frequencies / (abs(values) / (2 * np.pi)) - 1).max() <= 1e-9
     assert abs(got.damping - (-values.real / abs(values))).max() <= 1e-9 and got.damping.max() > 1e-3

@@ -14,7 +14,7 @@ from solvers.mooring.stepping.time_domain import _Run
 from ..cable import problems as box
 from ..cases.cables import EVERYTHING, OC3, OC3_SEABED, SURGE_5, SWAY_5
 from ..tools.orders import assert_order, extrapolated
-from .problems import energy_gap, energy_of, scene, system
+from .problems import build, energy_gap, energy_of, scene
 from .test_statics import NETWORKS
 
 ROUNDED = 1e-10  # m, after a hundred steps; measured 1e-12
@@ -22,12 +22,12 @@ ROUNDED = 1e-10  # m, after a hundred steps; measured 1e-12
 
 # ---------------------------------------------------------------- rest, and the fairlead
 AT_REST = {
-    "OC3": lambda: system(OC3, 20),
-    "over a seabed": lambda: system(OC3_SEABED, 20),
-    "in a current": lambda: system(replace(OC3, current=(0.5, 0.3, 0.0)), 20),
+    "OC3": lambda: build(OC3, 20),
+    "over a seabed": lambda: build(OC3_SEABED, 20),
+    "in a current": lambda: build(replace(OC3, current=(0.5, 0.3, 0.0)), 20),
     "with a buoy": lambda: mooring_system(NETWORKS["buoy"], 20),
     "with a clump weight": lambda: mooring_system(NETWORKS["clump weight"], 20),
-    "calibrated": lambda: system(OC3, 20, calibrate=True),
+    "calibrated": lambda: build(OC3, 20, calibrate=True),
 }
 
 
@@ -44,7 +44,7 @@ def test_a_line_at_rest_stays_there(name):
 @pytest.mark.parametrize("case", [SURGE_5, EVERYTHING], ids=lambda case: case.name)
 def test_the_fairlead_is_where_it_is_prescribed(case):
     """Position, velocity and acceleration of both ends are those of the ramped motion to rounding at every time."""
-    history = solve_time_domain(system(case, 12), dt=0.1, duration=30.0)
+    history = solve_time_domain(build(case, 12), dt=0.1, duration=30.0)
     t, moved = history.time, history.ramped_system.motion
     fairlead = np.array(case.fairlead)[:, None]
     axes = history.system.axes.T
@@ -68,8 +68,8 @@ SWINGS = {
 @pytest.mark.parametrize("name", SWINGS)
 def test_energy_of_a_swing_closes(name):
     """Kinetic, elastic and potential energy change by the work of fairlead, drag and damper, up to dt^2."""
-    made, dts = system(SWINGS[name], 12, calibrate=False), (0.05, 0.025, 0.0125)
-    histories = [solve_time_domain(made, dt=dt, duration=20.0, tolerance=1e-9) for dt in dts]
+    system, dts = build(SWINGS[name], 12, calibrate=False), (0.05, 0.025, 0.0125)
+    histories = [solve_time_domain(system, dt=dt, duration=20.0, tolerance=1e-9) for dt in dts]
     energy = energy_of(histories[-1])
     assert (name != "vacuo") == bool(energy.turning.any()) and (name in ("drag", "all")) == bool(energy.drag.any())
     assert_order(dts, [energy_gap(history) for history in histories], 2, ceiling=5e-6, what=name)
@@ -79,7 +79,7 @@ def test_energy_of_a_swing_closes(name):
 def run(case, cells=12, dt=0.1, duration=12.0, **options):
     """Return the history of a case, its steps solved to rounding."""
     settings = {"tolerance": 1e-9} | {name: options.pop(name) for name in ("every", "ramp") if name in options}
-    return solve_time_domain(system(case, cells, calibrate=False, **options), dt=dt, duration=duration, **settings)
+    return solve_time_domain(build(case, cells, calibrate=False, **options), dt=dt, duration=duration, **settings)
 
 
 @pytest.mark.parametrize("angle", [1.1, -2.3, np.pi])
@@ -117,8 +117,8 @@ def test_a_line_given_from_its_other_materials_end():
     histories = [run(SURGE_5)]
     for ends in ((0, 1), (1, 0)):
         network = Network(nodes, [Element(weight, cable.EA, given.length, ends, cable=cable)], given.environment)
-        made = mooring_system(network, 12, motion=given.motion, calibrate=False)
-        histories.append(solve_time_domain(made, dt=0.1, duration=12.0, tolerance=1e-9))
+        system = mooring_system(network, 12, motion=given.motion, calibrate=False)
+        histories.append(solve_time_domain(system, dt=0.1, duration=12.0, tolerance=1e-9))
     for history in histories[1:]:
         assert abs(history.y - histories[0].y).max() <= ROUNDED
 
@@ -126,7 +126,7 @@ def test_a_line_given_from_its_other_materials_end():
 # ---------------------------------------------------------------- settings
 def test_a_list_of_lines_is_each_alone():
     """Bit for bit, side by side on threads."""
-    lines = [system(case, 10) for case in (SURGE_5, SWAY_5, EVERYTHING)]
+    lines = [build(case, 10) for case in (SURGE_5, SWAY_5, EVERYTHING)]
     together = solve_time_domain(lines, dt=0.2, duration=8.0)
     for history, line in zip(together, lines, strict=True):
         assert np.array_equal(history.y, solve_time_domain(line, dt=0.2, duration=8.0).y)
@@ -152,9 +152,9 @@ def test_states_are_kept_every_so_often(count):
 
 def test_progress_is_told_the_times():
     """Increasing times up to the end, and the same history as without."""
-    times, made = [], system(SURGE_5, 10)
-    told = solve_time_domain(made, dt=0.01, duration=12.0, progress=times.append)
-    plain = solve_time_domain(made, dt=0.01, duration=12.0)
+    times, system = [], build(SURGE_5, 10)
+    told = solve_time_domain(system, dt=0.01, duration=12.0, progress=times.append)
+    plain = solve_time_domain(system, dt=0.01, duration=12.0)
     assert len(times) > 2 and (np.diff(times) > 0).all() and times[-1] == pytest.approx(12.0)
     assert abs(told.y - plain.y).max() <= 1e-4  # within the tolerance of the steps: factors are made anew
     assert told.time.size == plain.time.size
@@ -170,9 +170,9 @@ def test_dt_divides_the_duration():
 def test_steps_adapt_to_their_tolerance():
     """With step_tolerance the error falls with it, with short steps where the motion needs them, from any dt."""
     exact = run(SURGE_5, dt=0.005, duration=15.0).y[..., -1]
-    errors, made = [], system(SURGE_5, 12, calibrate=False)
+    errors, system = [], build(SURGE_5, 12, calibrate=False)
     for tolerance in (1e-3, 1e-4, 1e-5):
-        history = solve_time_domain(made, dt=1.0, duration=15.0, tolerance=1e-9, step_tolerance=tolerance)
+        history = solve_time_domain(system, dt=1.0, duration=15.0, tolerance=1e-9, step_tolerance=tolerance)
         assert history.time.size == 16 and history.success
         errors.append(abs(history.y[..., -1] - exact).max())
         assert history.cut > 0
@@ -182,7 +182,7 @@ def test_steps_adapt_to_their_tolerance():
 @pytest.mark.parametrize("cells", [10, 100])
 def test_a_tolerance_below_rounding_ends_at_rounding(cells):
     """Newton's method is not asked for more digits than positions have: no step is cut, and the tension stays."""
-    line = system(SURGE_5, cells, mesh="uniform")
+    line = build(SURGE_5, cells, mesh="uniform")
     waves = [solve_time_domain(line, dt=0.1, periods=0.5, tolerance=tolerance) for tolerance in (1e-9, 1e-15)]
     assert waves[1].cut == 0
     tensions = [wave.tension[-1, -1] for wave in waves]
@@ -191,15 +191,15 @@ def test_a_tolerance_below_rounding_ends_at_rounding(cells):
 
 def test_a_failed_step_is_said():
     """Where no number of parts solves a step the history ends there and says where; states before it are there."""
-    made = system(SURGE_5, 10)
+    system = build(SURGE_5, 10)
     broken = FunctionMotion(
         lambda t: (0.0 if t < 1.95 else 1e30, 0.0, 0.0), lambda t: (0.0 if t < 1.95 else 1e30, 0.0, 0.0)
     )
-    history = solve_time_domain(made.with_motion(broken), dt=0.1, duration=3.0, throw=False)
+    history = solve_time_domain(system.with_motion(broken), dt=0.1, duration=3.0, throw=False)
     assert not history.success and history.event[0] == pytest.approx(1.9, abs=0.11)
     assert history.time[-1] == pytest.approx(history.event[0]) and np.isfinite(history.y).all()
     with pytest.raises(RuntimeError, match=r"dt = 0.1 s"):
-        solve_time_domain(made.with_motion(broken), dt=0.1, duration=3.0)
+        solve_time_domain(system.with_motion(broken), dt=0.1, duration=3.0)
 
 
 # ---------------------------------------------------------------- restarts and shifts of time
@@ -241,10 +241,10 @@ def test_a_motion_that_starts_later_is_followed_later():
     """In still water the response to a motion begun later is the same one later."""
     rise = lambda t: np.clip(t, 0, None) ** 3 * np.exp(-np.clip(t, 0, None))
     slope = lambda t: np.clip(t, 0, None) ** 2 * (3 - np.clip(t, 0, None)) * np.exp(-np.clip(t, 0, None))
-    made = system(OC3, 12)
+    system = build(OC3, 12)
     early, late = (
         solve_time_domain(
-            made.with_motion(
+            system.with_motion(
                 FunctionMotion(
                     lambda t, lag=lag: (rise(t - lag), 0.0, 0.0), lambda t, lag=lag: (slope(t - lag), 0.0, 0.0)
                 )
@@ -260,7 +260,7 @@ def test_a_motion_that_starts_later_is_followed_later():
 # ---------------------------------------------------------------- outputs
 def test_outputs_belong_together():
     """Forces, tensions, harmonics and interpolated tension of one history, in the public frame."""
-    history = solve_time_domain(system(SURGE_5.turned(0.4), 20, calibrate=False), dt=0.1, periods=3)
+    history = solve_time_domain(build(SURGE_5.turned(0.4), 20, calibrate=False), dt=0.1, periods=3)
     size = np.linalg.norm(history.fairlead_force, axis=0)
     assert np.allclose(history.fairlead_tension(history.time), size, rtol=1e-12)
     assert abs(size / history.tension[-1] - 1).max() < 0.05 and history.tension.shape == (20, 601)
@@ -282,7 +282,7 @@ BETWEEN = 2e-14
 
 def test_tension_between_steps_is_of_degree_five():
     """A tension of degree five in time is met between the steps to rounding, at both ends of the history too."""
-    history = solve_time_domain(system(SURGE_5, 10), dt=1.0, duration=40.0)
+    history = solve_time_domain(build(SURGE_5, 10), dt=1.0, duration=40.0)
     time, wanted = history.time, np.polynomial.Polynomial([1.0, -0.3, 0.7, 0.1, -0.4, 0.2], domain=[0.0, 40.0])
     interpolate, t = history._interpolant(wanted(time)), np.linspace(0.0, 40.0, 777)
     assert abs(interpolate(t) - wanted(t)).max() <= BETWEEN * abs(wanted(t)).max()
@@ -296,8 +296,8 @@ BAND = 0.03  # kN
 @cache
 def summary(cells, dt, periods):
     """Return max, min and mean of the tension in the last period of case 1, kN."""
-    made = system(SURGE_5, cells, calibrate=False)
-    history = solve_time_domain(made, dt=dt, periods=periods, tolerance=1e-7)
+    system = build(SURGE_5, cells, calibrate=False)
+    history = solve_time_domain(system, dt=dt, periods=periods, tolerance=1e-7)
     start, period = history.last_period
     tension = history.fairlead_tension(start + period * np.arange(4000) / 4000) / 1e3
     return np.array([tension.max(), tension.min(), tension.mean()])
@@ -320,8 +320,8 @@ def test_the_box_scheme_has_the_same_limit(deep):
     runs = {"box": [], "line": []}
     for count in cells:
         dt = 0.1 * cells[0] / count
-        for name, made in (("box", box.system(SURGE_5, count + 1)), ("line", system(SURGE_5, count, calibrate=False))):
-            runs[name].append(solve_time_domain(made, dt=dt, periods=periods).fairlead_tension(instants))
+        for name, system in (("box", box.system(SURGE_5, count + 1)), ("line", build(SURGE_5, count, calibrate=False))):
+            runs[name].append(solve_time_domain(system, dt=dt, periods=periods).fairlead_tension(instants))
     one, other = (extrapolated((2, 1), table) for table in runs.values())
     apart = [abs(a - b).max() / np.ptp(one) for a, b in ((one, other), (runs["box"][-1], runs["line"][-1]))]
     assert apart[0] <= (1e-3 if deep else 4e-3) and apart[0] < apart[1] / 2, apart
@@ -331,16 +331,16 @@ def test_sampled_and_other_motions_are_taken():
     """A motion by a function, that has no period, moves the line as the harmonic that it is."""
     motion = Motion.harmonic(0.05, (5.0, 0.0, 0.0))
     plain = FunctionMotion(motion.displacement, motion.velocity)
-    lines = [system(OC3, 10, motion=given, mesh="uniform", fields="spatial") for given in (motion, plain)]
+    lines = [build(OC3, 10, motion=given, mesh="uniform", fields="spatial") for given in (motion, plain)]
     one, other = solve_time_domain(lines, dt=0.1, duration=10.0, ramp=5.0, tolerance=1e-9)
     assert abs(one.y - other.y).max() <= 1e-6 and other.system.period is None
 
 
 def test_a_start_is_not_changed():
     """Arrays whose transposes are contiguous, as those of an earlier history, stay as they were."""
-    made = system(SURGE_5, cells=6)
-    y = np.array(made.rest_state().T, order="C").T
-    before, ydot = y.copy(), np.zeros((made.nodes, 2)).T
+    system = build(SURGE_5, cells=6)
+    y = np.array(system.rest_state().T, order="C").T
+    before, ydot = y.copy(), np.zeros((system.nodes, 2)).T
     settings = {
         "dt": 0.1,
         "count": 5,
@@ -350,7 +350,7 @@ def test_a_start_is_not_changed():
         "ramp": 0.0,
         "every": 1,
     }
-    made.integrate(start=(y, ydot), **settings)
+    system.integrate(start=(y, ydot), **settings)
     assert np.array_equal(y, before) and not ydot.any()
 
 
@@ -359,18 +359,18 @@ FEW_ITERATIONS = 3.8  # of a step of a 25th of a period; measured 3.2, 4.1 where
 
 def test_factors_are_taken_anew_where_steps_converge_slowly():
     """The OC3 line in 5 m of surge, whose tension changes by half of itself: Newton's method keeps its pace."""
-    line = system(SURGE_5, 10)
+    line = build(SURGE_5, 10)
     history = solve_time_domain(line, dt=line.period / 25, periods=3)
     assert history.cut == 0 and history.iterations <= FEW_ITERATIONS * history.steps
 
 
 def test_the_error_of_steps_is_that_of_newmark_over_the_displacements():
     """h^2 |beta - 1/6| times the largest change of an acceleration, over the largest displacement so far."""
-    made, h = system(OC3, 4), 0.2
-    run = _Run(made, 0.8, 1e-4, 1e-3, tuple(np.zeros((5, 2)) for _ in range(5)))
+    system, h = build(OC3, 4), 0.2
+    run = _Run(system, 0.8, 1e-4, 1e-3, tuple(np.zeros((5, 2)) for _ in range(5)))
     still, a = np.zeros((2, 5, 2)), np.zeros((2, 5, 2))
     a[0, 2, 1], a[1, 2, 1] = 1.0, -2.0
     expected = h**2 * abs(run.scheme[2] - 1 / 6) * 3.0 / 4.0
     for displacement in (4.0, 2.0):
-        record = made.rest.y.T + np.array([0.0, displacement])[:, None, None], still, a
+        record = system.rest.y.T + np.array([0.0, displacement])[:, None, None], still, a
         assert run._step_error(record, still[0], h) == pytest.approx(expected, rel=1e-12)
