@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from solvers import (
     solve_periodic,
 )
 from solvers.stability import response_curve, switch_branch
+from solvers.stability.curves import special_points
 from solvers.stability.curves.continuation import Tracer
 from solvers.stability.curves.special_points import (
     BRANCH_POINT,
@@ -217,6 +219,33 @@ def test_a_jump_from_below_what_is_known_is_a_jump():
     segment = CurveSegment(tracer, first, last, listed)
     segment.set_multipliers(listed(first), listed(last))
     assert [kind for kind, *_ in locate_special_points(segment, True)] == [JUMP]
+
+
+def _kinds_between(first, last, monkeypatch, listed=lambda values, s: values):
+    """Return kinds of special points on a line from 0 to 1 on which multipliers change evenly."""
+    tracer = SimpleNamespace(distance=lambda *_: 1.0, advance=lambda _, s: SimpleNamespace(u=1.0, s=s))
+    monkeypatch.setattr(special_points, "_locate_branch_point", lambda *_: [])  # a fold
+    monkeypatch.setattr(special_points, "_locate_doubling", lambda segment, low, *_: (PERIOD_DOUBLING, low, None))
+    ends = [SimpleNamespace(u=1.0, s=s) for s in (0.0, 1.0)]
+    between = lambda p: listed((1 - p.s) * np.array(first) + p.s * np.array(last), p.s)
+    segment = CurveSegment(tracer, *ends, between)
+    segment.set_multipliers(*map(between, ends))
+    return [kind for kind, *_ in locate_special_points(segment, True)]
+
+
+def test_multipliers_that_pass_in_one_step_are_each_a_special_point(monkeypatch):
+    """A pair, a fold and a doubling: the pair is two of those that pass, the fold one, which is listed elsewhere."""
+    pair = np.exp([1j, -1j])
+    first, last = [*(0.9 * pair), 0.8, -0.7], [*(1.5 * pair), 1.3, -1.2]
+    assert sorted(_kinds_between(first, last, monkeypatch)) == [NEIMARK_SACKER, PERIOD_DOUBLING]
+
+
+@pytest.mark.parametrize("inwards", [False, True])
+def test_a_jump_is_known_by_its_outer_side(inwards, monkeypatch):
+    """A pair jumps from below what is listed to the outside, or back: one jump, whichever way the curve goes."""
+    pair = np.exp([1j, -1j])
+    jumped = lambda _, s: np.array([1.1 + 0j, *(1.05 * pair)][: 1 if (s > 0.55) == inwards else 3])
+    assert _kinds_between(np.ones(1), np.ones(1), monkeypatch, jumped) == [JUMP]
 
 
 # ---------------------------------------------------------------- a field that a curve leaves at rest

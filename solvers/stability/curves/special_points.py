@@ -137,20 +137,20 @@ def _locate_crossings(segment):
             k += 1
             continue
         low, high = _bisect(segment, k, growth[0])
-        if abs(segment.growth_at(high, k) - segment.growth_at(low, k)) > JUMPS * abs(growth[1] - growth[0]):
-            is_pair = abs(segment.multipliers_at(high)[k].imag) > 0
-            located.append((JUMP, high, segment.at(high)))
-            k += 2 if is_pair else 1
-            continue
         beyond = max((low, high), key=lambda s: segment.growth_at(s, k))  # there a pair may have become real
-        angle = abs(np.angle(segment.multipliers_at(beyond)[k]))
-        if angle <= REAL:
+        multiplier = segment.multipliers_at(beyond)[k]
+        angle, is_pair = abs(np.angle(multiplier)), False
+        if abs(segment.growth_at(high, k) - segment.growth_at(low, k)) > JUMPS * abs(growth[1] - growth[0]):
+            is_pair = abs(multiplier.imag) > 0
+            located.append((JUMP, high, segment.at(high)))
+        elif angle <= REAL:
             located += _locate_branch_point(segment, (low + high) / 2)
+        elif angle >= np.pi - REAL:
+            located.append(_locate_doubling(segment, low, high, k))
         else:
-            is_doubling = angle >= np.pi - REAL
-            locate = _locate_doubling if is_doubling else _locate_neimark_sacker
-            located.append(locate(segment, low, high, k))
-        k += 2 if located and located[-1][0] == NEIMARK_SACKER else 1
+            is_pair = True
+            located.append(_locate_neimark_sacker(segment, low, high, k))
+        k += 2 if is_pair else 1
     return located
 
 
