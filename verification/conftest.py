@@ -32,8 +32,14 @@ def pytest_configure(config):
         settings.load_profile("deep" if _is_deep(config) else "default")
 
 
+def pytest_collection():
+    """Collect tests without garbage collections: what is made there lives to the end, and each would look through it."""
+    gc.disable()
+
+
 def pytest_collection_finish():
     """Leave what was collected, thousands of tests that live to the end, out of every later garbage collection."""
+    gc.enable()
     gc.collect()
     gc.freeze()
 
