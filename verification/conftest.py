@@ -33,7 +33,7 @@ def pytest_configure(config):
 
 
 def pytest_collection():
-    """Collect tests without garbage collections: what is made there lives to the end, and each would look through it."""
+    """Collect tests without garbage collections: each would look through all that was collected so far."""
     gc.disable()
 
 

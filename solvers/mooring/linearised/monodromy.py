@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from .steps import factorise_steps, take_newmark_steps, take_steps
+from .steps import factorise_steps, set_blocks, take_newmark_steps, take_steps
 
 COLUMNS = {1: 32, 2: 16, 3: 12}  # by axes, disturbances that take a period in less than twice the time of one
 
@@ -27,23 +27,24 @@ class PeriodMap:
     take_steps: Any
 
     def __init__(self, system, orbit, sideways, units, weights, weight_of_M, right_weights):
-        """orbit: r, v, r'' (S, s, N, m) at the stages of the steps; weights as of ``factorise_steps``.
+        """orbit: r, v, r'' (S, s, N, m) at the stages of the steps; weights as of ``set_blocks``.
 
         units: what the parts of a disturbance are multiplied by to be those of the state. sideways: disturb the axis
         across the plane of the motion alone.
         """
-        self.line, orbit, kept = disturbed_axes(system, orbit, sideways)
+        line, orbit, kept = disturbed_axes(system, orbit, sideways)
         (steps, stages, nodes), self.n = orbit[0].shape[:3], kept.size
-        cells, edges, block = self.line.length.size, system.order.edges, stages * self.n
-        self.order, self.free = system.order.with_rows(block), np.flatnonzero(~system.order.is_prescribed)
+        cells, edges, block = line.length.size, system.order.edges, stages * self.n
+        self.order, self.ends = system.order.with_rows(0), (line.first, line.last)
+        self.free = np.flatnonzero(~system.order.is_prescribed)
         self.units, self.columns = np.reshape(units, (-1, 1, 1, 1)), COLUMNS[self.n]
         self.size = len(self.units) * self.n * self.free.size
         self.factors = tuple(np.empty((steps, count, block, block)) for count in (nodes, edges, edges))
         sides = 2 if right_weights[1, :2].any() else 1  # the second disturbance may be in the masses alone
         shapes = (2, nodes), (sides, cells), (sides, cells)
         self.right_side = tuple(np.empty((steps, *shape, block, self.n)) for shape in shapes)
-        slack = factorise_steps(self.line, self.order, orbit, kept, weights, weight_of_M, right_weights, self.factors,
-                                self.right_side)  # fmt: skip
+        slack = set_blocks(line, orbit, kept, weights, weight_of_M, right_weights, self.factors, self.right_side)
+        factorise_steps(system.order.with_rows(block), *self.factors)
         self.has_slack = slack > 0
 
     def apply(self, disturbances) -> np.ndarray:
@@ -77,7 +78,7 @@ class LinearisedPeriod(PeriodMap):
 
     def take_steps(self, state):
         """Replace a state (2, N, n, k) by that after all steps."""
-        take_steps(self.line, self.order, self.h, *self.updates, self.factors, self.right_side, *state)
+        take_steps(self.order, self.ends, self.h, *self.updates, self.factors, self.right_side, *state)
 
 
 class SteppedPeriod(PeriodMap):
@@ -100,7 +101,7 @@ class SteppedPeriod(PeriodMap):
 
     def take_steps(self, state):
         """Replace a state (4, N, n, k) by that after all steps."""
-        take_newmark_steps(self.line, self.order, self.h, self.scheme, self.factors, self.right_side, state)
+        take_newmark_steps(self.order, self.ends, self.h, self.scheme, self.factors, self.right_side, state)
 
     def pack(self, state) -> np.ndarray:
         """Return the disturbance (size,) of changes (4 or more, N, n) of r, v, r'' and a."""

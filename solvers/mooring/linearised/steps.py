@@ -18,25 +18,25 @@ from .. import equations
 from ..equations import residual, tangents
 
 
-@compiled(calls=(equations, elimination))
-def factorise_steps(line, order, orbit, kept, weights, weight_of_M, right_weights, factors, right_side):
-    """Set the factors and right-hand sides of S steps; return how many cells are slack at their stages.
+@compiled(calls=(equations,))
+def set_blocks(line, orbit, kept, weights, weight_of_M, right_weights, blocks, right_side):
+    """Set the blocks and right-hand sides of S steps; return how many cells are slack at their stages.
 
     orbit: r, v, r'' (S, s, N, m) of the m axes at the s stages of each step; kept (n,): the axes that are disturbed.
     weights (2, s, s): of K_i and C_i in the block of stages i and j, weight_of_M: of M_i in that of i and i;
     right_weights (2, 3, s): of K_i, C_i and M_i in the products with the two disturbances that a step begins with.
-    factors: diagonal (S, N, s n, s n), upper and lower (S, edges, s n, s n). right_side: blocks of the nodes (S, 2, N,
+    blocks: diagonal (S, N, s n, s n), upper and lower (S, edges, s n, s n). right_side: blocks of the nodes (S, 2, N,
     s n, n) and of the cells' ends by each other (S, 1 or 2, C, s n, n): 1 where the second disturbance is in M alone.
     """
     steps, stages, count, axes = orbit[0].shape
     n, cells = kept.size, line.length.size
-    diagonal, upper, lower = factors
+    diagonal, upper, lower = blocks
     own, from_last, from_first = right_side
     R, T, unit = np.empty((count, axes)), np.empty(cells), np.empty((cells, axes))
     no_tension, apart = np.zeros(cells), (1.0, 1.0, 1.0)
     by_own = np.empty((3, count, axes, axes))
     by_last, by_first = np.empty((2, cells, axes, axes)), np.empty((2, cells, axes, axes))
-    slack, row = 0, np.empty(stages * n)
+    slack = 0
     upper[:], lower[:] = 0.0, 0.0
     for step in range(steps):
         for i in range(stages):
@@ -66,8 +66,15 @@ def factorise_steps(line, order, orbit, kept, weights, weight_of_M, right_weight
                             w_K, w_C = weights[0, i, l], weights[1, i, l]
                             upper[step, c, row_j, l * n + k] = w_K * K + w_C * C
                             lower[step, c, row_j, l * n + k] = w_K * K2 + w_C * C2
-        factorise(order, diagonal[step], upper[step], lower[step], row)
     return slack
+
+
+@compiled(calls=(elimination,))
+def factorise_steps(order, diagonal, upper, lower):
+    """Replace the blocks of all steps by their factors."""
+    row = np.empty(diagonal.shape[2])
+    for step in range(diagonal.shape[0]):
+        factorise(order, diagonal[step], upper[step], lower[step], row)
 
 
 @compiled
@@ -126,8 +133,11 @@ def solve_columns(order, diagonal, upper, lower, x, column):
 
 
 @compiled
-def set_right_side(line, order, right_side, step, one, other, x):
-    """Set x (N, m, k) to the right-hand side of a step that begins with two disturbances (N, n, k)."""
+def set_right_side(order, ends, right_side, step, one, other, x):
+    """Set x (N, m, k) to the right-hand side of a step that begins with two disturbances (N, n, k).
+
+    ends: the first and the last nodes of the cells.
+    """
     own, from_last, from_first = right_side
     side = from_last.shape[1] - 1
     own_one, own_other, last_one, last_other = own[step, 0], own[step, 1], from_last[step, 0], from_last[step, side]
@@ -137,8 +147,8 @@ def set_right_side(line, order, right_side, step, one, other, x):
         if not order.is_prescribed[i]:
             add_product(1.0, own_one, i, one, i, x, i)
             add_product(1.0, own_other, i, other, i, x, i)
-    for c in range(line.length.size):
-        first, last = line.first[c], line.last[c]
+    for c in range(ends[0].size):
+        first, last = ends[0][c], ends[1][c]
         if not (order.is_prescribed[first] or order.is_prescribed[last]):
             add_product(1.0, last_one, c, one, last, x, first)
             add_product(1.0, first_one, c, one, first, x, last)
@@ -148,7 +158,7 @@ def set_right_side(line, order, right_side, step, one, other, x):
 
 
 @compiled
-def take_steps(line, order, h, by_velocity, by_position, factors, right_side, d, v):
+def take_steps(order, ends, h, by_velocity, by_position, factors, right_side, d, v):
     """Replace disturbances d and v (N, n, k), zero at prescribed nodes, by those after all steps.
 
     by_velocity, by_position (s,): weights of the stages' accelerations in v over h, in d over h^2.
@@ -158,7 +168,7 @@ def take_steps(line, order, h, by_velocity, by_position, factors, right_side, d,
     m = diagonal.shape[2]
     x, column = np.empty((nodes, m, columns)), np.empty((1, m, columns))
     for step in range(diagonal.shape[0]):
-        set_right_side(line, order, right_side, step, d, v, x)
+        set_right_side(order, ends, right_side, step, d, v, x)
         solve_columns(order, diagonal[step], upper[step], lower[step], x, column)
         for i in range(nodes):
             for j in range(n):
@@ -172,12 +182,12 @@ def take_steps(line, order, h, by_velocity, by_position, factors, right_side, d,
 
 
 @compiled
-def take_newmark_steps(line, order, h, scheme, factors, right_side, state):
+def take_newmark_steps(order, ends, h, scheme, factors, right_side, state):
     """Replace disturbances d, v, r'' and a of a state (4, N, n, k), zero at prescribed nodes, by those after all steps.
 
     The derivative of ``stepping.steps.integrate``. With the formulas of a step, r'' = w_a dr + (known) and
     v = w_v dr + (known), the rows at its end are (K + w_v C + w_a M) dr = -C v* - M r''*, where v* and r''* follow from
-    the start of the step alone. a: the algorithmic acceleration. factors, right_side: as of ``factorise_steps``.
+    the start of the step alone. a: the algorithmic acceleration. right_side: as of ``set_blocks``.
     """
     alpha_m, alpha_f, beta, gamma = scheme
     diagonal, upper, lower = factors
@@ -194,7 +204,7 @@ def take_newmark_steps(line, order, h, scheme, factors, right_side, state):
                     v[i, j, k] += h * ((1 - gamma) * old + gamma * a[i, j, k])
                     filtered = (1 - alpha_m) * a[i, j, k] + alpha_m * old - alpha_f * acceleration[i, j, k]
                     acceleration[i, j, k] = filtered / (1 - alpha_f)
-        set_right_side(line, order, right_side, step, v, acceleration, force)
+        set_right_side(order, ends, right_side, step, v, acceleration, force)
         solve_columns(order, diagonal[step], upper[step], lower[step], force, column)
         for i in range(nodes):
             if order.is_prescribed[i]:

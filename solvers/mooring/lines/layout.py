@@ -41,7 +41,7 @@ class Elimination(NamedTuple):
     is_prescribed (N,): nodes without rows. Of pivot p the entries start[p]:start[p + 1] of other and edge are its later
     neighbours and the blocks between: right[edge] in its row, left[edge] in its column. pair: for each two of them in
     turn the block between these two. edges: number of blocks beside the diagonal, those of the cells first. axes: a
-    zero for each row of a block, whose number is a constant for the compiler.
+    zero for each row of a block, whose number is a constant for the compiler; none where loops serve blocks of any.
     """
 
     is_prescribed: np.ndarray

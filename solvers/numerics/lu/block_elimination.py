@@ -33,10 +33,10 @@ class BlockFactors:
         if order.edges > cells:
             fill = np.zeros((order.edges - cells, m, m), diagonal.dtype)
             right, left = np.concatenate([right, fill]), np.concatenate([left, fill])
-        self.order, self.ends = order, (first, last)
+        self.order, self.ends = order.with_rows(0), (first, last)  # for blocks of any size: compiled once
         self.exchanges = np.empty((nodes, m), np.int32)
         self.blocks = diagonal, right, left
-        self.singular = bool(_factorise(order, *self.blocks, self.exchanges))
+        self.singular = bool(_factorise(self.order, *self.blocks, self.exchanges))
 
     def solve(self, F) -> np.ndarray:
         """Return the solution (N, m) in double precision for a right-hand side (N, m)."""
