@@ -12,6 +12,7 @@ from ..reference import EPS
 
 STEP = 1e-30  # of a complex step: its error is the rounding of the derivative
 DERIVATIVE = 1e-13  # relative: a few roundings of sums of sines
+DIFFERENCES = 2e-7  # relative, of central differences: (h w)^2 / 6, h = 1e-5 of 31 s and w up to 1.8 rad/s, is 5e-8
 CUBIC = 1e-12  # relative: the spline through samples of a cubic is that cubic, its system solved in doubles
 
 rng = np.random.default_rng(20190101)
@@ -85,6 +86,14 @@ def test_ramp_starts_from_rest_and_ends_in_the_motion():
         np.testing.assert_array_equal(getattr(ramped, name)(11.0), getattr(PERIODIC, name)(11.0))
         before = getattr(ramped, name)(11.0 - 1e-9)
         np.testing.assert_allclose(before, getattr(PERIODIC, name)(11.0), rtol=0, atol=1e-7)  # continuous: C2
+
+
+@pytest.mark.parametrize("t", [4.0, np.array([-1.0, 2.0, 7.0, 30.0])], ids=["one time", "many"])
+def test_ramped_functions_have_an_acceleration(t):
+    """A function gives no acceleration: that of its ramped motion comes from differences of its rate."""
+    function = Ramped(FunctionMotion(PERIODIC.displacement, PERIODIC.velocity), 11.0)
+    expected = MOTIONS["ramped"].acceleration(t)
+    np.testing.assert_allclose(function.acceleration(t), expected, rtol=0, atol=DIFFERENCES * abs(expected).max())
 
 
 def test_function_motion_is_its_functions():

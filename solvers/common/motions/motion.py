@@ -222,7 +222,8 @@ class FunctionMotion:
 class Ramped:
     """A motion started from rest: its displacement times q(t/duration), q = 10 x^3 - 15 x^4 + 6 x^5 from 0 to 1, C2.
 
-    duration in s; HB section 4 ramps over half a period. acceleration takes a motion that has one.
+    duration in s; HB section 4 ramps over half a period. The acceleration of a motion that gives none is that of
+    ``trajectory``, from differences.
     """
 
     motion: Motion | SampledMotion | FunctionMotion
@@ -261,9 +262,7 @@ class Ramped:
 
     def acceleration(self, t) -> np.ndarray:
         """Return the acceleration, m/s^2: t in s, number -> (3,) or (S,) -> (3, S)."""
-        q, q_t, q_tt = self._ramp(t)
-        r, v, a = self.motion.displacement(t), self.motion.velocity(t), self.motion.acceleration(t)  # type: ignore[union-attr]
-        return q_tt * r + 2 * q_t * v + q * a
+        return self.trajectory(t)[2]
 
     def trajectory(self, t) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return displacement, velocity and acceleration, (3, S) each, at times t (S,) in s."""

@@ -348,7 +348,7 @@ DEFECTS = (
     ),
     Defect(
         "product rule without its 2",
-        Fault("common.motions.motion", "Ramped.acceleration", "2 * q_t", "q_t"),
+        Fault("common.motions.motion", "Ramped.trajectory", "2 * q_t", "q_t"),
         "factor",
         "acceleration of a ramped motion",
         _RATES,
