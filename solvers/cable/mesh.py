@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..common.outcome import InputError
-from ..common.validation import real_array, whole_number
+from ..common.validation import array_of_reals, whole_number
 
 _MOST_NODES = 10**6  # of a mesh; a state then takes 50 MB
 
@@ -14,10 +14,7 @@ def check_mesh(nodes, mesh, length) -> np.ndarray:
     """Return a uniform mesh of ``nodes`` nodes, or the given ``mesh``; raises InputError naming what is wrong."""
     if mesh is None:
         return np.linspace(0.0, length, whole_number("nodes", nodes, 3, _MOST_NODES))
-    try:
-        s = real_array(mesh)
-    except (TypeError, ValueError):
-        raise InputError(f"{mesh!r} must be arc lengths (m)", field="mesh", value=mesh, unit="m") from None
+    s = array_of_reals("mesh", mesh, f"{mesh!r} must be arc lengths (m)", "m")
     if s.ndim != 1 or s.size < 3 or not np.isfinite(s).all() or not (np.diff(s) > 0).all():
         problem = f"must be three or more finite, increasing arc lengths (m), given {mesh!r}"
         raise InputError(problem, field="mesh", value=mesh, unit="m")

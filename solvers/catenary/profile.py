@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..common.outcome import InputError
-from ..common.validation import real_array
+from ..common.validation import array_of_reals
 
 STRAIGHT = 1e-9  # a piece lighter than this part of its tension is straight: the square is below rounding
 
@@ -13,10 +13,7 @@ STRAIGHT = 1e-9  # a piece lighter than this part of its tension is straight: th
 def profile(state, s):
     """Return (x, z, tension) at unstretched arc length s (...), m, from the anchor; see ``CatenaryState.profile``."""
     span = state.span
-    try:
-        s = real_array(s)
-    except (TypeError, ValueError):
-        raise InputError(f"{s!r} must be real numbers (m)", field="s", value=s, unit="m") from None
+    s = array_of_reals("s", s, f"{s!r} must be real numbers (m)", "m")
     if not np.all((s >= 0) & (s <= span.L)):
         raise InputError(f"values must lie in [0, {span.L:g}] m, the unstretched length", field="s", value=s, unit="m")
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # branches not taken

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..common.outcome import InputError, Outcome, Status
-from ..common.validation import as_array, flags, real_number
+from ..common.validation import as_array, flags, instance_of, real_number
 from ..numerics.elementary import ARRAY, SCALAR
 from .profile import profile
 from .regimes import REGIMES, Regime
@@ -170,8 +170,7 @@ def solve_span(span: Span, *, tolerance: float = TOLERANCE, throw: bool = True) 
     >>> round(state.H), round(state.V)  # N
     (736938, 535727)
     """
-    if not isinstance(span, Span):
-        raise InputError(f"{span!r} is not a solvers.Span", field="span", value=span)
+    instance_of("span", span, Span)
     tolerance = _bounded_tolerance(tolerance)
     flags(throw=throw)
     inputs = span.w, span.EA, span.L, span.x, span.z, span.seabed, span.friction, span.clearance

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from .diagnostics import largest_change
 from .outcome import ConvergenceError, InputError
-from .validation import real_array
+from .validation import array_of_reals
 
 ROUNDING = 1e-12  # of a duration, that rounding may leave
 _SAMPLES = 64  # in a period for each harmonic asked for: the interpolated tension then has no alias above 1e-6
@@ -111,10 +111,7 @@ class Response:
 
     def fairlead_tension(self, t: ArrayLike) -> np.ndarray:
         """Return the fairlead tension at times t in s, any shape, N; raises InputError outside the history."""
-        try:
-            t = real_array(t)
-        except (TypeError, ValueError):
-            raise InputError(f"{t!r} must be real numbers (s)", field="t", value=t, unit="s") from None
+        t = array_of_reals("t", t, f"{t!r} must be real numbers (s)", "s")
         return self._tension_at(np.atleast_1d(t).ravel()).reshape(t.shape)
 
     def _tension_at(self, t) -> np.ndarray:

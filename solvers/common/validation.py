@@ -80,6 +80,20 @@ def real_array(value) -> np.ndarray:
         raise ValueError(str(error)) from None
 
 
+def array_of_reals(name: str, value, problem: str, unit: str | None = None) -> np.ndarray:
+    """Return ``real_array``; raises InputError with the field, its problem and its unit where ``value`` is none."""
+    try:
+        return real_array(value)
+    except (TypeError, ValueError):
+        raise InputError(problem, field=name, value=value, unit=unit) from None
+
+
+def instance_of(name: str, value, kind: type):
+    """Raise InputError where ``value`` is not an object of a public class."""
+    if not isinstance(value, kind):
+        raise InputError(f"{value!r} is not a solvers.{kind.__name__}", field=name, value=value)
+
+
 def one_of(name: str, value, choices):
     """Raise InputError naming the choices where ``value`` is none of them."""
     if not isinstance(value, (str, type(None))) or value not in choices:

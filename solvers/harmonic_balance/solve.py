@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from ..common.outcome import InputError, Status
 from ..common.response import Response
 from ..common.types import as_system
-from ..common.validation import flags, one_of, positive_number, real_array, whole_number
+from ..common.validation import array_of_reals, flags, one_of, positive_number, whole_number
 from ..numerics.chain import ChainSystem
 from ..numerics.fourier import Basis
 from ..numerics.memory import keep_freed_memory
@@ -213,11 +213,7 @@ def _start_coefficients(system, basis, start) -> np.ndarray:
             problem = f"a history of {start.y.shape[:2]} fields and nodes does not fit {shape}"
             raise InputError(problem, field="start", value=start)
         return history_coefficients(start, basis, system.rest_state())
-    try:
-        z = real_array(start)
-    except (TypeError, ValueError):
-        problem = "must be a PeriodicResponse, a time history or an array of coefficients z"
-        raise InputError(problem, field="start", value=start) from None
+    z = array_of_reals("start", start, "must be a PeriodicResponse, a time history or an array of coefficients z")
     if z.shape != (*shape, basis.harmonic.size) or not np.isfinite(z).all():
         problem = f"coefficients of shape {z.shape} must be {(*shape, basis.harmonic.size)}, all finite"
         raise InputError(problem, field="start", value=start)

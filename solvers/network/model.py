@@ -19,7 +19,7 @@ from ..catenary.span import Span
 from ..common.outcome import InputError
 from ..common.properties import CableProperties, Environment
 from ..common.types import Vector
-from ..common.validation import non_negative_number, one_of, real_array, vector
+from ..common.validation import array_of_reals, instance_of, non_negative_number, one_of, vector
 from .equations import NetworkEquations
 
 KINDS = ("fixed", "free", "coupled")
@@ -77,9 +77,7 @@ class Element:
 
     def __post_init__(self):
         if self.cable is not None:
-            if not isinstance(self.cable, CableProperties):
-                problem = f"{self.cable!r} is not a solvers.CableProperties"
-                raise InputError(problem, field="cable", value=self.cable)
+            instance_of("cable", self.cable, CableProperties)
             if self.cable.EA != self.EA:
                 problem = f"its EA, {self.cable.EA:g} N, must be that of the element, {self.EA:g} N"
                 raise InputError(problem, field="cable", value=self.cable, unit="N")
@@ -109,9 +107,7 @@ class Network:
     def __post_init__(self):
         for name, kind in (("nodes", Node), ("elements", Element)):
             object.__setattr__(self, name, _tuple_of(name, getattr(self, name), kind))
-        if not isinstance(self.environment, Environment):
-            problem = f"{self.environment!r} is not a solvers.Environment"
-            raise InputError(problem, field="environment", value=self.environment)
+        instance_of("environment", self.environment, Environment)
         if not self.elements:
             raise InputError("a network needs at least one element", field="elements", value=self.elements)
         n, depth = len(self.nodes), self.environment.depth
@@ -148,24 +144,21 @@ class Network:
         Raises InputError for another shape, for what is not finite, and for a position below the seabed.
         """
         coupled = np.flatnonzero(self.equations.coupled)
-        try:
-            positions = real_array(positions)
-        except (TypeError, ValueError):
-            raise InputError(f"positions: {positions!r} must be ({coupled.size}, 3) real numbers (m)") from None
-        if positions.shape != (coupled.size, 3):
-            raise InputError(f"positions: shape {positions.shape} must be ({coupled.size}, 3), one row a coupled node")
-        if not np.isfinite(positions).all():
-            raise InputError(f"positions: {positions.tolist()} m must be finite")
-        if (positions[:, 2] < self.equations.seabed).any():
-            raise InputError(
-                f"positions: z = {positions[:, 2].min():g} m lies below the seabed at {self.equations.seabed:g} m"
-            )
+        count, seabed = coupled.size, self.equations.seabed
+        given = {"field": "positions", "value": positions, "unit": "m"}
+        r = array_of_reals("positions", positions, f"{positions!r} must be ({count}, 3) real numbers (m)", "m")
+        if r.shape != (count, 3):
+            raise InputError(f"shape {r.shape} must be ({count}, 3), one row a coupled node", **given)
+        if not np.isfinite(r).all():
+            raise InputError(f"{r.tolist()} m must be finite", **given)
+        if (r[:, 2] < seabed).any():
+            raise InputError(f"z = {r[:, 2].min():g} m lies below the seabed at {seabed:g} m", **given)
         nodes, moved = list(self.nodes), copy(self)
-        for i, r in zip(coupled.tolist(), positions.tolist(), strict=True):
+        for i, place in zip(coupled.tolist(), r.tolist(), strict=True):
             nodes[i] = copy(nodes[i])
-            object.__setattr__(nodes[i], "r", tuple(r))
+            object.__setattr__(nodes[i], "r", tuple(place))
         object.__setattr__(moved, "nodes", tuple(nodes))
-        moved.__dict__["equations"] = self.equations.with_coupled_nodes_at(positions)  # keeps the sparsity
+        moved.__dict__["equations"] = self.equations.with_coupled_nodes_at(r)  # keeps the sparsity
         return moved
 
     @cached_property
@@ -181,6 +174,5 @@ def _tuple_of(name: str, given, kind: type) -> tuple:
     except TypeError:
         raise InputError(f"{given!r} must be a list of solvers.{kind.__name__}", field=name, value=given) from None
     for i, item in enumerate(given):
-        if not isinstance(item, kind):
-            raise InputError(f"{item!r} is not a solvers.{kind.__name__}", field=f"{name}[{i}]", value=item)
+        instance_of(f"{name}[{i}]", item, kind)
     return given

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ...common.outcome import InputError
-from ...common.validation import non_negative_number, whole_number
+from ...common.validation import instance_of, non_negative_number, whole_number
 from ...network.model import Network
 
 ATTACHMENTS = {"fixed": "Fixed", "coupled": "Coupled", "free": "Free"}
@@ -62,8 +62,7 @@ def write_moordyn(
     ...     print(next(line for line in file.read_text().splitlines() if line.startswith("3 type")))
     3 type1 5 6 902.2 40 -
     """
-    if not isinstance(network, Network):
-        raise InputError(f"{network!r} is not a solvers.Network", field="network", value=network)
+    instance_of("network", network, Network)
     counts = _counts(cells, len(network.elements))
     if damping_ratio is not None:
         damping_ratio = non_negative_number("damping_ratio", damping_ratio, "(dimensionless)")

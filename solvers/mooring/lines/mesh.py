@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from ...common.outcome import InputError
-from ...common.validation import real_array, whole_number
+from ...common.validation import array_of_reals, whole_number
 from .prescribed_motion import displace_over_period
 
 FAIRLEAD_POSITIONS = 16  # of the fairlead in its motion, over which the touchdown travels
@@ -71,10 +71,7 @@ def _given_elements(mesh, lengths) -> list[np.ndarray]:
 
 
 def _given_line(mesh, lengths) -> list[np.ndarray]:
-    try:
-        s = real_array(mesh)
-    except (TypeError, ValueError):
-        raise InputError(f"{mesh!r} must be arc lengths (m)", field="mesh", value=mesh, unit="m") from None
+    s = array_of_reals("mesh", mesh, f"{mesh!r} must be arc lengths (m)", "m")
     joints = np.cumsum([0.0, *lengths])
     length = joints[-1]
     if s.ndim != 1 or s.size < 3 or not np.isfinite(s).all() or not (np.diff(s) > 0).all():

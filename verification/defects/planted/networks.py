@@ -321,7 +321,7 @@ DEFECTS = (
     ),
     Defect(
         "equations of the old place",
-        Fault("network.model", "Network.moved", "self.equations.with_coupled_nodes_at(positions)", "self.equations"),
+        Fault("network.model", "Network.moved", "self.equations.with_coupled_nodes_at(r)", "self.equations"),
         "stale",
         "a network moved with its vessel keeps the places of before in its equations",
         "network/test_solve.py::test_warm_start_of_a_moved_body",
