@@ -21,7 +21,7 @@ from ..numerics.elementary import ARRAY
 from ..numerics.newton import halve_step, is_contraction, iterate
 from .equations import Elements, Geometry, exact_forces
 from .jacobian import dense_step, trust_region_step
-from .nested import EPS, largest_force, solve_sparse
+from .nested import EPS, largest_force, motion_by, tangent_of
 from .scalar import MAX_LINES, MIN_H_FRACTION, solve_small
 
 MAX_ITERATIONS = 60
@@ -171,13 +171,8 @@ class Iterate:
     @cached_property
     def tangent(self):
         """Schur complement A - B C^-1 G of the moving coordinates: the forces follow them."""
-        equations = self.system.equations
         self.elements.D = self.blocks[2]
-        tangent = equations.tangent(self.elements)
-        if self.moving is equations.unknown:
-            return tangent
-        unknown = equations.dof[self.moving]
-        return tangent[unknown][:, unknown]
+        return tangent_of(self.system.equations, self.elements, self.moving)
 
     def newton_step(self, other=None):
         """Return (dr (n, 3), dH (e,), dV (e,)) by the Schur complement of the C blocks, None where it is singular.
@@ -190,13 +185,11 @@ class Iterate:
         changed = np.concatenate([closing, self.excursion.anchor @ closing], axis=1)[:, :, 0].T
         if not self.all_general:
             changed = np.where(self.slack, 0.0, changed)
-        right = (other.force + equations.unbalanced_force(self.elements, changed) - equations.load)[self.moving]
+        force = other.force + equations.unbalanced_force(self.elements, changed) - equations.load
         shift = REGULARISATION * equations.soft_stiffness  # where slack lines leave a direction without stiffness
-        change = solve_sparse(self.tangent, shift, right, self.system.count)
-        if change is None:
+        dr = motion_by(self.tangent, shift, force, self.moving, self.system.count)
+        if dr is None:
             return None
-        dr = np.zeros(self.r.shape)
-        dr[self.moving] = change
         motion = self.geometry.frame[0][:, :3] @ dr.ravel()[equations.coordinates][:, :, None]
         dq = (D[:, :2] @ motion + closing)[:, :, 0]
         if not self.all_general:

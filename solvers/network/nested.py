@@ -17,7 +17,7 @@ from scipy.linalg.lapack import dgesv
 from scipy.sparse.linalg import splu
 
 from ..numerics.newton import iterate
-from .equations import Elements
+from .equations import Elements, NetworkEquations
 
 EPS = np.finfo(float).eps
 MAX_ITERATIONS = 150
@@ -70,13 +70,11 @@ class _RegularisedNewton:
     def step(self, now):
         """Return the next Balance, None where no damping leads to one."""
         self.count.iterations += 1
-        unknown, tangent = self.equations.dof[now.moving], self.equations.tangent(now.elements)
-        tangent = tangent if unknown.size == self.equations.size else tangent[unknown][:, unknown]
+        tangent = tangent_of(self.equations, now.elements, now.moving)
         while True:
-            shift, step = self.damping * self.equations.soft_stiffness, np.zeros_like(now.r)
-            change = solve_sparse(tangent, shift, now.force[now.moving], self.count)
-            if change is not None:
-                step[now.moving] = change
+            shift = self.damping * self.equations.soft_stiffness
+            step = motion_by(tangent, shift, now.force, now.moving, self.count)
+            if step is not None:
                 length, new = _search_along(self.equations, now, step, self.count)
                 if new is not None:
                     self.damping = max(self.damping * (0.1 if length == 1.0 else 3.0), 1e-14)
@@ -106,28 +104,26 @@ def solve_nested(equations, r, jacobian, tolerance, count):
     return solve_regularised(system, r, bound, count, MAX_ITERATIONS, rounding_floor(equations))
 
 
-class DifferenceTangent:
+class DifferenceTangent(NetworkEquations):
     """The equations with a tangent from forward differences: every unknown moved in turn, all spans solved again."""
 
     STEP = 1e-7  # of the mean length, about the square root of eps
 
     def __init__(self, equations, count):
-        self.equations, self.count = equations, count
-        self.dof, self.size, self.soft_stiffness = equations.dof, equations.size, equations.soft_stiffness
-        self.solve_elements, self.unbalanced_force = equations.solve_elements, equations.unbalanced_force
-        self.moving_coordinates, self.lift_to_seabed = equations.moving_coordinates, equations.lift_to_seabed
+        vars(self).update(vars(equations))
+        self.count = count
 
     def tangent(self, elements):
         """Return NetworkEquations.tangent, dense, one column a coordinate."""
         r = elements.geometry.r
-        step = self.STEP * float(self.equations.L.mean())
-        free, columns = self.equations.free, []
+        step = self.STEP * float(self.L.mean())
+        free, columns = self.free, []
         base = self.unbalanced_force(elements)[free].ravel()
         for node in np.flatnonzero(free):
             for axis in range(3):
                 shifted = r.copy()
                 shifted[node, axis] += step
-                _, force = evaluate(self.equations, shifted, self.count)
+                force = evaluate_balance(self, shifted, self.count).force
                 columns.append((base - force[free].ravel()) / step)
         return np.column_stack(columns)
 
@@ -156,17 +152,12 @@ def to_dense(matrix):
     return matrix if isinstance(matrix, np.ndarray) else matrix.toarray()
 
 
-def evaluate(equations, r, count):
-    """Return the elements and the unbalanced force (n, 3), N, at r (n, 3), counted."""
+def evaluate_balance(equations, r, count):
+    """Return the Balance at r (n, 3), counted."""
     elements = equations.solve_elements(r)
     count.function_evaluations += 1
     count.inner_iterations += elements.inner_iterations
-    return elements, equations.unbalanced_force(elements)
-
-
-def evaluate_balance(equations, r, count):
-    """Return the Balance at r (n, 3)."""
-    elements, force = evaluate(equations, r, count)
+    force = equations.unbalanced_force(elements)
     return Balance(r, elements, force, equations.moving_coordinates(r, force))
 
 
@@ -185,6 +176,22 @@ def _search_along(equations, now, step, count):
             return length, new
         length *= min(max(slope / (slope - new_slope), 0.1), 0.7) if np.isfinite(new_slope) else 0.3
     return 0.0, None
+
+
+def tangent_of(equations, elements, moving):
+    """Return the tangent of the ``moving`` coordinates (n, 3) alone."""
+    unknown, tangent = equations.dof[moving], equations.tangent(elements)
+    return tangent if unknown.size == equations.size else tangent[unknown][:, unknown]
+
+
+def motion_by(tangent, shift, force, moving, count):
+    """Return the motion (n, 3) of the nodes by which the tangent takes a ``force`` (n, 3), None if it is singular."""
+    change = solve_sparse(tangent, shift, force[moving], count)
+    if change is None:
+        return None
+    dr = np.zeros(force.shape)
+    dr[moving] = change
+    return dr
 
 
 def solve_sparse(matrix, shift, right, count):

@@ -14,7 +14,7 @@ from copy import copy
 import numpy as np
 
 from .equations import Elements, Geometry, exact_forces
-from .nested import largest_force, rounding_floor, solve_sparse
+from .nested import largest_force, motion_by, rounding_floor, tangent_of
 
 MAX_STIFFNESS_CHOICES = 8  # times that the stiffnesses of lines are chosen anew
 REGULARISATION = 1e-9  # of the softest stiffness that counts
@@ -68,12 +68,7 @@ def _stretched(equations, g):
 
 
 def _newton_step(equations, elements, force, moving, count):
-    """Return the motion (n, 3) of the nodes that balances the force to first order, None where it is singular."""
-    unknown, tangent = equations.dof[moving], equations.tangent(elements)
+    """Return the motion (n, 3) of the nodes that balances the force to first order, None where there is none."""
     shift = REGULARISATION * equations.soft_stiffness
-    change = solve_sparse(tangent[unknown][:, unknown], shift, force[moving], count)
-    if change is None or not np.isfinite(change).all():
-        return None
-    dr = np.zeros(force.shape)
-    dr[moving] = change
-    return dr
+    dr = motion_by(tangent_of(equations, elements, moving), shift, force, moving, count)
+    return dr if dr is not None and np.isfinite(dr).all() else None

@@ -15,11 +15,11 @@ from numpy.typing import ArrayLike
 
 from ..common.outcome import InputError, Outcome, Status, describe_vector
 from ..common.types import Vector
-from ..common.validation import flags, one_of, real_array, real_number, vector
+from ..common.validation import flags, instance_of, one_of, real_array, real_number, vector
 from .equations import NetworkEquations
 from .model import Network
 from .monolithic import solve as solve_monolithic
-from .nested import EPS, Count, coupled_stiffness, evaluate, largest_force, solve_nested
+from .nested import EPS, Count, coupled_stiffness, evaluate_balance, largest_force, solve_nested
 from .rounding import refine_within_rounding
 from .start import MAX_CONTACT_ELEMENTS, robust_start
 
@@ -127,8 +127,7 @@ def solve_network(
     for name, value in given.items():
         one_of(name, value, METHODS[name])
     flags(fallback=fallback, throw=throw)
-    if not isinstance(network, Network):
-        raise InputError(f"{network!r} is not a solvers.Network", field="network", value=network)
+    instance_of("network", network, Network)
     if not 0 < real_number("tolerance", tolerance, "dimensionless") < 1:
         problem = f"{tolerance!r} (dimensionless) must lie in (0, 1)"
         raise InputError(problem, field="tolerance", value=tolerance, unit="(dimensionless)")
@@ -195,8 +194,7 @@ def _start_values(equations, start, count):
         r[equations.free] = given[equations.free]
     r = equations.lift_to_seabed(r)
     if H is None and equations.size:
-        elements, _ = evaluate(equations, r, count)
-        H, V = elements.H, elements.V
+        H, V = evaluate_balance(equations, r, count).elements.Q[:2]
     return r, H, V
 
 

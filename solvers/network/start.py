@@ -5,12 +5,11 @@ Soft lines over a soft seabed are nearly linear; each stage is stiffer and start
 
 from __future__ import annotations
 
-from copy import copy
-
 import numpy as np
 import scipy.sparse as sparse
 from scipy.sparse.linalg import splu
 
+from .equations import NetworkEquations
 from .nested import solve_regularised
 
 MAX_CONTACT_ELEMENTS = 60  # elements up to which contact of the lines with the seabed is solved on the way
@@ -21,7 +20,7 @@ STAGE_TOLERANCE = 1e-2  # of the heaviest node load: the next stage only needs a
 STAGE_ITERATIONS = 60
 
 
-class SoftenedStage:
+class SoftenedStage(NetworkEquations):
     """A stage of the continuation: lines no stiffer than load/softness, a seabed of springs under the free nodes.
 
     softness : strain under the total load, and depth over the total length to which that load sinks a node
@@ -29,34 +28,34 @@ class SoftenedStage:
     """
 
     def __init__(self, equations, softness, contact):
-        self.equations, self.contact = copy(equations), contact
+        vars(self).update(vars(equations))
+        self.contact = contact
         if not contact:
-            self.equations.can_rest = np.zeros_like(equations.can_rest)
+            self.can_rest = np.zeros_like(equations.can_rest)
         node_load = _node_loads(equations)
         if node_load.any():
-            self.equations.set_stiffness(1 / (1 / equations.EA + softness / node_load.sum()))
-        self.load = node_load[equations.free].max(initial=0.0)
+            self.set_stiffness(1 / (1 / equations.EA + softness / node_load.sum()))
+        self.heaviest = node_load[equations.free].max(initial=0.0)
         self.spring = np.where(equations.free, node_load, 0.0) / (softness * equations.L.sum())
-        self.dof, self.size, self.soft_stiffness = equations.dof, equations.size, self.equations.soft_stiffness
 
     def solve_elements(self, r):
         """Return the softened elements between nodes at r (n, 3), with ``sunk`` (n,), m, how far each node has sunk."""
-        lifted = self.equations.lift_to_seabed(r.copy())
-        elements = self.equations.solve_elements(lifted if self.contact else r)
+        lifted = super().lift_to_seabed(r.copy())
+        elements = super().solve_elements(lifted if self.contact else r)
         elements.sunk = lifted[:, 2] - r[:, 2]
         return elements
 
     def moving_coordinates(self, r, force):
         """Return every unknown coordinate: the seabed is soft."""
-        return self.equations.unknown
+        return self.unknown
 
     def lift_to_seabed(self, r):
         """Return r unchanged: nodes may sink."""
         return r
 
-    def unbalanced_force(self, elements):
+    def unbalanced_force(self, elements, Q=None):
         """Return NetworkEquations.unbalanced_force with the springs of the seabed."""
-        force = self.equations.unbalanced_force(elements)
+        force = super().unbalanced_force(elements, Q)
         force[:, 2] += self.spring * elements.sunk
         return force
 
@@ -67,7 +66,7 @@ class SoftenedStage:
         springs[self.dof[below, 2]] = self.spring[below]
         if self.contact:
             above[self.dof[below, 2]] = 0.0
-        tangent = self.equations.tangent(elements)
+        tangent = super().tangent(elements)
         if isinstance(tangent, np.ndarray):
             return tangent * above * above[:, None] + np.diag(springs)
         above = sparse.diags(above, format="csc")
@@ -111,6 +110,7 @@ def robust_start(equations, count, contact):
     last = min(SOFTNESS_END / equations.w.size, max(SOFTNESS_RATIO * total / equations.EA.max(), MIN_SOFTNESS))
     while softness > last:
         stage = SoftenedStage(equations, softness, contact)
-        r, _ = solve_regularised(stage, r, lambda _, stage=stage: STAGE_TOLERANCE * stage.load, count, STAGE_ITERATIONS)
+        bound = STAGE_TOLERANCE * stage.heaviest
+        r, _ = solve_regularised(stage, r, lambda _, bound=bound: bound, count, STAGE_ITERATIONS)
         softness *= SOFTNESS_RATIO
     return equations.lift_to_seabed(r)

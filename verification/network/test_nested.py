@@ -99,7 +99,7 @@ def test_rounding_is_accepted_when_it_no_longer_falls():
 def step_within_rounding(tangent, force):
     """Return ``_newton_step`` of one node with a tangent (3, 3) and no regularisation."""
     equations = SimpleNamespace(
-        dof=np.array([[0, 1, 2]]), tangent=lambda elements: np.array(tangent), soft_stiffness=0.0
+        dof=np.array([[0, 1, 2]]), size=3, tangent=lambda elements: np.array(tangent), soft_stiffness=0.0
     )
     moving = np.array([[True, True, True]])
     return rounding._newton_step(equations, None, np.array([force]), moving, Count())

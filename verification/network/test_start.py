@@ -67,7 +67,7 @@ def test_a_stage_is_as_soft_as_it_says():
     equations, softness = star(w=-10.0, force=(300.0, 0.0, -400.0), depth=60.0), 0.02
     stage = start.SoftenedStage(equations, softness, contact=True)
     total, at_node = 10.0 * sum(LENGTHS) + 700.0, 10.0 * sum(LENGTHS) / 2 + 700.0
-    assert stage.equations.EA == pytest.approx(1 / (1e-6 + softness / total), rel=1e-14) and stage.load == at_node
+    assert stage.EA == pytest.approx(1 / (1e-6 + softness / total), rel=1e-14) and stage.heaviest == at_node
     assert stage.spring == pytest.approx([0.0, 0.0, 0.0, at_node / (softness * sum(LENGTHS))], rel=1e-14)
 
 
