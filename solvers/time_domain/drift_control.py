@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..common.outcome import InputError
+from ..common.validation import one_of
+
 _STEPS_TO_RETURN = 2  # steps (or periods) in which an offset is taken back: the loop's spectral radius is then 1/2
 
 
@@ -63,3 +66,10 @@ class MeanDriftControl(PositionDriftControl):
 
 
 DRIFT_CONTROLS = {"position": PositionDriftControl, "mean": MeanDriftControl, None: None}
+
+
+def check_hold(system, hold):
+    """Raise InputError where ``hold`` names no drift control, or one that the motion of the system does not allow."""
+    one_of("hold", hold, DRIFT_CONTROLS)
+    if hold == "mean" and system.period is None:
+        raise InputError("'mean' takes a motion with a period; use 'position'", field="hold", value=hold)

@@ -72,7 +72,8 @@ class Stepper:
         self.iterations = self.factorisations = self.worst = 0
         self.error, self._size = 0.0, np.zeros((len(system.fields), system.nodes))
         y, t = system.rest_state(), 0.0
-        self.constraints = tuple(not rows(y, 0 * y, t).dydot.any() for rows in (system.start, system.end))
+        start, end = (not rows(y, 0 * y, t).dydot.any() for rows in (system.start, system.end))
+        self.constraints = start, False, end  # of the start, cell and end rows
         self.drift_control = DRIFT_CONTROLS[hold](system, dt) if hold and system.drift(y, t) is not None else None  # type: ignore[misc]
         self._factorised_for = None
 
@@ -89,15 +90,13 @@ class Stepper:
             tangents = self._factorised_for != h
             ahead = (new, new_dot, t + h)
             between = (y + f * (new - y), ydot + m * (new_dot - ydot), t + f * h)
-            first, final = (ahead if constraint else between for constraint in self.constraints)
-            rows = (
-                self.system.start(*first, tangents),
-                self.system.cells_or_empty(*between, tangents),
-                self.system.end(*final, tangents, **correction),
-            )
-            F = stack(*rows)
+            first, middle, last = (ahead if constraint else between for constraint in self.constraints)
+            start = self.system.start(*first, tangents)
+            cells = self.system.cells_or_empty(*middle, tangents)
+            end = self.system.end(*last, tangents, **correction)
+            F = stack(start, cells, end)
             self.iterations += 1
-            if tangents and not self._factorise(rows, h, rate):
+            if tangents and not self._factorise((start, cells, end), h, rate):
                 self.error = math.inf
                 return self._failed()
             dy = self.jacobian.solve(F).reshape(y.T.shape).T
@@ -120,8 +119,7 @@ class Stepper:
 
     def _factorise(self, rows, h, rate) -> bool:
         f, m = self.scheme.alpha_f, self.scheme.alpha_m
-        ends = [(1.0, rate) if constraint else (f, m * rate) for constraint in self.constraints]
-        weights = (ends[0], (f, m * rate), ends[1])
+        weights = [(1.0, rate) if constraint else (f, m * rate) for constraint in self.constraints]
         self.factorisations += 1
         self._factorised_for = h
         return self.jacobian.factorise(*(a * r.dy + b * r.dydot for r, (a, b) in zip(rows, weights, strict=True)))

@@ -15,9 +15,9 @@ from numpy.typing import ArrayLike
 from ..common.outcome import InputError, Status
 from ..common.response import ROUNDING
 from ..common.types import as_system
-from ..common.validation import flags, one_of, positive_number, real_array, real_number, refuse_for_lines, whole_number
+from ..common.validation import flags, non_negative_number, positive_number, real_array, refuse_for_lines, whole_number
 from ..numerics.chain import ChainSystem
-from .drift_control import DRIFT_CONTROLS
+from .drift_control import check_hold
 from .generalized_alpha import Scheme, Stepper
 from .history import TimeHistory
 from .step_control import StepControl
@@ -97,7 +97,7 @@ def solve_time_domain(
     if not (progress is None or callable(progress)):
         raise InputError(f"{progress!r} must be a function of time (s), or None", field="progress", value=progress)
     first_ramp = _first_ramp(system, ramp, start)
-    hold = _checked_hold(system, hold)
+    check_hold(system, hold)
     state = _start_state(system, start)
     if is_line:
         count = math.ceil(end / dt * (1 - ROUNDING))
@@ -110,8 +110,8 @@ def solve_time_domain(
         stepper = Stepper(system.ramped(ramp) if ramp else system, scheme, tolerance, hold, dt)
         with np.errstate(all="ignore"):  # a Newton step that diverges is found by its size
             y, ydot = state
-            run = _Run(stepper, y, stepper.initial_rate(y, 1e-3 * dt) if ydot is None else ydot, end, dt,
-                       step_tolerance, every)  # fmt: skip
+            rate = stepper.initial_rate(y, 1e-3 * dt) if ydot is None else ydot
+            run = _Run(stepper, y, rate, end, dt, step_tolerance, every)
             while run.continues(allow_invalid):
                 run.step()
                 if progress is not None:
@@ -122,19 +122,13 @@ def solve_time_domain(
         return run.history(system, hold, ramp, None if start is not None else again)
 
     history, tried = integrate(first_ramp), f"ramp = {first_ramp:g} s"
-    early = history.event is not None and first_ramp > 0 and history.event[0] <= 2 * system.period  # type: ignore[operator]
-    reaches_full_motion = early and end >= 2 * system.period  # type: ignore[operator]  # a period of it, after the ramp
-    if ramp is None and reaches_full_motion and not allow_invalid:
-        history, tried = _with_longer_ramp(integrate, history, first_ramp), f"{tried}, then {system.period:g} s"
+    early = history.event is not None and first_ramp > 0 and history.event[0] <= 2 * system.period <= end  # type: ignore[operator]
+    if ramp is None and early and not allow_invalid:  # and a period of full motion fits in after a longer ramp
+        longer, tried = integrate(system.period), f"{tried}, then {system.period:g} s"
+        history = replace(longer, failed_ramp=first_ramp) if longer.success else history
     if not throw or (allow_invalid and history.status is not Status.STEP_FAILED):
         return history
     return history.or_raise(_given(history, dt, tried))
-
-
-def _with_longer_ramp(integrate, history, first_ramp) -> TimeHistory:
-    """Return the history integrated again with a ramp of one period, or as it is where that fails too."""
-    longer = integrate(history.system.period)
-    return replace(longer, failed_ramp=first_ramp) if longer.success else history
 
 
 def _given(history, dt, ramps) -> str:
@@ -144,8 +138,7 @@ def _given(history, dt, ramps) -> str:
         time, node = history.event
         name_node = getattr(history.system, "name_node", lambda node: f"node {node + 1} of {history.system.nodes}")
         given += f"; stopped at t = {time:.6g} s, {name_node(node)}"
-    of_box = not hasattr(history.system, "integrate")
-    if of_box and history.status in (Status.COMPRESSION, Status.OVERSTRETCHED):
+    if history.status in (Status.COMPRESSION, Status.OVERSTRETCHED) and not hasattr(history.system, "integrate"):
         given += "; allow_invalid=True goes on, to be read with care"
     return given
 
@@ -234,10 +227,7 @@ def _step_within(dt, end) -> float:
 def _first_ramp(system, ramp, start) -> float:
     if ramp is None:
         return 0.0 if start is not None or system.period is None else system.period / 2
-    ramp = real_number("ramp", ramp, "s")
-    if ramp < 0:
-        raise InputError(f"{ramp:g} s must be >= 0", field="ramp", value=ramp, unit="s")
-    return ramp
+    return non_negative_number("ramp", ramp, "s")
 
 
 def _scheme(scheme, rho_inf) -> Scheme:
@@ -247,13 +237,6 @@ def _scheme(scheme, rho_inf) -> Scheme:
     return Scheme.from_spectral_radius(0.5 if rho_inf is None else rho_inf) if scheme is None else scheme
 
 
-def _checked_hold(system, hold):
-    one_of("hold", hold, DRIFT_CONTROLS)
-    if hold == "mean" and system.period is None:
-        raise InputError("'mean' takes a motion with a period; use 'position'", field="hold", value=hold)
-    return hold
-
-
 def _start_state(system, start):
     """(y, ydot) from which to go on; ydot None: to be found."""
     shape = (len(system.fields), system.nodes)
@@ -261,8 +244,7 @@ def _start_state(system, start):
         y = system.rest_state()
         return y, np.zeros_like(y)
     try:
-        y, ydot = start
-        y, ydot = (None if part is None else real_array(part) for part in (y, ydot))
+        y, ydot = (None if part is None else real_array(part) for part in start)
     except (TypeError, ValueError):
         problem = "must be (y, ydot), two arrays of numbers, ydot may be None"
         raise InputError(problem, field="start", value=start) from None
