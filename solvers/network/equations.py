@@ -46,10 +46,8 @@ class NetworkEquations:
         self.min_z = np.where(self.free, self.seabed, -np.inf)
         self.can_rest = (self.w >= 0) & np.isfinite(self.seabed)  # a buoyant element never lies on the seabed
         self.heavy, self.massless = self.can_rest & (self.w > 0), self.w == 0
-        self.any_can_rest, self.all_can_rest, self.any_massless = map(
-            bool, (self.can_rest.any(), self.can_rest.all(), self.massless.any())
-        )
-        self.any_friction = bool(self.friction.any())
+        self.any_can_rest, self.all_can_rest = bool(self.can_rest.any()), bool(self.can_rest.all())
+        self.any_massless, self.any_friction = bool(self.massless.any()), bool(self.friction.any())
         weight = np.abs(self.w) * self.L
         self.largest_weight = float(weight.max())  # N
         self.zeros, self.length_rounding = np.zeros(self.w.size), ROUNDING * self.L
@@ -219,9 +217,7 @@ def exact_derivatives(Q, K, regime, w, EA, friction):
         D[slack, 1, 2], D[slack, 3, 1] = K[3][slack], -w[slack] / (1 - V_anchor[slack] / EA[slack])
     sagging = regime == SAGGING
     if sagging.any():
-        D[sagging] = _sagging_derivatives(  # type: ignore[call-arg]
-            *(k[sagging] for k in K), H[sagging], -V_anchor[sagging], w[sagging], EA[sagging]
-        )
+        D[sagging] = _sagging_derivatives(K[:, sagging], H[sagging], -V_anchor[sagging], w[sagging], EA[sagging])
     return D
 
 
@@ -233,9 +229,9 @@ def solve_scalar_spans(*lines):
     return *columns[:5], columns[5:9], columns[9], columns[10], columns[11]
 
 
-def _sagging_derivatives(K11, K12, K21, K22, H, lift, w, EA):
+def _sagging_derivatives(K, H, lift, w, EA):
     """Return D (k, 4, 3) of lines on the seabed between raised ends: the anchor end hangs from its own height."""
-    T = np.sqrt(H * H + lift * lift)
+    (K11, K12, K21, K22), T = K, np.sqrt(H * H + lift * lift)
     raised = lift > 0
     end_stiffness = np.where(raised, w / np.where(raised, lift / T + lift / EA, 1.0), 0.0)  # d(lift)/dc at given H
     a = -lift / (w * T) * (lift / (T + H)) * end_stiffness

@@ -120,9 +120,8 @@ class ScalarEquations:
         """Return the rows of (3.7), scaled and symmetric: [[-T, B], [B^T, C]], T = H/l the stiffness across a line."""
         m, unit = self.m, self.force_unit / self.length_unit
         J = [[0.0] * len(point.z) for _ in point.z]
-        for p, (c, s, across, _, C11, C12, C22), ends in zip(
-            range(m, len(point.z), 2), point.lines, self.ends, strict=True
-        ):
+        columns = range(m, len(point.z), 2)  # of H; that of V follows
+        for p, (c, s, across, _, C11, C12, C22), ends in zip(columns, point.lines, self.ends, strict=True):
             J[p][p], J[p + 1][p + 1] = C11 * unit, C22 * unit
             J[p][p + 1] = J[p + 1][p] = C12 * unit
             across /= unit
