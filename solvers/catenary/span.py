@@ -7,7 +7,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -204,8 +204,7 @@ def solve_spans(
     ([547000.0, 737000.0], True)
     """
     tolerance = _bounded_tolerance(tolerance)
-    names = [field.name for field in fields(Span)]
-    columns = _columns(dict(zip(names, (w, EA, L, x, z, seabed, friction, clearance), strict=True)))
+    columns = _columns(w=w, EA=EA, L=L, x=x, z=z, seabed=seabed, friction=friction, clearance=clearance)
     n = columns[0].size
     forces, stiffness = np.full((5, n), np.nan), np.full((n, 4), np.nan)
     regime, status = np.zeros(n, dtype=np.int8), np.full(n, INVALID_INPUT, dtype=np.int8)
@@ -241,7 +240,7 @@ def _bounded_tolerance(tolerance) -> float:
     return max(value, TOLERANCE)
 
 
-def _columns(arguments) -> list[np.ndarray]:
+def _columns(**arguments) -> list[np.ndarray]:
     """Return the arguments as float (seabed: bool) arrays of one shape (n,)."""
     columns = {}
     for name, value in arguments.items():
