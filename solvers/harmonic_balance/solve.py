@@ -79,10 +79,7 @@ def solve_periodic(
         return system.solve_extrapolated(**options)
     if len(parts := getattr(system, "components", ())) > 1:  # lines that no free node joins
         options = {name: value for name, value in locals().items() if name not in ("system", "parts", "throw", "start")}
-        starts = [_start_of(part, start) for part in parts]
-        each = [
-            solve_periodic(part.system, start=z, throw=False, **options) for part, z in zip(parts, starts, strict=True)
-        ]
+        each = [solve_periodic(part.system, start=_start_of(part, start), throw=False, **options) for part in parts]
         response = system.merge_responses(each)  # type: ignore[attr-defined]
         failed = [part.system.model.name for part, one in zip(parts, each, strict=True) if not one.success]
         return response.or_raise(f"{harmonics} harmonics; {'; '.join(failed)}") if throw else response

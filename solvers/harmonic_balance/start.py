@@ -5,6 +5,7 @@ Each level and each amplitude is solved by Newton's method on a ``HarmonicResidu
 
 from __future__ import annotations
 
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -13,7 +14,7 @@ from scipy.interpolate import CubicHermiteSpline
 from ..common.response import last_period
 from ..numerics.continuation import continue_in_load
 from ..numerics.fourier import Basis
-from ..numerics.newton import damped_newton, relaxed_newton
+from ..numerics.newton import full_then_damped_newton, relaxed_newton
 from .residual import HarmonicResidual, harmonic_residual
 
 COARSE_HARMONICS, COARSE_TOLERANCE = 3, 2e-2  # of the driving, and the error (76) that is good enough for a start
@@ -111,13 +112,8 @@ def predictor_coefficients(system, basis) -> np.ndarray:
     return np.zeros((*rest.shape, basis.harmonic.size)) if y is None else (y - rest[..., None]) @ basis.P
 
 
-def undamped_then_damped(linearise, residual, x, tolerance, norm):
-    """Try up to eight undamped steps, then damped Newton: from a rough start with drag full steps are few."""
-    result, undamped, converged = relaxed_newton(linearise, residual, x, tolerance, norm, MAX_UNDAMPED_STEPS)
-    if converged:
-        return result, undamped, True
-    result, steps, converged = damped_newton(linearise, residual, x, tolerance, norm)
-    return result, undamped + steps, converged
+# From a rough start with drag full steps are few: up to eight undamped ones first
+undamped_then_damped = partial(full_then_damped_newton, full=partial(relaxed_newton, limit=MAX_UNDAMPED_STEPS))
 
 
 def _levels(coarsest, fewest, harmonics):

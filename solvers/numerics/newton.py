@@ -200,12 +200,12 @@ def damped_newton(linearise, residual, x, tolerance, norm, limit=50):
     return _repeat(method.step, method.steps, x, tolerance, limit)
 
 
-def full_then_damped_newton(linearise, residual, x, tolerance, norm):
+def full_then_damped_newton(linearise, residual, x, tolerance, norm, full=full_newton):
     """Return (x, steps, converged) of full steps, or where they do not converge of damped ones from the same x.
 
-    Arguments as of ``damped_newton``; the steps of both count.
+    Arguments as of ``damped_newton``, and the method that is tried before it; the steps of both count.
     """
-    result, steps, converged = full_newton(linearise, residual, x, tolerance, norm)
+    result, steps, converged = full(linearise, residual, x, tolerance, norm)
     if not converged:
         result, damped, converged = damped_newton(linearise, residual, x, tolerance, norm)
         steps = steps + damped
