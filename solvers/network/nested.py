@@ -85,17 +85,17 @@ class _RegularisedNewton:
 
 
 def solve_regularised(equations, r, bound, count, limit, rounding=0.0):
-    """Return (r, converged) of regularised Newton steps on the force balance from positions r (n, 3).
+    """Return the positions r (n, 3) that regularised Newton steps on the force balance reach from positions r.
 
     bound : function of the elements, N; a force below ``rounding`` (N) that no longer falls is accepted too.
     """
     method = _RegularisedNewton(equations, bound, count, rounding)
-    now, converged = iterate(method.step, method.is_solved, evaluate_balance(equations, r, count), limit)
-    return now.r, converged
+    now, _ = iterate(method.step, method.is_solved, evaluate_balance(equations, r, count), limit)
+    return now.r
 
 
 def solve_nested(equations, r, jacobian, tolerance, count):
-    """Return (r, converged) from positions r (n, 3), m, balanced to ``tolerance`` times the largest force.
+    """Return positions from r (n, 3), m, on, balanced to ``tolerance`` times the largest force if that is reached.
 
     jacobian : "analytic" or "finite-difference"
     """

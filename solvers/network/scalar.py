@@ -60,18 +60,18 @@ def _excursion(line, H, V, reach, rise, clearance):
 class ScalarEquations:
     """The equations of a small network around positions r (n, 3), m.
 
-    units : of force, N, and length, m;  evaluations : number of points that were evaluated
+    units : of force, N, and length, m;  count : where each point that is evaluated is counted
     """
 
-    def __init__(self, equations, r, units):
-        eq = equations
+    def __init__(self, equations, r, units, count):
+        eq, self.count = equations, count
         self.force_unit, self.length_unit = units
         constants = eq.w, eq.EA, eq.L, eq.w * eq.L, eq.weight_strain, eq.can_rest, eq.friction
         columns = *constants, 3 * eq.anchor, 3 * eq.fairlead
         self.lines = list(zip(*(column.tolist() for column in columns), strict=True))
         self.r, self.load, self.seabed = r.ravel().tolist(), eq.load.ravel().tolist(), eq.seabed
         dof, self.free = eq.dof.ravel().tolist(), np.flatnonzero(eq.unknown).tolist()
-        self.heights, self.m, self.evaluations = self.free[2::3], len(self.free), 0
+        self.heights, self.m = self.free[2::3], len(self.free)
         self.ends = [((dof[line[-2]], 1.0), (dof[line[-1]], -1.0)) for line in self.lines]
 
     def evaluate(self, z):
@@ -80,7 +80,7 @@ class ScalarEquations:
             point = self._evaluate(z)
         except (ArithmeticError, ValueError):  # a division by zero or an overflow: arrays go on with inf and nan
             return None
-        self.evaluations += point is not None
+        self.count.function_evaluations += point is not None
         return point
 
     def _evaluate(self, z):
@@ -162,7 +162,7 @@ def solve_small(equations, r, H, V, count, units, tolerance, limit):
 
     Steps and tests are those of ``monolithic.solve``.
     """
-    system = ScalarEquations(equations, r, units)
+    system = ScalarEquations(equations, r, units, count)
     m, solved = system.m, lambda point: is_balanced(point, tolerance)
 
     def step(point):
@@ -185,7 +185,6 @@ def solve_small(equations, r, H, V, count, units, tolerance, limit):
     if point is None:
         return None
     point, balanced = iterate(step, solved, point, limit)
-    count.function_evaluations += system.evaluations
     r = r.copy()
     r[equations.unknown], H, V = point.z[:m], point.z[m::2], point.z[m + 1 :: 2]
     forces = np.array([H, V, H, [line[3] for line in point.lines]])

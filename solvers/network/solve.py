@@ -140,8 +140,7 @@ def solve_network(
         last, solved = solve_monolithic(equations, *first, count, units, jacobian, globalisation, tolerance)  # type: ignore[call-arg]
         state = _state(equations, last.r, count, tolerance, last.elements if solved else None)
     else:
-        r, _ = solve_nested(equations, first[0], jacobian, tolerance, count)
-        state = _state(equations, r, count, tolerance)
+        state = _state(equations, solve_nested(equations, first[0], jacobian, tolerance, count), count, tolerance)
     if fallback and equations.size and not state.residual_norm <= tolerance:
         state = _fallback(equations, state, count, tolerance)
     return state.or_raise(f"{len(network.elements)} elements, {len(network.nodes)} nodes, {method}") if throw else state
@@ -159,7 +158,7 @@ def _fallback(equations, best, count, tolerance) -> NetworkState:
         if best.residual_norm <= tolerance:
             break
         start = _state(equations, robust_start(equations, count, contact), count, tolerance)
-        r, _ = solve_nested(equations, start.r, "analytic", tolerance, count)
+        r = solve_nested(equations, start.r, "analytic", tolerance, count)
         best = _improve(equations, best, _state(equations, r, count, tolerance), count, tolerance)
         best = best if best.residual_norm <= tolerance else _improve(equations, best, start, count, tolerance)
     return replace(best, **vars(count))

@@ -111,6 +111,6 @@ def robust_start(equations, count, contact):
     while softness > last:
         stage = SoftenedStage(equations, softness, contact)
         bound = STAGE_TOLERANCE * stage.heaviest
-        r, _ = solve_regularised(stage, r, lambda _, bound=bound: bound, count, STAGE_ITERATIONS)
+        r = solve_regularised(stage, r, lambda _, bound=bound: bound, count, STAGE_ITERATIONS)
         softness *= SOFTNESS_RATIO
     return equations.lift_to_seabed(r)

@@ -304,7 +304,7 @@ def float_misses() -> list[str]:
     misses = []
     for name, now in iterates():
         m = now.system
-        scalar = ScalarEquations(m.equations, now.r, (m.force_unit, m.length_unit))
+        scalar = ScalarEquations(m.equations, now.r, (m.force_unit, m.length_unit), Count())
         point = scalar.evaluate([*now.r[now.moving].tolist(), *now.elements.Q[:2].T.ravel().tolist()])
         friction_acts = now.geometry.friction * (now.elements.V_anchor == 0)
         valid = now.all_general and not m.equations.any_massless and not friction_acts.any()
@@ -464,7 +464,7 @@ def test_network_derivatives(check):
 )
 def test_floats_leave_other_lines_and_resting_nodes_to_arrays(case):
     equations, state = NetworkEquations(network_of(case)), solved(case)
-    scalar = ScalarEquations(equations, state.r, (1.0, 1.0))
+    scalar = ScalarEquations(equations, state.r, (1.0, 1.0), Count())
     z = [*state.r[equations.free].ravel().tolist(), *np.array([state.H, state.V]).T.ravel().tolist()]
     assert scalar.evaluate(z) is None
 
@@ -472,9 +472,9 @@ def test_floats_leave_other_lines_and_resting_nodes_to_arrays(case):
 @pytest.mark.parametrize("value", [np.nan, np.inf, 1e-320, 1e200])
 def test_floats_leave_what_they_cannot_carry_to_arrays(value):
     equations, (r, H, V) = NetworkEquations(network_of(two_line())), (np.array(part) for part in PAPER_START)
-    scalar = ScalarEquations(equations, r, (1.0, 1.0))
+    scalar = ScalarEquations(equations, r, (1.0, 1.0), Count())
     start = [*r[2].tolist(), *np.array([H, V]).T.ravel().tolist()]
-    assert scalar.evaluate(start) is not None and scalar.evaluations == 1
+    assert scalar.evaluate(start) is not None and scalar.count.function_evaluations == 1
     for i in range(len(start)):
         point = scalar.evaluate([*start[:i], value, *start[i + 1 :]])
         assert point is None or np.isfinite([*point.Z, *np.ravel(scalar.jacobian(point)), point.gap_force]).all()
