@@ -231,7 +231,8 @@ def solve_scalar_spans(*lines):
 
 def _sagging_derivatives(K, H, lift, w, EA):
     """Return D (k, 4, 3) of lines on the seabed between raised ends: the anchor end hangs from its own height."""
-    (K11, K12, K21, K22), T = K, np.sqrt(H * H + lift * lift)
+    K11, K12, K21, K22 = K
+    T = np.sqrt(H * H + lift * lift)
     raised = lift > 0
     end_stiffness = np.where(raised, w / np.where(raised, lift / T + lift / EA, 1.0), 0.0)  # d(lift)/dc at given H
     a = -lift / (w * T) * (lift / (T + H)) * end_stiffness
