@@ -52,11 +52,11 @@ def resonance_curve(start=0.8, stop=1.6, harmonics=15, max_step=0.1):
 # ---------------------------------------------------------------- folds
 @pytest.mark.parametrize("which", STARTS)
 def test_folds_are_those_of_shooting(which, deep):
-    """Frequency and first harmonic of a fold, of both in the long version, against shooting in 20 digits."""
+    """Frequency and first harmonic of a fold, of both in the long version, against shooting in 15 digits."""
     if which and not deep:
         pytest.skip("in the long version")
     fold = resonance_curve().folds[which]
-    omega, amplitude = duffing_bifurcations.fold(duffing_bifurcations.Oscillator(), *STARTS[which], digits=20)
+    omega, amplitude = duffing_bifurcations.fold(duffing_bifurcations.Oscillator(), *STARTS[which], digits=15)
     assert fold.value == pytest.approx(float(omega), rel=FOLD)
     assert np.hypot(*fold.z[0, 0, 1:3]) == pytest.approx(float(amplitude), rel=AMPLITUDE)
 

@@ -103,7 +103,7 @@ def _series_step(given, x0, v0, variations, angle, h, order):
     ds = [([dx], [dv]) for dx, dv in variations]
     both = [[] for _ in ds]  # x dx
     waves, power = (cos(angle), -sin(angle), -cos(angle), sin(angle)), mpf(1)
-    product = lambda p, q, n: sum(p[i] * q[n - i] for i in range(n + 1))
+    product = lambda p, q, n: mp.fdot(p[: n + 1], q[n::-1])
     for n in range(order):
         square.append(product(x, x, n))
         force = P * waves[n % 4] * power
@@ -111,7 +111,7 @@ def _series_step(given, x0, v0, variations, angle, h, order):
         drag = c * v[n] + (e * product(square, v, n) if e else 0)
         rates = []
         for (dx, dv), xdx in zip(ds, both, strict=True):
-            xdx.append(product(x[: n + 1], dx, n))
+            xdx.append(product(x, dx, n))
             rate = c * dv[n] + k * dx[n] + 2 * a * xdx[n] + 3 * b * product(square, dx, n)
             if e:
                 rate += e * (product(square, dv, n) + 2 * product(xdx, v, n))

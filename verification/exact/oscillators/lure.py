@@ -51,7 +51,7 @@ def _series_step(state, alpha, h, order):
     """Return the state after a step, and the matrix of its derivatives by the state before it."""
     x, y, z = ([value] for value in state)
     columns = [[[mpf(int(i == j))] for i in range(3)] for j in range(3)]
-    product = lambda p, q, n: sum(p[i] * q[n - i] for i in range(n + 1))
+    product = lambda p, q, n: mp.fdot(p[: n + 1], q[n::-1])
     for n in range(order):
         square, twice = product(x, x, n), [2 * product(x, dx, n) for dx, _, _ in columns]
         rates = [(y[n], z[n], -alpha * z[n] - y[n] - x[n] + square)]
