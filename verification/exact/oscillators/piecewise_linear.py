@@ -93,7 +93,7 @@ def _march(masses, omega, y):
         values, V = np.linalg.eig(masses.matrix(omega, touches))
         inverse = np.linalg.inv(V)
         c = inverse @ w
-        place = lambda s, V=V, c=c, values=values: (V[0] * c) @ np.exp(values * s) - masses.gap
+        place = lambda s, V=V, c=c, values=values: (V[0] * c) @ np.exp(np.multiply.outer(values, s)) - masses.gap
         length, turns = _until_contact_changes(place, touches, period - t, period / LOOKS)
         flow = (V * np.exp(values * length)) @ inverse
         pieces.append((t, length, values, V, c))
@@ -105,17 +105,15 @@ def _march(masses, omega, y):
 
 def _until_contact_changes(place, touches, most, step):
     """Return how long a piece lasts, at most ``most``, and whether contact changes at its end."""
-    sign, s = 1.0 if touches else -1.0, 0.0
-    while s < most:
-        ahead = min(s + step, most)
-        if sign * place(ahead).real < 0:
-            low, high = s, ahead
-            for _ in range(HALVINGS):
-                middle = (low + high) / 2
-                low, high = (middle, high) if sign * place(middle).real > 0 else (low, middle)
-            return high, True
-        s = ahead
-    return most, False
+    sign, looks = 1.0 if touches else -1.0, np.minimum(step * np.arange(int(most / step) + 2), most)
+    changed = np.flatnonzero(sign * place(looks[1:]).real < 0)
+    if not changed.size:
+        return most, False
+    low, high = looks[changed[0]], looks[changed[0] + 1]
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        low, high = (middle, high) if sign * place(middle).real > 0 else (low, middle)
+    return high, True
 
 
 def bifurcation(masses, condition, between, start):
