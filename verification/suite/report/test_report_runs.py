@@ -564,6 +564,7 @@ def called(frame, event, _):
 name, *arguments = sys.argv[1:]
 if name == "pytest":
     importlib.import_module(arguments[0].removesuffix(".py").replace("/", "."))
+    arguments += ["-W", "ignore:Module already imported:pytest.PytestAssertRewriteWarning"]
 program = importlib.import_module(name)
 sys.addaudithook(opened)
 sys.setprofile(called)
