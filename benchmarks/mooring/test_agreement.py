@@ -22,6 +22,8 @@ KINDS_OF_ALL = [
 ]
 SURGES = [row for row in KINDS_OF_ALL if row[1] == "surge"]
 SETTLED = 1e-2  # of the range, by the largest difference of two periods: what a history must say beyond
+KEPT = 1e-6  # of the range, of MoorDyn's tensions on another processor: eight digits are kept; measured 2e-7
+CHAOTIC = 0.06  # the same over rock: a relative change of the amplitude by 1e-12 moves that motion by 0.03
 
 
 @pytest.fixture
@@ -180,10 +182,12 @@ def test_moordyns_tensions_are_near_those_of_this_core():
 @pytest.mark.skipif("moordyn" not in peers.adapters(), reason="the optional peer is not installed")
 @pytest.mark.parametrize("name", agreement.MOTIONS)
 def test_moordyn_gives_what_is_kept_of_it(name, deep):
+    """To the digits of another processor's arithmetic; a motion that never repeats as far as these move it."""
     if name != "wire" and not (deep and name not in ("buoy", "shallow")):  # which take minutes
         pytest.skip("with --deep")
     kept = agreement.read_moordyn()[name]
-    assert abs(agreement.run_moordyn(name) - kept).max() <= 1e-6 * np.ptp(kept)
+    within = CHAOTIC if name == "rock" else KEPT
+    assert abs(agreement.run_moordyn(name) - kept).max() <= within * np.ptp(kept)
 
 
 def test_what_is_kept_of_moordyn_has_a_source():
